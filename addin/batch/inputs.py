@@ -81,8 +81,8 @@ def _nothing(pattern: str) -> str:
         return f"There is no file or folder {pattern}. Check the path."
     if Path(pattern).is_dir():
         return (
-            f"The folder {pattern} contains no workbook (.xlsx, .xlsm) and no case JSON to calculate, "
-            "only results at most. Name another."
+            f"The folder {pattern} contains no workbook (.xlsx, .xlsm) and no case JSON to "
+            "calculate; result files do not count. Name another."
         )
     return f"No file matches {pattern}. Check the path; put a pattern in quotes."
 

@@ -401,6 +401,6 @@ def _unchanged(path: Path, stamp: Stamp) -> bool:
 def _no_journal(wrong: OSError) -> str:
     return (
         f"The journal of the batch cannot be written ({wrong.strerror or wrong}). Recorded "
-        "results are kept; free disk space or close other users of the folder, then run "
-        "again with --resume."
+        "results are kept; free disk space or close other programs that use the folder, then "
+        "run again with --resume."
     )

@@ -261,7 +261,10 @@ def _write_errors(book: Any, styles: _Styles, errors: Sequence[Mapping[str, Any]
     if errors:
         words = (
             f"{len(errors):,} error{'' if len(errors) == 1 else 's'}",
-            "Row counts all rows of the table, including blank ones; Cell is its address.",
+            (
+                "Column Row counts all rows of the table, including blank ones; column Cell is the "
+                "address of the cell."
+            ),
         )
     widths = {header: width for header, _, width in ERROR_COLUMNS}
     sheet = _sheet(book, styles, SUMMARY_SHEETS[1], words, widths)

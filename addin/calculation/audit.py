@@ -192,7 +192,8 @@ def _plans(results: Results) -> Iterator[tuple[str, str]]:
     sensitivity = None if results.start is None else results.start.sensitivity
     if sensitivity is not None:
         spread = (
-            f"a change of the input by 1e-9 may change a peak by {_percent(sensitivity.spread)}"
+            "a relative change of the input of 1e-9 may change a peak by "
+            f"{_percent(sensitivity.spread)}"
         )
         yield "Sensitive", f"{'yes' if sensitivity.sensitive else 'no'}: {spread}"
 

@@ -32,7 +32,10 @@ def serve(
         Path | None, typer.Option(help="File with the API keys, one a line.")
     ] = None,
     public_url: Annotated[
-        str, typer.Option(help="The address users have, where a proxy stands in front.")
+        str,
+        typer.Option(
+            help="The address that users type, where a reverse proxy stands in front of the server."
+        ),
     ] = "",
     workers: Annotated[
         int | None, typer.Option(help="Processes for starts; default: number of cores minus one.")

@@ -131,7 +131,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 printed="Frequency", pane=Pane.MINOR,
             ),
             number(
-                "Percent speed", "fraction", "Speed of the start-up crossing, of synchronous.",
+                "Percent speed", "fraction", "Speed of the start-up crossing, as a share of synchronous speed.",
                 "100 (1 − f / 2 f_line)", f"{SLIP}; Table 1",
                 of_row=("NaturalFrequencies.Frequency",), of_case=LINE, format=shown.TWO_DECIMALS,
                 printed="Speed",
@@ -200,7 +200,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 STEADY, of_row=EXCITATION, of_case=SPEEDS, pane=Pane.MINOR,
             ),
             number(
-                "Excitation frequency", "frequency", "Its frequency there.",
+                "Excitation frequency", "frequency", "Frequency of the excitation at that motor speed.",
                 "order × speed of its station / 2π, or the frequency stated", STEADY,
                 of_row=(*EXCITATION, "SeparationMargins.Speed"), of_case=("Stations.Speed ratio",), pane=Pane.MINOR,
             ),
@@ -353,7 +353,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 EXPONENTIAL, of_row=("StartupPeaks.Maximum torque",), of_case=START, pane=Pane.MINOR,
             ),
             number(
-                "Percent speed", "fraction", "Speed at that time, of synchronous.",
+                "Percent speed", "fraction", "Speed at that time, as a share of synchronous speed.",
                 "100 × mean speed / synchronous speed at that instant", LABEL,
                 of_row=("StartupPeaks.Time",), of_case=(*START,), format=shown.TWO_DECIMALS,
                 printed="Speed", pane=Pane.MINOR,
@@ -382,7 +382,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 of_row=("NaturalFrequencies.Frequency",), error=ReportedError.FREQUENCIES,
             ),
             number(
-                "Percent speed", "fraction", "Speed of the crossing, of synchronous.",
+                "Percent speed", "fraction", "Speed of the crossing, as a share of synchronous speed.",
                 "100 (1 − f / 2 f_line)", f"{SLIP}; Table 1",
                 of_row=("StartupCrossings.Frequency",), of_case=LINE, format=shown.TWO_DECIMALS,
                 printed="Speed",
@@ -698,8 +698,8 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             ),
             number(
                 "Error peak", "fraction", "Error of the peak torques.",
-                "Largest error of a peak over the larger extreme of its element: estimated from h and h/2, in a "
-                "study against a reference 256 times finer",
+                "Largest error of a peak over the larger extreme of its element: estimated from h "
+                "and h/2, in a study against a reference 256 times more accurate",
                 "docs/method.md, What accuracy costs", of_case=START, format=shown.STUDIED,
                 error=ReportedError.ESTIMATE, printed="Error of peaks",
             ),

@@ -25,8 +25,9 @@ REVERSAL_NOTES: tuple[tuple[str, str], ...] = (
     (
         "Reversal",
         f"One passage of the torque below zero that is deeper than {NOTABLE_REVERSAL:.1%} of "
-        "the element's largest torque. It begins at the last zero crossing and ends where "
-        "the torque next rises above zero, so that oscillation about zero counts once.",
+        "the element's largest torque. It begins at the last zero crossing before that depth "
+        "and ends where the torque next rises above zero, so that oscillation about zero "
+        "counts once.",
     ),
     (
         "Model",
@@ -117,7 +118,7 @@ NOTES: Mapping[str, tuple[tuple[str, str], ...]] = {
         (
             "Verdicts",
             "pass; accepted by forced response: the margin fails and every judged stress stays "
-            "within UTS/25; fail. No damping at a resonance is unbounded, a fail.",
+            "within UTS/25; fail. An undamped mode at resonance has an unbounded response: fail.",
         ),
     ),
     "Equations": (

@@ -222,8 +222,9 @@ def _place(file: Path, machine: Machine) -> Finding:
         return (
             NOTE,
             f"{full} is synchronised with OneDrive or SharePoint.",
-            "Use a local folder: the functions work there too, histories are saved only on local "
-            "disks, and saving may fail while another computer has the workbook open.",
+            "Use a local folder: in a synchronised folder the functions work too, but histories "
+            "are saved only on local disks, and saving may fail while another computer has the "
+            "workbook open.",
         )
     return GOOD, full
 

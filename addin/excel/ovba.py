@@ -40,7 +40,8 @@ def compress(data: bytes) -> bytes:
             container += struct.pack("<H", _RAW | (_CHUNK - 1)) + chunk
         else:
             raise VbaCompressionError(
-                f"{len(chunk)} bytes of random data at the end cannot be stored in a VBA project."
+                f"The last {len(chunk)} bytes cannot be compressed, so they cannot be stored in a VBA "
+                "project."
             )
     return bytes(container)
 

@@ -44,7 +44,10 @@ _PROBLEM = whole_object(
         "found": {"type": ["string", "number", "boolean", "null"]},
     }
 )
-_IN_SI = "Numbers in SI: Hz, rad/s, N m, Pa, s, kg m²; ratios and percentages as 1."
+_IN_SI = (
+    "Numbers in SI: Hz, rad/s, N m, Pa, s, kg m²; ratios and percentages as fractions "
+    "(20 % is 0.2)."
+)
 
 
 def case_schema() -> Shape:
@@ -320,7 +323,10 @@ def _details() -> Shape:
     value = closed_object({"real": NUMBER, "imaginary": NUMBER})
     plan = closed_object({"number": COUNT, "reason": TEXT})
     sensitivity = {
-        "spread": described("Largest change of a peak under 1e-9 of the input. [1]", NUMBER),
+        "spread": described(
+            "Largest relative change of a peak for a relative change of the input of 1e-9. [1]",
+            NUMBER,
+        ),
         "sensitive": described("Whether this change exceeds the tolerance.", FLAG),
     }
     return {

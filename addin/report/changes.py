@@ -49,8 +49,8 @@ def changes(subject: Subject, differences: Differences) -> Section:
     before, name = differences.first, clean(subject.name)
     facts = (
         ("Compared with", clean(before.source.name)),
-        ("Title block of the file compared with", clean(before.revision) or "blank"),
-        ("Inputs of the file compared with, SHA-256", before.digest or "not recorded"),
+        ("Title block of the other file", clean(before.revision) or "blank"),
+        ("Inputs of the other file, SHA-256", before.digest or "not recorded"),
         ("Its results", clean(f"{before.results_from}; {before.software}")),
     )
     parts = [_inputs(differences), _verdicts(differences), _results(differences, name)]

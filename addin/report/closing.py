@@ -60,8 +60,9 @@ def effects(subject: Subject) -> Section:
         table = subject.table("Effects", caption, _EFFECT_COLUMNS, rows=some)
         parts.append(section(heading, table if some else Paragraph(none)))
     sentence = (
-        "A number of each effect is compared with a limit. Bound: largest change of a result "
-        "if the effect is left out; 0 = none, blank = effect on or bound unknown."
+        "For each effect, one deciding number is compared with a limit. Bound: largest "
+        "change of a result if the effect is left out; 0 = none, blank = effect simulated or "
+        "bound unknown."
     )
     plans = tuple(
         f"Plan {plan['number']}: {clean(str(plan['reason']))}"

@@ -96,7 +96,7 @@ def report(
     made: dict[Path, bytes] = {}
     for form, path, content in (("PDF", pdf, pdf_of), ("DOCX", docx, docx_of)):
         if path is not None:
-            tell(f"setting the {form}")
+            tell(f"typesetting the {form}")
             made[path] = content(document)
     for path, data in made.items():
         write_whole(path, partial(Path.write_bytes, data=data))

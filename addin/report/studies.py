@@ -294,7 +294,7 @@ def _calibration(study: _Study) -> Iterator[Block | None]:
         "CalibratedParameters", "Changed quantities",
         ("Name", "Quantity", "Change", "Change low", "Change high", "Prior deviation",
          "Posterior deviation", "Determined"),
-        _part_of(len(most), len(changed), "those with the largest change in prior standard deviations"),
+        _part_of(len(most), len(changed), "those with the largest change, as a multiple of the prior standard deviation"),
         most,
     )  # fmt: skip
 

@@ -17,7 +17,7 @@ def _calculate(task: StudyTask) -> StudyResult:
     plan = plan_derivatives(task.case)
     units = derivative_units(plan)
     parts = task.map(differences, units, lambda done: f"{done} of {len(units)} quantities")
-    task.tell("tangent of the start")
+    task.tell("tangent equations of the start")
     derivatives = gather_derivatives(plan, parts, tangent_of(plan))
     return StudyResult(
         derivatives,

@@ -122,7 +122,8 @@ TOLERANCES = Study(
         ),
         Option(
             "replan", bool, False,
-            "Make a new plan for a sample whose torque reverses where the nominal run's does not.",
+            "Decide anew which effects to simulate for a sample whose torque reverses where that "
+            "of the nominal run does not.",
         ),
     ),
 )  # fmt: skip

@@ -88,10 +88,11 @@ PROVENANCE: tuple[tuple[str, str], ...] = (
     (
         "Published",
         "Table 1 (30, 53 and 86 Hz proposed; 21, 39 and 69 Hz modified) with its column of % "
-        "speed; 30,000 psi peak-to-peak proposed against 19,000 psi installed in the HP compressor "
-        "shaft when the first mode is excited; more than 2,000 allowable starts installed; only "
-        "couplings changed; torque reversal at the gear in the proposed design and a small amount "
-        "of backlash for a few cycles as installed.",
+        "speed; in the HP compressor shaft, when the first mode is excited, 30,000 psi "
+        "peak-to-peak in the proposed design against 19,000 psi as installed; more than "
+        "2,000 allowable starts as installed; only couplings changed; torque reversal at the "
+        "gear in the proposed design and a small amount of backlash for a few cycles as "
+        "installed.",
     ),
     (
         "Constructed",

@@ -79,9 +79,8 @@ def _filled(
             continue
         if any(one.scale.base == TRANSMITTED_TORQUE for one in numbers):
             raise MixedUnits(
-                f"table {table.name}, column {column.name}: shares of the transmitted torque and "
-                "torques are mixed, but a workbook column has one unit. Write all of them in one "
-                "unit."
+                f"table {table.name}, column {column.name}: torques and shares of the transmitted "
+                "torque are mixed, but a workbook column has one unit. Write all of them in one unit."
             )
         unit = _absolute(column, system)
         units[table.name, column.name] = unit

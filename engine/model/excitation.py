@@ -236,8 +236,9 @@ def _referred_loads(case: CaseData, train: Train, warnings: list[str]) -> Floats
     if total <= 0.0:
         warnings.append(
             "The transmitted torque is unknown: Running load is blank at every station and there "
-            "is no LoadTorque. The start runs without load, and the forced response, excited at the "
-            "motor only, cannot accept a margin. Type Running load or LoadTorque."
+            "is no LoadTorque. The start runs without load. The forced response is excited at "
+            "the motor only, so no separation margin can be accepted by it. Type Running load or "
+            "LoadTorque."
         )
         return np.zeros(n)
     if rated is None:

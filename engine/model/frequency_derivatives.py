@@ -168,8 +168,9 @@ def _notes(frequency: Floats, equal: list[list[int]], near: list[list[int]]) -> 
     for group in equal:
         yield (
             f"Modes {_listed(group)} are nearly equal ({frequency[group[0]]:.4g} Hz): their "
-            "derivatives are one-sided, for a rise of one quantity alone, in rising order; "
-            "those of several quantities must not be added."
+            "derivatives are one-sided, each for an increase of one quantity alone, the lowest "
+            "derivative given to the lowest mode; derivatives for several quantities must not be "
+            "added."
         )
     for group in near:
         apart = float(frequency[group[-1]] / frequency[group[0]] - 1.0)

@@ -189,7 +189,10 @@ def convergence(values: Floats, what: str, probability: float = 0.1) -> Converge
     width, agree = _reach(whole), _overlap(first, second)
     reached = width <= SETTLED and agree
     interval = (
-        f"its {100.0 * CONFIDENCE:.0f} % interval extends to {_percent(width)} from it"
+        (
+            f"its {100.0 * CONFIDENCE:.0f} % interval extends up to {_percent(width)} away from "
+            "this value"
+        )
         if math.isfinite(width)
         else "there are too few samples to bound its interval"
     )

@@ -262,7 +262,8 @@ _RESULTS: tuple[TableSpec, ...] = (
             ),
             number(
                 "Required", "fraction", "Required margin with the justified margin basis.",
-                f"{_REQUIRED}; measured where every mode below 20 % is known", STEADY,
+                f"{_REQUIRED}; that for measured frequencies where every mode with a margin below "
+                "20 % is known", STEADY,
                 of_row=("CalibratedFrequencies.Known",), of_case=_BASIS, format=shown.ONE_DECIMAL,
             ),
             verdict(
@@ -333,7 +334,7 @@ _RESULTS: tuple[TableSpec, ...] = (
             ),
             text(
                 "Determined", "determined (variance reduced by 3/4 or more), partly or not.",
-                "determined from 75 % reduction, partly from 10 %", _METHOD,
+                "determined: variance reduced by 75 % or more; partly: by 10 % or more", _METHOD,
                 of_row=("CalibratedParameters.Reduction",),
             ),
             number(

@@ -61,7 +61,8 @@ _INPUTS: tuple[TableSpec, ...] = (
                 blank=_OF_CASE,
             ),
             number(
-                "Damping ratio", "fraction", "Damping ratio of all elastic modes, hot or cold.",
+                "Damping ratio", "fraction", "Damping ratio of all elastic modes under this condition, such as with hot or cold "
+                                             "oil and couplings.",
                 blank=_OF_CASE,
             ),
             number(
@@ -92,7 +93,7 @@ _RESULTS: tuple[TableSpec, ...] = (
         columns=(
             number(
                 "Voltage", "fraction", "Voltage as a share of that of the torque curves.",
-                trace=_asked("Voltage", "V/V of the torque curves"),
+                trace=_asked("Voltage", "Voltage / voltage of the torque curves"),
             ),
             number(
                 "Loaded stress", "pressure", "Nominal, peak to peak, of the governing shaft.",
@@ -128,7 +129,7 @@ _RESULTS: tuple[TableSpec, ...] = (
             ),
             number(
                 "Voltage", "fraction", "Voltage as a share of that of the torque curves.",
-                trace=_asked("Voltage", "Motor torques × (V/V of the torque curves)²"),
+                trace=_asked("Voltage", "Motor torques × (voltage / voltage of the torque curves)²"),
             ),
             number(
                 "Damping ratio", "fraction", "Of all elastic modes; blank = as in the case.",
@@ -152,7 +153,7 @@ _RESULTS: tuple[TableSpec, ...] = (
                 trace=_run("Time of the run, with the coast-down of an aborted start"),
             ),
             number(
-                "Percent speed", "speed fraction", "Speed at the end, of synchronous.",
+                "Percent speed", "speed fraction", "Speed at the end, as a share of synchronous speed.",
                 trace=_run("100 n/n_synchronous at the end of the run"), format=shown.TWO_DECIMALS,
                 printed="Speed",
             ),
@@ -315,7 +316,7 @@ _RESULTS: tuple[TableSpec, ...] = (
             ),
             number(
                 "Remaining starts", "count",
-                "Damage left / damage of one start, if only this condition occurs.",
+                "Allowed damage not yet used / damage of one start, if only this condition occurs.",
                 "(1/StartsFactor − used)/q, of this kind alone", _METHOD,
                 of_row=("RemainingStarts.Damage",), of_case=("DamageLedger.Left",), format=shown.STARTS,
                 unlimited=True,

@@ -240,7 +240,7 @@ _RESULTS: tuple[TableSpec, ...] = (
                 trace=_as("StartupPeaks.Element", "Shaft with the largest range × SCF"),
             ),
             number(
-                "Peak torque over rated", "ratio", "Largest torque at motor speed.",
+                "Peak torque over rated", "ratio", "Largest torque, referred to the motor, over RatedTorque.",
                 trace=_as("StartupPeaks.Maximum torque", "max |T| · speed ratio / RatedTorque"),
             ),
             text(
@@ -250,13 +250,13 @@ _RESULTS: tuple[TableSpec, ...] = (
             number(
                 "Mesh minimum torque", "torque", "Least torque of a mesh.", us="lbf*ft",
                 trace=_as(
-                    "TorqueReversals.Minimum torque", "Least of all meshes, at motor speed",
+                    "TorqueReversals.Minimum torque", "Least of all meshes when referred to the motor; value on the From side",
                 ),
                 format=shown.SIGNED,
             ),
             integer(
                 "Impacts", "Number of re-engagements of the teeth; blank without a clearance model.",
-                trace=_as("TorqueReversals.Impacts", "Sum over all teeth"),
+                trace=_as("TorqueReversals.Impacts", "Sum over all elements with a modelled clearance"),
             ),
             text(
                 "Outcome", "How the start ended.", "How the start of this combination ended", _RUN,

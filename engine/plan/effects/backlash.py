@@ -25,7 +25,7 @@ def finding(case: CaseData, e: Evidence, modelled: tuple[str, ...]) -> Finding:
         why += f"; teeth separate at {quoted(names)}."
         return Finding(True, possible, number, limit, None, why)
     if number >= 0.0:
-        why += ": no reversal, so the linear solution holds with every clearance."
+        why += ": no reversal, so the linear solution holds whatever the clearance."
     elif number >= limit:
         why += f", not below the limit {limit:.2g}: any separation is too short to matter."
     else:

@@ -21,5 +21,5 @@ def finding(case: CaseData, e: Evidence, modelled: tuple[str, ...]) -> Finding:
     if wanted and number <= 1.0:
         why += ", but the material also accumulates damage below endurance."
     else:
-        why += ": cycles are counted." if wanted else ": no cycle damages."
+        why += ": cycles are counted." if wanted else ": no cycle causes damage."
     return Finding(wanted, True, number, 1.0, 0.0, why)

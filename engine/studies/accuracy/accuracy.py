@@ -254,8 +254,9 @@ def _event_study(
             "studied. "
         )
     text = (
-        f"Starts with events are compared with one calculated to {EVENT_REFERENCE * finest:.2g}, "
-        f"{1.0 / EVENT_REFERENCE:.0f} times finer than the finest setting"
+        "Starts with events are compared with a start calculated to a tolerance of "
+        f"{EVENT_REFERENCE * finest:.2g}, {1.0 / EVENT_REFERENCE:.0f} times finer than the "
+        "finest setting"
     )
     if best.step < check.step:
         text += ". " + _checked(off)

@@ -464,7 +464,7 @@ def _basis(
             least[row.mode] = min(row.margin, least.get(row.mode, math.inf))
     stays = "MarginBasis is unchanged"
     if case.margin_basis == "measured":
-        stays = "The case states measured, which this calibration does not confirm"
+        stays = "The case has MarginBasis measured, which this calibration does not confirm"
     if not explained:
         return False, (
             f"{stays}: a measurement is not explained, so the model is not reliable for the other "

@@ -65,7 +65,7 @@ def differences(unit: DerivativeUnit) -> Differences:
     if not all(s.counted for s in answers):
         trouble = "A start with this quantity changed by 1 % is not completed."
     elif any(s.sensitive for s in answers):
-        trouble = "A start with this quantity changed by 1 % is sensitive."
+        trouble = "A start with this quantity changed by 1 % is sensitive to tiny input changes."
     peak = np.array([_log(s.largest) for s in answers])
     starts = np.array([_log(s.damage, -1.0) for s in answers])
     return Differences(

@@ -299,9 +299,10 @@ def _sentences(
         )
         if tangent is not None and worst is not None:
             yield (
-                "The tangent equations of the start, solved by another integrator, differ by at most "
-                f"{100.0 * worst:.2g} % of the largest derivative where a derivative exists (allowed "
-                f"{100 * AGREED:g} % plus their error; rows above that carry a note)."
+                "The tangent equations of the start, solved by another integrator, differ from these "
+                f"differences by at most {100.0 * worst:.2g} % of the largest derivative where a "
+                f"derivative exists (allowed {100 * AGREED:g} % plus their error; rows that exceed "
+                "this carry a note)."
             )
         elif plan.recipe.start != LINEAR:
             yield (

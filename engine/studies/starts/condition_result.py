@@ -209,8 +209,8 @@ def _remarks(
         yield f"{outcome.sentence} The coast-down is counted."
         if condition.row is not None:
             yield (
-                "Trip at one instant; another instant within the same period may cause more or less "
-                "damage."
+                "Trip at one instant; another instant within the same period of the torsional "
+                "vibration may cause more or less damage."
             )
     elif condition.trip_speed is not None:
         yield f"It does not reach its trip speed. {outcome.sentence}"

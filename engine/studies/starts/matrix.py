@@ -97,7 +97,7 @@ def _joined(condition: StartCondition, rows: Sequence[ConditionResult]) -> Condi
     ranked = sorted(rows, key=lambda r: (_harm(r), -(r.condition.trip_speed or 0.0)))
     worst, least = ranked[-1], ranked[0]
     shafts = tuple(_worst_shaft([r.shafts[k] for r in rows]) for k in range(len(worst.shafts)))
-    instants = f"Worst of {len(rows)} trip instants within one period."
+    instants = f"Worst of {len(rows)} trip instants within one period of the torsional vibration."
     if worst.allowable_starts is not None:
         best = "unlimited" if least.unlimited else f"{math.floor(least.allowable_starts or 0.0):,}"
         instants = f"{instants[:-1]}; the most favourable instant allows {best} starts."
@@ -155,8 +155,8 @@ def _sentence(rows: Sequence[ConditionResult], shafts: Sequence[str]) -> str:
             f"Fewest starts: {math.floor(worst.allowable_starts or 0.0):,} of '{worst.condition.name}' "
             f"({worst.governing})"
             + (
-                f"; largest limited number: {math.floor(best.allowable_starts or 0.0):,} of "
-                f"'{best.condition.name}'."
+                "; most starts where the number is limited: "
+                f"{math.floor(best.allowable_starts or 0.0):,} of '{best.condition.name}'."
                 if best is not worst
                 else "."
             )

@@ -186,7 +186,7 @@ def _limits(a: KeyAnswers) -> str:
     if not near:
         limits_kept += "; no separation margin was judged."
     elif a.margin_verdict == Judgement.ACCEPTED:
-        limits_kept += f", the separation margin ({near}) by forced response."
+        limits_kept += f", the separation margin ({near}) accepted by forced response."
     else:
         limits_kept += f" (least separation margin: {near})."
     return f"{limits_kept} {unjudged_words}".strip()
