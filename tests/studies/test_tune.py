@@ -140,7 +140,7 @@ def test_the_rated_torque_of_the_offer_decides(content: dict[str, Any]) -> None:
 def test_maps_and_charts_follow_the_study(folder: Path) -> None:
     path = folder / "train.tune.xlsx"
     (axes,) = table(path, "TuningAxes")
-    assert axes["First variable"] == f"{HIGH} stiffness, % of as is"
+    assert axes["First variable"] == f"{HIGH} stiffness, % of the unchanged case"
     assert axes["Second variable"] == f"Load inertia; best over {LOW}"
     assert [axes[f"Line {k}"] for k in (1, 2, 3, 4)] == ["3 kg m²", "4 kg m²", "5 kg m²", "–"]
     starts, margins = table(path, "TuningStarts"), table(path, "TuningMargins")

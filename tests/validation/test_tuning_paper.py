@@ -69,7 +69,7 @@ def test_the_installed_couplings_are_found_as_better(found: TuningResult) -> Non
 def test_the_reason_is_the_papers(found: TuningResult) -> None:
     """Later in the start, where acceleration is greater and the pulsating torque less."""
     said = _row(found, NEW).reason
-    assert "Mode 1 at 21 Hz governs the start: crossed at 82.5 % speed" in said
+    assert "Mode 1 at 21 Hz governs the start; it is crossed at 82.5 % speed" in said
     assert "less than in the unchanged case) and 2 × slip frequency falls at" in said
     assert "faster than in the unchanged case)" in said
 
