@@ -61,8 +61,8 @@ _INPUTS: tuple[TableSpec, ...] = (
                 blank=_OF_CASE,
             ),
             number(
-                "Damping ratio", "fraction", "Damping ratio of all elastic modes under this condition, such as with hot or cold "
-                                             "oil and couplings.",
+                "Damping ratio", "fraction",
+                "Damping ratio of all elastic modes under this condition, hot or cold.",
                 blank=_OF_CASE,
             ),
             number(

@@ -359,7 +359,7 @@ def test_of_several_instants_the_worst_stands_in_the_row(case: Case) -> None:
         assert found.allowable_starts == pytest.approx(1.0 / 9e-4)
         assert [s.damage for s in found.shafts] == [9e-4, 5e-4]
         assert found.note == (
-            "Worst of 8 trip instants within one period; the most favourable instant allows 10,000 starts. "
+            "Worst of 8 trip instants within one period of the torsional vibration; the most favourable instant allows 10,000 starts. "
             "Tripped."
         )
     # extremes of an instant that does less damage
