@@ -559,7 +559,7 @@ def test_numbers_are_not_guarded(tmp_path):
     ("words", "status", "said"),
     [
         (["nothing", "--out", "o"], 1, "nothing"),
-        (["gone/*.xlsx", "--out", "o"], 1, "Nothing is found under gone"),
+        (["gone/*.xlsx", "--out", "o"], 1, "No file matches gone"),
         ([".", "--out", "o", "--summary", "s.csv"], 2, "must end in .xlsx"),
         (["."], 2, "--out"),
         ([".", "--out", "o", "--jobs", "0"], 2, "--jobs"),

@@ -84,7 +84,7 @@ def test_a_table_that_is_none_and_a_decimal_comma(tmp_path):
     done = torsionbook(*words, cwd=tmp_path)
     assert done.returncode == 1
     assert (
-        "found '1,5'; a number in %, or one with its unit such as \"1 %\" is needed. Write the "
+        "found '1,5'; a number in %, or one with its unit such as \"1 %\" is needed. Use a decimal"
         in (done.stderr)
     )
 

@@ -208,7 +208,7 @@ def test_a_folder_that_cannot_be_made_is_no_missing_file():
     with pytest.raises(FileNotFoundError) as wrong:
         Path("/proc/nowhere/results").mkdir(parents=True)
     sentence = file_problem(Path("train.xlsx"), wrong.value).message
-    assert sentence == ("/proc/nowhere cannot be made there. Name another folder for the results.")
+    assert sentence == ("/proc/nowhere cannot be created. Name another folder for the results.")
     with pytest.raises(FileNotFoundError) as wrong:
         open("train that is not there.xlsx")
     sentence = file_problem(Path("train that is not there.xlsx"), wrong.value).message

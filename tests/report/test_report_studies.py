@@ -98,7 +98,7 @@ def test_a_study_of_other_rows_alone_is_out_of_date(book: Path, tmp_path: Path) 
     report(other, docx=tmp_path / "o.docx")
     text = docx_text(tmp_path / "o.docx")
     assert text.count("Out of date, and not shown") == 1
-    assert "other rows of tables Tuning and Catalogue" in text
+    assert "the rows of tables Tuning and Catalogue were changed" in text
     assert "What the duty takes" in text  # the ledger still is of these rows
 
 
