@@ -175,7 +175,7 @@ def test_the_sheet_of_errors_names_sheet_table_row_and_column(whole):
     assert {("Train", "Elements", 2, "Stiffness"), ("Train", "Elements", 3, "Stiffness")} <= places
     assert set(wrong["Cell"].str.len()) == {2} or all(wrong["Cell"])
     assert set(errors["File"]) == {"case.json", "garbage.xlsx", "open.xlsx", "sub/wrong.xlsx"}
-    assert all(errors["Error and action"])
+    assert all(errors["What is wrong, and what to do"])
 
 
 def test_the_csv_says_the_same(whole):

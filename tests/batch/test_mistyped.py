@@ -77,7 +77,7 @@ def test_a_table_that_is_none_and_a_decimal_comma(tmp_path):
     words = ("batch", book, "--vary", table, "--out", tmp_path / "out", "--jobs", 1)
     status, said = told(*words)
     assert status == 1
-    assert said == f"{table}: it cannot be read: No such file or directory."
+    assert said == f"{table}: it cannot be read: No such file or directory. Check the file."
     table.write_bytes(b"%PDF-1.7\n\xff\xfe\xfa")
     assert "not UTF-8 text. Save the CSV as CSV UTF-8" in told(*words)[1]
     table.write_text('Name,DampingRatio [%]\na,"1,5"\n', encoding="utf-8")

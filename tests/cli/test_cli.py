@@ -212,7 +212,7 @@ def test_a_folder_that_cannot_be_made_is_no_missing_file():
     with pytest.raises(FileNotFoundError) as wrong:
         open("train that is not there.xlsx")
     sentence = file_problem(Path("train that is not there.xlsx"), wrong.value).message
-    assert sentence == "there is no file train that is not there.xlsx."
+    assert sentence == "file train that is not there.xlsx not found. Check the path."
 
 
 def test_new_refuses_to_replace_a_file(tmp_path):

@@ -81,7 +81,7 @@ def test_studies_of_other_inputs_are_named_and_not_printed(book: Path, tmp_path:
     opened.save(in_place=True)
     assert report(other, docx=tmp_path / "o.docx").problems == ()
     text = docx_text(tmp_path / "o.docx")
-    assert text.count("Out of date, and not shown") == 4
+    assert text.count("Out of date and omitted") == 4
     assert "torsionbook tune FILE makes it again" in text
     assert "Reasons for the ranking" not in text
     assert str(cells(book, "TuningResults")[0]["Reason"])[:60] not in text
@@ -97,7 +97,7 @@ def test_a_study_of_other_rows_alone_is_out_of_date(book: Path, tmp_path: Path) 
     opened.save(in_place=True)
     report(other, docx=tmp_path / "o.docx")
     text = docx_text(tmp_path / "o.docx")
-    assert text.count("Out of date, and not shown") == 1
+    assert text.count("Out of date and omitted") == 1
     assert "the rows of tables Tuning and Catalogue were changed" in text
     assert "What the duty takes" in text  # the ledger still is of these rows
 
