@@ -619,5 +619,5 @@ def test_keys_that_cannot_be_used_are_told(tmp_path, monkeypatch):
 
 def test_a_function_of_no_name_has_no_model():
     assert Call("TV_NOTHING", ["tv:x"]).model() is None
-    with pytest.raises(FunctionError, match="no function"):
+    with pytest.raises(FunctionError, match="Unknown function"):
         registry.call("TV_NOTHING", [])
