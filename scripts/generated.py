@@ -1,6 +1,6 @@
 """Write every file that is derived from the records: `make generated`.
 
-Schemas, the pages of results and functions, the commands of the studies, the list of sentences, and the
+Schemas, the pages of results and functions, the table of effects, the commands of the studies, the list of sentences, and the
 workbooks in templates/. Nothing of them is edited by hand; a test builds them all and names those that are
 stale.
 
@@ -41,6 +41,7 @@ def write_generated(root: Path) -> list[Path]:
     list of Path
         Files written, relative to it.
     """
+    from addin.reference.effects_page import effects_page
     from addin.reference.functions_page import functions_page
     from addin.reference.json_schemas import write_schemas
     from addin.reference.results_page import results_page
@@ -50,6 +51,7 @@ def write_generated(root: Path) -> list[Path]:
     pages = {
         "docs/results.md": results_page(),
         "docs/functions.md": functions_page(),
+        "docs/effects.md": effects_page((ROOT / "docs/effects.md").read_text(encoding="utf-8")),
         "addin/cli/study_commands.py": study_commands(),
     }
     for name, text in pages.items():

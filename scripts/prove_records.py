@@ -168,6 +168,8 @@ EFFECT = Patch(
             '    "oil film",\n'
             '    "oil squeezed between flanks",\n'
             "    order=110,\n"
+            '    number="Film thickness over roughness; never on",\n'
+            '    bound="0",\n'
             ")\n",
         ),
         (

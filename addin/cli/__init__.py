@@ -9,10 +9,10 @@ module            responsibility
 `status`          how a command ends: the exit statuses, and the refusal of an input or a file
 `terminal`        what commands print: tables, written files, progress, problems, refusals
 `batch`           ``torsionbook batch``: folders of workbooks, overnight
+`calc`            ``torsionbook calc``: the worksheet functions in LibreOffice Calc
 `diff`            ``torsionbook diff``: what changed between two revisions, and what it did
 `excel`           ``torsionbook excel``: the worksheet functions into a workbook, and help where
                   they do not work
-`libreoffice`     ``torsionbook calc``: the worksheet functions in LibreOffice Calc
 `serve`           `torsionbook serve`
 `study_commands`  commands of the studies and their lines of help; written by `make generated`
 `app`             the command line: the same path on files as in Excel, without Excel

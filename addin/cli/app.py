@@ -9,7 +9,7 @@ import importlib
 import os
 import sys
 import traceback
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any
 
 import typer
 from typer.core import TyperCommand, TyperGroup
@@ -19,60 +19,31 @@ from addin.cli.status import INTERNAL, INTERRUPTED
 from addin.cli.study_commands import STUDY_COMMANDS
 from addin.contract.version import product_version
 
-
-class Command(NamedTuple):
-    """A command whose module is imported when it is called."""
-
-    module: str  #: Holds a function, or a `typer.Typer` of subcommands, of the command's name.
-    help: str  #: The first line of its own help, or all of it up to the first blank line.
-
-
-#: Makes the commands of the studies from their records.
-STUDY_MODULE = "addin.cli.study"
-
-#: Every command, in the order of --help.
+#: Every command and the first line of its own help, in the order of --help.
 COMMANDS = {
-    "serve": Command(
-        "addin.cli.serve",
-        "Serve the worksheet functions, the Office add-in and recalculation over HTTP.",
-    ),
-    "report": Command(
-        "addin.cli.report",
-        "Write the calc sheet as a document: PDF, Word, or both.",
-    ),
-    "verify": Command(
-        "addin.cli.verify",
-        "Recalculate from the inputs in a file and compare every result recorded in it.",
-    ),
-    "diff": Command(
-        "addin.cli.diff",
-        "Compare inputs and results of two files: changed inputs and their effect on results.",
-    ),
-    "batch": Command(
-        "addin.cli.batch",
-        "Calculate folders of workbooks on all cores; a file with errors does not stop the others.",
-    ),
-    **{name: Command(STUDY_MODULE, line) for name, line in STUDY_COMMANDS.items()},
-    "new": Command(
-        "addin.cli.new",
-        "Make a workbook: blank, a filled example, or with the inputs of an existing file.",
-    ),
-    "check": Command(
-        "addin.cli.check",
-        "Read and check inputs without calculating: every error with its sheet and cell.",
-    ),
-    "recalc": Command(
-        "addin.cli.recalc",
-        "Calculate workbooks or case JSON files and write their results.",
-    ),
-    "export": Command("addin.cli.export", "Write the inputs of a workbook as a case JSON, in SI."),
-    "version": Command("addin.cli.version", "Print the version."),
-    "excel": Command(
-        "addin.cli.excel",
-        "Worksheet functions in desktop Excel on Windows, through xlwings.",
-    ),
-    "calc": Command("addin.cli.libreoffice", "Worksheet functions in LibreOffice Calc."),
+    "serve": "Serve the worksheet functions, the Office add-in and recalculation over HTTP.",
+    "report": "Write the calc sheet as a document: PDF, Word, or both.",
+    "verify": "Recalculate from the inputs in a file and compare every result recorded in it.",
+    "diff": "Compare inputs and results of two files: changed inputs and their effect on results.",
+    "batch": "Calculate folders of workbooks on all cores; a file with errors does not stop the others.",
+    **STUDY_COMMANDS,
+    "new": "Make a workbook: blank, a filled example, or with the inputs of an existing file.",
+    "check": "Read and check inputs without calculating: every error with its sheet and cell.",
+    "recalc": "Calculate workbooks or case JSON files and write their results.",
+    "export": "Write the inputs of a workbook as a case JSON, in SI.",
+    "version": "Print the version.",
+    "excel": "Worksheet functions in desktop Excel on Windows, through xlwings.",
+    "calc": "Worksheet functions in LibreOffice Calc.",
 }
+
+
+def module_of(name: str) -> str:
+    """The module of a command, imported when it is called.
+
+    It holds a function, or a `typer.Typer` of subcommands, of the command's name; one module makes the
+    commands of all studies from their records.
+    """
+    return "addin.cli.study" if name in STUDY_COMMANDS else f"addin.cli.{name}"
 
 
 class LazyCommands(TyperGroup):
@@ -80,14 +51,14 @@ class LazyCommands(TyperGroup):
 
     def __init__(self, **settings: Any) -> None:
         super().__init__(**settings)
-        for name, command in COMMANDS.items():  # stand-ins, for the help and for what is mistyped
-            self.commands[name] = TyperCommand(name, help=command.help)
+        for name, line in COMMANDS.items():  # stand-ins, for the help and for what is mistyped
+            self.commands[name] = TyperCommand(name, help=line)
 
     def get_command(self, ctx: typer.Context, cmd_name: str) -> Any:  # type: ignore[override]
         """A command, of which only now the module is imported; None if there is none."""
         if cmd_name not in COMMANDS:
             return None
-        module = importlib.import_module(COMMANDS[cmd_name].module)
+        module = importlib.import_module(module_of(cmd_name))
         if cmd_name in STUDY_COMMANDS:
             command = module.study_command(cmd_name)
         else:
@@ -130,18 +101,18 @@ app = typer.Typer(
 )
 
 
-def _version_asked(asked: bool) -> None:
-    if asked:
+def _print_version(wanted: bool) -> None:
+    if wanted:
         typer.echo(f"torsionbook {product_version()}")
         raise typer.Exit()
 
 
 @app.callback()
 def _program(
-    version_asked: Annotated[
+    version: Annotated[
         bool,
         typer.Option(
-            "--version", help="Print the version.", callback=_version_asked, is_eager=True
+            "--version", help="Print the version.", callback=_print_version, is_eager=True
         ),
     ] = False,
 ) -> None:
@@ -149,11 +120,11 @@ def _program(
 
 
 def _by_ctrl_c(ended: BaseException) -> bool:
-    """Whether a command was cut short; one that ends of itself after Ctrl-C has had its say."""
-    one: BaseException | None = ended
-    while one is not None and not isinstance(one, KeyboardInterrupt):
-        one = one.__cause__ or one.__context__
-    return one is not None
+    """Whether a command was cut short; one that ends by itself after Ctrl-C has said why."""
+    cause: BaseException | None = ended
+    while cause is not None and not isinstance(cause, KeyboardInterrupt):
+        cause = cause.__cause__ or cause.__context__
+    return cause is not None
 
 
 def _tell_interrupted() -> None:

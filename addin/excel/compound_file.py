@@ -64,7 +64,7 @@ def read_compound_file(data: bytes) -> Storage:
         If it is none, or damaged.
     """
     try:
-        return _Reader(data).root()
+        return _Reader(data).storage(0, 0)
     except (struct.error, IndexError, UnicodeDecodeError) as problem:
         raise CompoundFileError(f"The VBA project is damaged ({problem}).") from problem
 
@@ -88,10 +88,6 @@ class _Reader:
         self._directory = self._chain(directory)
         first, size = self._place(0)
         self._mini = self._chain(first)[:size]
-
-    def root(self) -> Storage:
-        """Everything."""
-        return self._storage(0, 0)
 
     def _sector(self, number: int) -> bytes:
         start = (number + 1) * self._size
@@ -145,7 +141,8 @@ class _Reader:
             raise CompoundFileError("The VBA project is damaged (a stream is too short).")
         return data[:size]
 
-    def _storage(self, entry: int, depth: int) -> Storage:
+    def storage(self, entry: int, depth: int) -> Storage:
+        """A storage with all that it holds; entry 0 is the root."""
         if depth > _MOST_DEPTH:
             raise CompoundFileError("The VBA project is damaged (storages nested too deeply).")
         at = entry * _ENTRY
@@ -159,7 +156,7 @@ class _Reader:
             name = self._directory[at : at + max(length - 2, 0)].decode("utf-16-le")
             kind = self._directory[at + 66]
             if kind == _STORAGE:
-                found.entries[name] = self._storage(one, depth + 1)
+                found.entries[name] = self.storage(one, depth + 1)
             elif kind == _STREAM:
                 found.entries[name] = self._content(one)
         return found

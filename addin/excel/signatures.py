@@ -9,11 +9,11 @@ from __future__ import annotations
 import inspect
 import keyword
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import replace
 from typing import Any
 
 from addin.contract.tables import json_key
-from addin.worksheet.registry import FUNCTIONS
+from addin.worksheet.registry import FUNCTIONS, Function
 
 #: Longest help that the function wizard shows of a function or of an argument.
 MOST_HELP = 255
@@ -37,44 +37,15 @@ RESERVED = frozenset(
 )
 
 
-@dataclass(frozen=True)
-class ExcelArgument:
-    """One parameter of a function in Excel."""
-
-    name: str  #: Valid in VBA and in Python.
-    help: str  #: What to give, as the wizard shows it.
-    optional: bool  #: Whether the formula may leave it out.
-
-
-@dataclass(frozen=True)
-class ExcelFunction:
-    """One function as Excel knows it."""
-
-    name: str  #: In capitals, as in the contract.
-    help: str  #: As the wizard shows it.
-    arguments: tuple[ExcelArgument, ...]  #: In order.
-
-    @property
-    def signature(self) -> inspect.Signature:
-        """The Python signature, from which xlwings makes the VBA one."""
-        kind = inspect.Parameter.POSITIONAL_OR_KEYWORD
-        return inspect.Signature(
-            [
-                inspect.Parameter(a.name, kind, default=None if a.optional else inspect._empty)
-                for a in self.arguments
-            ]
-        )
-
-
-def exported(function: Callable[..., Any], one: ExcelFunction, argument: Any) -> Callable[..., Any]:
+def exported(function: Callable[..., Any], one: Function, argument: Any) -> Callable[..., Any]:
     """A function with the signature and help of one of the registry.
 
     Parameters
     ----------
     function : callable
         Takes the cells, with its own name. [as typed]
-    one : ExcelFunction
-        Whose signature and help it gets.
+    one : Function
+        One of `excel_functions`, whose signature and help it gets.
     argument : callable
         xlwings' decorator of an argument.
 
@@ -86,7 +57,13 @@ def exported(function: Callable[..., Any], one: ExcelFunction, argument: Any) ->
     function.__qualname__ = function.__name__
     function.__doc__ = one.help
     function.__annotations__ = {}  # xlwings would choose its converters by them
-    function.__signature__ = one.signature  # type: ignore[attr-defined]
+    kind = inspect.Parameter.POSITIONAL_OR_KEYWORD
+    function.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
+        [
+            inspect.Parameter(a.name, kind, default=None if a.optional else inspect._empty)
+            for a in one.arguments
+        ]
+    )
     for a in one.arguments:
         # The shape is always asked for: xlwings' default depends on the size of the range, and
         # its version 1 shall change it.
@@ -94,13 +71,15 @@ def exported(function: Callable[..., Any], one: ExcelFunction, argument: Any) ->
     return function
 
 
-def excel_functions() -> tuple[ExcelFunction, ...]:
-    """All functions of the registry."""
+def excel_functions() -> tuple[Function, ...]:
+    """All functions of the registry, with names and help as Excel takes them."""
     return tuple(
-        ExcelFunction(
-            one.name,
-            _cut(one.help),
-            tuple(ExcelArgument(_name(a.name), _cut(a.help), a.optional) for a in one.arguments),
+        replace(
+            one,
+            help=_cut(one.help),
+            arguments=tuple(
+                replace(a, name=_name(a.name), help=_cut(a.help)) for a in one.arguments
+            ),
         )
         for _, one in sorted(FUNCTIONS.items())
     )

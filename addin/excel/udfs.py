@@ -24,8 +24,8 @@ for _name in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
 import xlwings as xw  # noqa: E402
 
 from addin.excel.refill import refill  # noqa: E402
-from addin.excel.signatures import ExcelFunction, excel_functions, exported  # noqa: E402
-from addin.worksheet.registry import CATEGORY, FunctionError, call  # noqa: E402
+from addin.excel.signatures import excel_functions, exported  # noqa: E402
+from addin.worksheet.registry import CATEGORY, Function, FunctionError, call  # noqa: E402
 
 __all__ = ["recalculate"]
 
@@ -49,7 +49,7 @@ def _answer(name: str, cells: tuple[Any, ...]) -> list[list[Any]]:
     return [["" if value is None else value for value in row] for row in rows]
 
 
-def _exported(one: ExcelFunction) -> Callable[..., Any]:
+def _exported(one: Function) -> Callable[..., Any]:
     """A function as xlwings wants it: with its name, signature and help."""
 
     def function(*cells: Any) -> list[list[Any]]:

@@ -21,9 +21,9 @@ from pathlib import Path
 
 from addin.contract.version import product_version
 from addin.excel.errors import XlwingsMissing
-from addin.excel.signatures import ExcelFunction, excel_functions
+from addin.excel.signatures import excel_functions
 from addin.excel.vba_project import Module, VbaProject, standard_module
-from addin.worksheet.registry import CATEGORY
+from addin.worksheet.registry import CATEGORY, Function
 
 #: The version all is made for: its number stands in the VBA, in the name of the library that VBA
 #: loads, and in pyproject.toml.
@@ -104,7 +104,7 @@ def wrapper_text() -> str:
     return _text((*head, *bodies))
 
 
-def _wrapper(one: ExcelFunction) -> tuple[str, ...]:
+def _wrapper(one: Function) -> tuple[str, ...]:
     optional = (("Optional " if a.optional else "") + a.name for a in one.arguments)
     array = ", ".join(a.name for a in one.arguments)
     call = f'{one.name} = XLPy.CallUDF("{UDF_MODULE}", "{one.name}", Array({array})'
@@ -173,7 +173,7 @@ def macro_text() -> str:
     return _text((*head, *bodies, "End Sub"))
 
 
-def _described(one: ExcelFunction) -> Iterator[str]:
+def _described(one: Function) -> Iterator[str]:
     yield f'    Describe "{one.name}", {_quoted(one.help)}, Array( _'
     *most, last = one.arguments
     yield from (f"        {_quoted(a.help)}, _" for a in most)

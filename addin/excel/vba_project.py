@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 import struct
 from collections.abc import Collection, Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from addin.excel.compound_file import Storage, read_compound_file, write_compound_file
 from addin.excel.errors import VbaProjectError
@@ -132,13 +132,7 @@ class VbaProject:
         modules += coming.values()
         names = {m.name.casefold() for m in modules}
         lines = [line for line in self.lines if _listed(line, names, self.modules)]
-        return VbaProject(
-            self.rest,
-            self.head,
-            tuple(modules),
-            self.code_page,
-            tuple(_with_lines(lines, modules)),
-        )
+        return replace(self, modules=tuple(modules), lines=tuple(_with_lines(lines, modules)))
 
     def to_bytes(self) -> bytes:
         """The part ``vbaProject.bin``."""

@@ -21,9 +21,9 @@ from typing import Any
 import xlwings
 from xlwings import server as xlwings_server
 
-from addin.excel.signatures import ExcelFunction, excel_functions, exported
+from addin.excel.signatures import excel_functions, exported
 from addin.server.office import NAMESPACE
-from addin.worksheet.registry import FunctionError, call
+from addin.worksheet.registry import Function, FunctionError, call
 
 __all__: list[str] = []
 
@@ -37,7 +37,7 @@ def _answer(name: str, cells: tuple[Any, ...]) -> list[list[Any]]:
     return [["" if value is None else value for value in row] for row in rows]
 
 
-def _exported(one: ExcelFunction) -> Callable[..., Any]:
+def _exported(one: Function) -> Callable[..., Any]:
     """A function as xlwings Server wants it: with its name, signature and help."""
 
     async def function(*cells: Any) -> list[list[Any]]:

@@ -3,6 +3,7 @@
 ================  ================================================================================
 module            responsibility
 ================  ================================================================================
+`effects_page`    the table of effects in docs/effects.md, from their records
 `functions_page`  the page docs/functions.md: the worksheet functions, made from their registry
 `json_schemas`    JSON Schemas of cases, results, verifications, differences and studies, most
                   made from `addin.contract.tables`

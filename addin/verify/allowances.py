@@ -70,13 +70,14 @@ class Allowances:
 
     def _error(self, error: ReportedError, row: Mapping[str, Any]) -> float | None:
         """A reported error, relative. [1]"""
-        errors = {
-            ReportedError.PEAKS: self._peaks,
-            ReportedError.STARTS: self._starts.get(str(row.get("Element"))),
-            ReportedError.ALL_STARTS: max(self._starts.values(), default=None),
-            ReportedError.FREQUENCIES: self._frequency,
-            ReportedError.WORDS: self.of_words(),
-            # another version may estimate an error otherwise, up to its size
-            ReportedError.ESTIMATE: 1.0,
-        }
-        return errors[error]
+        if error is ReportedError.PEAKS:
+            return self._peaks
+        if error is ReportedError.STARTS:
+            return self._starts.get(str(row.get("Element")))
+        if error is ReportedError.ALL_STARTS:
+            return max(self._starts.values(), default=None)
+        if error is ReportedError.FREQUENCIES:
+            return self._frequency
+        if error is ReportedError.WORDS:
+            return self.of_words()
+        return 1.0  # another version may estimate an error otherwise, up to its size

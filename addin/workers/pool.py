@@ -267,9 +267,13 @@ class Pool(Workers):
             for _ in self._threads:
                 self._idle.append(_Process(self._serve))
 
-    def close(self) -> None:
-        """End every process, whatever it does; what runs and what waits ends with `Closed`."""
+    def stop(self) -> None:
+        """Let what runs and what waits end with `Closed`."""
         self._is_closed = True
+
+    def close(self) -> None:
+        """End every process, whatever it does; see `stop`."""
+        self.stop()
         for _ in self._threads:
             self._jobs.put(None)
         for thread in self._threads:

@@ -14,11 +14,6 @@ from addin.contract.problems import shortened
 from addin.reading.cells import number_in_text
 from addin.xlsx.values import ERROR_CODES, ErrorValue
 
-__all__ = [
-    "Argument", "Block", "CATEGORY", "FUNCTIONS", "FunctionError", "Function", "ROW_COUNT",
-    "call", "registered", "rows_of",
-]  # fmt: skip
-
 #: Category in the function wizard of a spreadsheet program.
 CATEGORY = "torsionbook"
 #: Kinds of argument.

@@ -48,6 +48,9 @@ class Effect:
     name: str  #: As inputs and results call it.
     sentence: str  #: What it means, beside its name on the sheet.
     order: int  #: Place in the tables; the least comes first.
+    number: str  #: The number that decides, and when it switches the effect on, in words.
+    bound: str  #: The most that leaving it out changes a result, in words.
+    called_for_by: str | None = None  #: Inputs that ask for it, in words; None = those of `inputs`.
     flag: str | None = None  #: Field of `StartEffects` that switches it on in the start.
     inputs: EffectInputs | None = None  #: What must be filled in before it can be forced on.
     cost: float = 0.0  #: Wall time over that of the linear start, where its finding gives none. [1]

@@ -563,10 +563,11 @@ def test_tasks_given_up_make_room_in_the_queue():
     for _ in range(5):
         work.submit("wait", 0.0).cancel()
     waiting = work.submit("wait", 0.0)
-    work.close()
+    work.stop()
     for job in (first, waiting):
         with pytest.raises(Busy, match="being stopped"):
             job.future.result(10.0)
+    work.close()
 
 
 @pytest.mark.slow

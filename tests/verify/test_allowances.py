@@ -12,8 +12,8 @@ from addin.verify.compare import RecordedValue, agreement
 from addin.verify.findings import Agreement
 
 
-def a_start(spread: float | None) -> SimpleNamespace:
-    """A start with its estimated error, sensitive where it has a spread."""
+def started(spread: float | None) -> SimpleNamespace:
+    """A start with peaks to 0.04 %, and the spread of a sensitive one."""
     sensitivity = None if spread is None else SimpleNamespace(spread=spread)
     return SimpleNamespace(estimated_error=4e-4, sensitivity=sensitivity)
 
@@ -24,7 +24,7 @@ def reported(**fields: Any) -> Allowances:
         "segments": {"Shaft": 4},
         "frequency_error": 2e-5,
         "starts_error": (("Shaft", 0.03), ("Other", None)),
-        "start": a_start(None),
+        "start": started(None),
     }
     return Allowances(SimpleNamespace(**(given | fields)))  # type: ignore[arg-type]
 
@@ -67,10 +67,10 @@ def test_the_allowance_of_a_number_is_its_reported_error(table, column, allowed)
 
 
 def test_a_sensitive_start_has_its_spread_and_uncut_shafts_have_no_error():
-    wide = reported(start=a_start(0.02))
+    wide = reported(start=started(0.02))
     assert wide.of_value("BearingForces", "Force", ROW) == pytest.approx(0.02 * 9e3)
     assert wide.of_words() == 0.02
-    small = reported(start=a_start(1e-6))
+    small = reported(start=started(1e-6))
     assert small.of_words() == 4e-4
     exact = reported(segments={}, start=None)
     assert exact.of_value("NaturalFrequencies", "Frequency", ROW) is None

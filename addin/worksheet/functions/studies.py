@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 from addin.contract.problems import first_of
@@ -80,27 +81,21 @@ FOLLOWING = {"frequencies": "FrequencySensitivities", "start": "Sensitivities"}
 _MODES = 10
 
 
-class _Clock:
-    """The time that a cell has."""
-
-    def __init__(self, command: str) -> None:
-        self._began = time.monotonic()
-        self._command = command
-
-    def each(self, work: Iterable[Any], do: Callable[[Any], Any]) -> list[Any]:
-        """Do one piece after the other, as long as there is time."""
-        pieces = list(work)
-        found: list[Any] = []
-        for piece in pieces:
-            if time.monotonic() - self._began > TIME_LIMIT:
-                raise FunctionError(
-                    f"{100 * len(found) // len(pieces)} % was calculated in {TIME_LIMIT:g} s, the "
-                    f"time limit of a cell. Reduce the task, or run: torsionbook {self._command} "
-                    "FILE",
-                    "#N/A",
-                )
-            found.append(do(piece))
-        return found
+def _in_time(
+    command: str, work: Iterable[Any], do: Callable[[Any], Any], began: float
+) -> list[Any]:
+    """One piece of work after the other, as long as the cell has time since `began` [s]."""
+    pieces = list(work)
+    results: list[Any] = []
+    for piece in pieces:
+        if time.monotonic() - began > TIME_LIMIT:
+            raise FunctionError(
+                f"{100 * len(results) // len(pieces)} % was calculated in {TIME_LIMIT:g} s, the time "
+                f"limit of a cell. Reduce the task, or run: torsionbook {command} FILE",
+                "#N/A",
+            )
+        results.append(do(piece))
+    return results
 
 
 def _kept(model: Model, key: str, calculate: Callable[[], Any]) -> Any:
@@ -182,12 +177,12 @@ def tv_tune(
             "#NUM!",
         )
 
-    def calculate() -> TuningResult:
-        clock = _Clock("tune")
-        tried = clock.each(plan.combinations, lambda one: calculate_combination(found.case, one))
+    def ranked() -> TuningResult:
+        calculate = partial(calculate_combination, found.case)
+        tried = _in_time("tune", plan.combinations, calculate, time.monotonic())
         return rank_combinations(found.case, plan, tried)
 
-    result = _kept(found, f"tune {plan.study_digest}", calculate)
+    result = _kept(found, f"tune {plan.study_digest}", ranked)
     words = {**_usual_units(system_for(units, found)), **inputs.units}
     tried = [row.tried for row in result.rows]
     rows = ranked_rows(rank_combinations(found.case, in_typed_units(plan, words), tried, words))
@@ -249,9 +244,11 @@ def tv_tolerances(
     plan = plan_tolerances(found.case, inputs.scatter, settings, nominal=plain.results)
 
     def calculate() -> Mapping[str, Any]:
-        clock = _Clock("tolerances")
+        began = time.monotonic()
         size = 1 if len(units_of(plan)) == plan.n_runs else 10
-        return tolerance_tables(summarise_sample(plan, clock.each(units_of(plan, size), evaluate)))
+        return tolerance_tables(
+            summarise_sample(plan, _in_time("tolerances", units_of(plan, size), evaluate, began))
+        )
 
     tables = _kept(found, f"tolerances {plan.digest}", calculate)
     rows = tables[ANSWERS[asked]]
@@ -283,11 +280,11 @@ def tv_sensitivities(model: str, of: str | None, units: str | None, headers: boo
     found, plain = run_of(model)
 
     def calculate() -> list[dict[str, Any]]:
-        clock = _Clock("sensitivities")
+        began = time.monotonic()
         plan = plan_derivatives(found.case, nominal=plain.results)
         if asked == "frequencies":
             return frequency_rows(gather_derivatives(plan, [], None))
-        parts = clock.each(derivative_units(plan), differences)
+        parts = _in_time("sensitivities", derivative_units(plan), differences, began)
         return derivative_rows(gather_derivatives(plan, parts, tangent_of(plan)))
 
     rows = _kept(found, f"sensitivities {asked}", calculate)

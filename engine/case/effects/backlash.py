@@ -6,6 +6,11 @@ BACKLASH = Effect(
     "backlash",
     "teeth that separate, cross their clearance and re-engage",
     order=70,
+    number=(
+        "Lowest torque of the linear start less its error, over the largest of that element; "
+        "on below −tolerance / 5"
+    ),
+    bound="5 × its depth",
     inputs=EffectInputs(
         "Backlash or Angular backlash in table Meshes",
         "is blank or 0",

@@ -6,6 +6,11 @@ BREAKER_CLOSING = Effect(
     "breaker closing",
     "electrical transient at breaker closing",
     order=40,
+    number=(
+        "Largest torque it could bring at a resonance, over the motor's at standstill (of "
+        "several motors: all transients over the least of their torques); on above tolerance"
+    ),
+    bound="the number",
     flag="breaker_closing",
     inputs=EffectInputs(
         "ShockAmplitude and ShockTimeConstant",

@@ -6,6 +6,9 @@ CYCLE_COUNTING = Effect(
     "cycle counting",
     "rainflow counting of stress cycles and damage",
     order=90,
+    number="Largest possible stress amplitude over endurance; on where a cycle may damage",
+    bound="0",
+    called_for_by="Stress diameter, material and S-N points",
     cost=0.5,
     analysis="fatigue",
 )

@@ -6,5 +6,10 @@ FAST_MODES = Effect(
     "fast modes",
     "modes above those required by the tolerance are integrated",
     order=30,
+    number=(
+        "Largest change of a peak that the modes left out may bring. Never on by itself: "
+        "modes are kept until this is a tenth of the tolerance"
+    ),
+    bound="the number",
     flag="fast_modes",
 )
