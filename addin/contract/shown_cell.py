@@ -9,6 +9,7 @@ from typing import Any
 from addin.contract.live_formulas import WHOLE_STARTS
 from addin.contract.shown_units import ShownUnits
 from addin.contract.tables import Field, TableSpec
+from engine.case.result_words import NoNumber
 
 #: Column whose unit shows a judged number of a dimension in `Verdicts`.
 VERDICT_UNITS: Mapping[str, tuple[str, str]] = {
@@ -45,7 +46,8 @@ def shown_cell(spec: TableSpec, field: Field, row: Mapping[str, Any], units: Sho
         if not field.unlimited:
             return None
         # A row that does not say whether its starts are limited is of no whole start.
-        return "not judged" if spec.says_unlimited and "unlimited" not in row else "unlimited"
+        judged = not spec.says_unlimited or "unlimited" in row
+        return (NoNumber.UNLIMITED if judged else NoNumber.NOT_JUDGED).value
     if isinstance(value, bool):
         if field.kind == "switch":
             return "on" if value else "off"
@@ -55,7 +57,7 @@ def shown_cell(spec: TableSpec, field: Field, row: Mapping[str, Any], units: Sho
     if not field.is_number:
         return str(value)
     if not math.isfinite(value):
-        return "unlimited" if field.unlimited else "unbounded"
+        return (NoNumber.UNLIMITED if field.unlimited else NoNumber.UNBOUNDED).value
     name = spec.repeated.name if spec.repeated and field.name not in _names(spec) else field.name
     factor = units.factors.get((spec.name, field.name), units.factor(spec.name, name))
     return int(value) if field.kind == "integer" else float(value) / factor

@@ -9,16 +9,17 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 from addin.report.formula import Node
+from engine.case.result_words import Judgement
 
 #: Words of verdicts and the tone in which they are set.
 _TONES = {
-    "pass": "good",
+    Judgement.PASS: "good",
     "ok": "good",
-    "accepted by forced response": "fair",
-    "fail": "bad",
-    "unbounded": "bad",
+    Judgement.ACCEPTED: "fair",
+    Judgement.FAIL: "bad",
+    Judgement.UNBOUNDED: "bad",
     "differs": "bad",
-    "not judged": "open",
+    Judgement.NOT_JUDGED: "open",
 }
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 
 from addin.contract.live_formulas import WHOLE_STARTS
+from engine.case.result_words import NoNumber
 
 _UP = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 #: From here on a number is written with a power of ten.
@@ -107,7 +108,7 @@ def of_dimension(value: float, name: str, dimension: str, unit: str = "") -> str
         The number. [text]
     """
     if not math.isfinite(value):
-        return "unbounded"
+        return NoNumber.UNBOUNDED.value
     if name in ("Damage", "Damage check"):
         return "0" if value == 0.0 else scientific(value)
     if name in ("Allowable starts", "Paper count", "Cycles to failure", "Starts to judge"):

@@ -53,7 +53,7 @@ _SIGNS = (
 def cover_of(subject: Subject) -> Cover:
     """The first page."""
     calculation = subject.calculation
-    overall = next(iter(subject.rows("Verdicts")), {"verdict": "not judged", "where": ""})
+    overall = next(iter(subject.rows("Verdicts")), {"verdict": Judgement.NOT_JUDGED, "where": ""})
     date = calculation.stamp.date
     digest = calculation.case_sha256
     facts = (
@@ -108,11 +108,14 @@ def _verdict_sentence(overall: Mapping[str, Any], verdicts: Sequence[Mapping[str
     where = clean(str(overall.get("where") or ""))
     if where:
         return where[:1].upper() + where[1:] + "."
-    sentence = {
-        "pass": "All judged checks pass.",
-        "accepted by forced response": "A separation margin is not kept, but every judged stress at that resonance is "
-        "within UTS/25.",
-    }.get(str(overall["verdict"]), "No check was judged. Type limits and material data.")
+    sentences: dict[str, str] = {
+        Judgement.PASS: "All judged checks pass.",
+        Judgement.ACCEPTED: "A separation margin is not kept, but every judged stress at that "
+        "resonance is within UTS/25.",
+    }
+    sentence = sentences.get(
+        str(overall["verdict"]), "No check was judged. Type limits and material data."
+    )
     open_checks = dict.fromkeys(
         str(row["check"])
         for row in verdicts
@@ -186,7 +189,9 @@ def conclusions(subject: Subject) -> Iterator[str]:
 
 def _nearest_modes(subject: Subject) -> list[int]:
     """The lowest modes that do not keep a margin, whether or not the response is accepted."""
-    modes = {row["mode"] for row in subject.rows("SeparationMargins") if row["verdict"] != "pass"}
+    modes = {
+        row["mode"] for row in subject.rows("SeparationMargins") if row["verdict"] != Judgement.PASS
+    }
     return sorted(modes)[:_NEAREST]
 
 

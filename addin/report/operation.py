@@ -11,6 +11,7 @@ from addin.report.equations import by
 from addin.report.numbers import clean, significant
 from addin.report.subject import Subject
 from addin.report.tables import FULL, left_out, with_column
+from engine.case.result_words import Judgement
 
 Row = Mapping[str, Any]
 
@@ -22,7 +23,7 @@ def margins(subject: Subject) -> Section:
         why = "no excitation is known, or the train has no elastic mode"
         sentence = f"No separation margins: {why}. See the warnings in section 1."
         return section(title, Paragraph(sentence))
-    failing = [row for row in rows if row["verdict"] != "pass"]
+    failing = [row for row in rows if row["verdict"] != Judgement.PASS]
     sentence = "All margins are kept."
     if failing:
         accepted = all(row["verdict"].startswith("accepted") for row in failing)
@@ -57,10 +58,10 @@ def _chosen_margins(rows: Sequence[Row]) -> list[Row]:
     for row in sorted(rows, key=lambda r: r["margin"]):
         nearest.setdefault(row["mode"], []).append(row)
     keep = {id(row) for near in nearest.values() for row in near[:2]}
-    chosen = [row for row in rows if row["verdict"] != "pass" or id(row) in keep]
+    chosen = [row for row in rows if row["verdict"] != Judgement.PASS or id(row) in keep]
     if len(chosen) <= FULL:
         return chosen
-    worst = sorted(chosen, key=lambda r: (r["verdict"] == "pass", r["margin"]))[:FULL]
+    worst = sorted(chosen, key=lambda r: (r["verdict"] == Judgement.PASS, r["margin"]))[:FULL]
     keep = {id(row) for row in worst}
     return [row for row in chosen if id(row) in keep]
 
@@ -101,7 +102,9 @@ def _judged(rows: Sequence[Row], basis: str) -> str:
     elements = {row["element"] for row in rows}
     stressed = {row["element"] for row in rows if row.get("allowable") is not None}
     limited = {row["element"] for row in rows if row.get("torque_limit") is not None}
-    failing = sorted({clean(r["element"]) for r in rows if r["verdict"] in ("fail", "unbounded")})
+    failing = sorted(
+        {clean(r["element"]) for r in rows if r["verdict"] in (Judgement.FAIL, Judgement.UNBOUNDED)}
+    )
     sentences = [
         f"{len(stressed)} of {len(elements)} elements have a stress diameter and a material and are "
         f"judged; the {basis} stress is compared with UTS/25."
@@ -142,7 +145,7 @@ def _chosen_steady(rows: Sequence[Row]) -> list[Row]:
         if largest is None or _size(row) > _size(largest):
             best[row["element"]] = row
     keep = {id(row): row for row in best.values()}
-    failing = [r for r in rows if r["verdict"] in ("fail", "unbounded")]
+    failing = [r for r in rows if r["verdict"] in (Judgement.FAIL, Judgement.UNBOUNDED)]
     worst = sorted(failing, key=lambda r: -_size(r))[: max(FULL - len(keep), 0)]
     keep |= {id(row): row for row in worst}
     order = {name: k for k, name in enumerate(best)}

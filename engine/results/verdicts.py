@@ -10,7 +10,7 @@ from collections.abc import Iterator
 
 from engine.case.data import CaseData
 from engine.case.effects import choice_of
-from engine.case.result_words import Judgement, Outcome
+from engine.case.result_words import Judgement, NoNumber, Outcome
 from engine.fatigue.allowable_starts import AllowableStarts
 from engine.operation.margins import SeparationMargins
 from engine.operation.steady_state import SteadyState
@@ -141,7 +141,7 @@ def _starts(case: CaseData, start: Start | None, starts: AllowableStarts | None)
     elif start.outcome.outcome not in WHOLE_STARTS:
         where = f"incomplete start: {start.outcome.outcome}"
     elif starts.judged_starts is None:
-        result = "unlimited"
+        result = NoNumber.UNLIMITED.value
         if required is not None:
             verdict = Judgement.PASS
     else:

@@ -20,6 +20,7 @@ from addin.worksheet.answers import (
 )
 from addin.worksheet.models import MODELS
 from addin.worksheet.registry import Argument, FunctionError, registered
+from engine.case.result_words import NoNumber
 from engine.errors import ModelError
 from engine.fatigue.sn_curve import sn_curve_for
 from engine.studies.starts.damage_ledger import remaining_life
@@ -87,7 +88,7 @@ def tv_sn_life(
             if value is not None:
                 _check_stress(value * pascal, value, unit, pascal, row, (i, j))
             life = None if value is None else float(curve.cycles_to_failure(value * pascal))
-            lives.append(life if life is None or math.isfinite(life) else "unlimited")
+            lives.append(life if life is None or math.isfinite(life) else NoNumber.UNLIMITED.value)
         said = [None if v is None else _extended(curve, v * pascal) for v in line]
         answer.append([*lives, *said] if remarks else lives)
     return answer
@@ -152,7 +153,7 @@ def tv_life(damage: Rows, per_year: Rows, so_far: Rows | None, factor: float | N
     a_year = math.fsum(q * n for q, n in zip(one, yearly, strict=True))
     left = 1.0 / (factor or 1.0) - used
     years = remaining_life(left, a_year)
-    return [[used, a_year, left, "unlimited" if years is None else years]]
+    return [[used, a_year, left, NoNumber.UNLIMITED.value if years is None else years]]
 
 
 def _column(name: str, cells: Rows) -> list[float]:

@@ -17,7 +17,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 
-from engine.case.result_words import Judgement
+from engine.case.result_words import Judgement, NoNumber
 from engine.studies.starts.condition_result import ConditionResult, ConditionShaft
 from engine.studies.starts.matrix import StartMatrix
 
@@ -309,7 +309,7 @@ def _words(rows: Sequence[LedgerRow]) -> Iterator[str]:
 
 def _interval(row: LedgerRow) -> str:
     low = _quantity(row.years_low or 0.0)
-    high = "unlimited" if row.years_high is None else _quantity(row.years_high)
+    high = NoNumber.UNLIMITED if row.years_high is None else _quantity(row.years_high)
     return "" if low == high else f" ({low} to {high} within the error of the calculation)"
 
 

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from engine.case.data import CaseData
+from engine.case.result_words import NoNumber
 from engine.case.study_inputs import StudyInputs, study_digest
 from engine.start.start_fatigue import WHOLE_STARTS, judged_shafts
 from engine.studies.starts.condition_result import (
@@ -99,7 +100,8 @@ def _joined(condition: StartCondition, rows: Sequence[ConditionResult]) -> Condi
     shafts = tuple(_worst_shaft([r.shafts[k] for r in rows]) for k in range(len(worst.shafts)))
     instants = f"Worst of {len(rows)} trip instants within one period of the torsional vibration."
     if worst.allowable_starts is not None:
-        best = "unlimited" if least.unlimited else f"{math.floor(least.allowable_starts or 0.0):,}"
+        best = f"{math.floor(least.allowable_starts or 0.0):,}"
+        best = NoNumber.UNLIMITED if least.unlimited else best
         instants = f"{instants[:-1]}; the most favourable instant allows {best} starts."
     governing = next((s for s in shafts if s.element == worst.governing), None)
     largest = max(rows, key=lambda r: r.peak_torque or 0.0)

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from engine.case.result_words import NoNumber
 from engine.numerics.sample_statistics import Percentile
 from engine.studies.tolerances.tolerances import (
     MARGIN,
@@ -32,7 +33,7 @@ BARS = 16
 TORNADO = 14
 #: Points of the distribution. [1]
 POINTS = tuple(0.01 * k for k in range(1, 100))
-UNLIMITED = "unlimited"
+UNLIMITED, NOT_JUDGED = NoNumber.UNLIMITED.value, NoNumber.NOT_JUDGED.value
 
 
 def tolerance_tables(tolerances: Tolerances) -> Mapping[str, list[Row]]:
@@ -139,7 +140,7 @@ def _of(tolerances: Tolerances, quantity: str) -> Iterator[PercentileRow]:
 
 def _starts(tolerances: Tolerances) -> Iterator[Row]:
     for r in _of(tolerances, STARTS):
-        nominal = "not judged" if r.nominal is None else _plain(r.nominal)
+        nominal = NOT_JUDGED if r.nominal is None else _plain(r.nominal)
         yield {
             "element": r.of,
             "nominal": nominal,
@@ -159,8 +160,8 @@ def _drivers(tolerances: Tolerances) -> Iterator[Row]:
         row |= {
             "factor": d.factor,
             "deviation": d.deviation,
-            "at_p_10": "not judged" if d.at_low is None else _plain(d.at_low),
-            "at_p_90": "not judged" if d.at_high is None else _plain(d.at_high),
+            "at_p_10": NOT_JUDGED if d.at_low is None else _plain(d.at_low),
+            "at_p_90": NOT_JUDGED if d.at_high is None else _plain(d.at_high),
             "change_at_p_10": _change(d.at_low, nominal),
             "change_at_p_90": _change(d.at_high, nominal),
             "rank_coefficient": d.rank_coefficient,
