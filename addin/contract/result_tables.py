@@ -66,7 +66,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
         help="Each check with its limit and verdict.",
         row_name=("Check",), rank=0,
         json_only=(
-            text("dimension", "Dimension of result and limit, which are in its SI unit."),
+            text("dimension", "Dimension of result and limit, which are in the SI unit of that dimension."),
         ),
         columns=(
             text("Check", "What is judged.", "Name of the check", "docs/method.md"),
@@ -374,7 +374,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
         room=CROSSING_ROWS, of_the_start=True, rank=4,
         columns=(
             integer(
-                "Mode", "Elastic mode.", "Every mode below 2 × line frequency", SLIP,
+                "Mode", "Elastic mode.", "Every elastic mode up to 1.1 × (2 × line frequency)", SLIP,
                 of_row=("NaturalFrequencies.Mode",), of_case=LINE,
             ),
             number(
@@ -699,7 +699,8 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             number(
                 "Error peak", "fraction", "Error of the peak torques.",
                 "Largest error of a peak over the larger extreme of its element: estimated from h "
-                "and h/2, in a study against a reference 256 times more accurate",
+                "and h/2, in a study against a reference 256 times more accurate (with events: of a "
+                "tolerance 100 times finer, where the step allows)",
                 "docs/method.md, What accuracy costs", of_case=START, format=shown.STUDIED,
                 error=ReportedError.ESTIMATE, printed="Error of peaks",
             ),

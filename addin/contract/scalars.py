@@ -50,7 +50,8 @@ _BY_GROUP: Mapping[str, tuple[Field, ...]] = {
         number(
             "RatedTorque",
             "torque",
-            "Rated torque; base of all torques in pu or %.",
+            "Rated torque; base of torques in pu or % (in table Excitations % means of the "
+            "torque transmitted there).",
             blank="from power and speed",
             us="lbf*ft",
         ),

@@ -236,8 +236,7 @@ SHEETS: tuple[Sheet, ...] = (
             ChartAt("forces", f"O{_BELOW_REVERSALS + 1}", 620, 310),
         ),
         intro="Gear teeth that unload or separate during the start. A reversal is one passage of "
-              "the transmitted torque below zero. Torques are those of the From side, at its own "
-              "speed.",
+              "the torque below zero. Torques are those of the From side, at its own speed.",
     ),
     Sheet(
         "Starts",

@@ -10,8 +10,9 @@ from engine.case.practice_limits import PRACTICE_LIMITS
 
 #: Words on sheet Accuracy until the study has been run.
 NO_STUDY = (
-    "Errors are those this calculation estimates, times those it took. Error against time by the "
-    "exponential and by the paper's method, for this very case: torsionbook accuracy FILE"
+    "Errors are estimates of this calculation; computing times are measured. Error "
+    "against time by the exponential and by the paper's method, for this case: "
+    "torsionbook accuracy FILE"
 )
 #: The damping law of this workbook: formula, and what it shows while ContactLaw is blank.
 CONTACT_LAW: tuple[str, str] = (

@@ -196,14 +196,17 @@ def _versions(
 def _library(installed: Installed, python: PureWindowsPath, machine: Machine) -> Finding:
     names = [f"xlwings{bits}-{installed.xlwings}.dll" for bits in (64, 32)]
     if not machine.windows:
-        return UNKNOWN, f"{names[0]} must be in the folder above {python.parent.name}."
+        return (
+            UNKNOWN,
+            f"{names[0]} must be in folder {python.parent.name} or in the folder above it.",
+        )
     # VBA looks beside Python, then one folder up, where pip puts it.
     folders = (python.parent, python.parent.parent)
     missing = [n for n in names if not any(machine.is_file(str(f / n)) for f in folders)]
     if missing:
         return (
             WRONG,
-            f"{' and '.join(missing)} is neither in {folders[0]} nor in {folders[1]}.",
+            f"Not found: {' and '.join(missing)}, neither in {folders[0]} nor in {folders[1]}.",
             f'"{python.with_name("python.exe")}" -m pip install --force-reinstall --no-deps '
             f"xlwings=={installed.xlwings}. If a virus scanner removed the file, add an exception.",
         )

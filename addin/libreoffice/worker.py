@@ -19,7 +19,7 @@ from addin.worksheet.registry import FUNCTIONS, FunctionError, call
 
 #: Longest request. [B] An argument has a quarter of a million cells at the most.
 LONGEST = 256 * 1024 * 1024
-FAULT = "torsionbook failed inside ({kind}). Please report it with the workbook."
+FAULT = "An error occurred inside torsionbook ({kind}). Please report it with the workbook."
 
 
 def main() -> None:

@@ -84,7 +84,7 @@ def accuracy(subject: Subject) -> Section:
     if subject.show_times:
         columns.append("Time")
         times = "Times were measured when this document was made; they vary between runs."
-    note = f"Errors are estimated by the calculation, from a step h to h/2. {times}"
+    note = f"Errors are estimated by the calculation, as the change from step h to h/2. {times}"
     cost = subject.table("AccuracyCost", "Errors and cost of each analysis", columns, note)
     sentence = (
         "The user states the error wanted, not a time step: peaks and starts are calculated "

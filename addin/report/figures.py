@@ -291,7 +291,7 @@ class Pictures:
             ax.set_ylabel(self._words(spec.y.title))
             ax.set_ylim(-1.08, 1.08)
             drawing.legend(*ax.get_legend_handles_labels(), loc="outside upper left", ncols=3)
-            which = "" if step == 1 else f" (only every {step}. station is labelled)"
+            which = "" if step == 1 else f" (only one station in {step} is labelled)"
             return self._picture(drawing, f"{self._words(spec.title)}{which}")
 
     def _interference_names(self, ax: Any, spec: ChartSpec) -> None:

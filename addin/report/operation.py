@@ -111,12 +111,12 @@ def _judged(rows: Sequence[Row], basis: str) -> str:
     ]
     if limited:
         sentences.append(
-            f"At {len(limited)} of them the zero-to-peak torque is compared with the maker's vibratory "
-            "limit."
+            f"The zero-to-peak torque of {len(limited)} of all these elements is compared with "
+            "the maker's vibratory limit."
         )
     if failing:
         more = " and others" if len(failing) > 8 else ""
-        sentences.append(f"The limit is exceeded at {', '.join(failing[:8])}{more}.")
+        sentences.append(f"A limit is exceeded at {', '.join(failing[:8])}{more}.")
     elif stressed or limited:
         sentences.append("No limit is exceeded.")
     else:

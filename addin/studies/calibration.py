@@ -110,7 +110,7 @@ def _save(study: StudyResult, options: Mapping[str, Any], source: Path) -> Itera
 
 
 _HELP = """\
-Calibrate: find the smallest change of uncertain stiffnesses that explains measured frequencies.
+Calibrate: find the smallest change of uncertain inputs that explains what was measured.
 
 Measurements are in tables MeasuredFrequencies and MeasuredPeaks of sheet Measured, uncertainties
 in table Scatter of sheet Tolerances (blank: every stiffness by 10 %). Writes sheet Calibration,

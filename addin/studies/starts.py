@@ -93,7 +93,7 @@ def _terminal(study: StudyResult, options: Mapping[str, Any]) -> Iterator[Termin
 
 
 _HELP = """\
-Calculate start matrix and damage ledger: starts at every voltage, and the life left by a duty.
+Calculate start matrix and damage ledger: starts at every voltage, and the life left under a duty.
 
 Start conditions and how often each occurs are in table StartConditions of sheet Duty; without
 rows: 80 to 110 % voltage, loaded and unloaded, and aborted starts. Writes sheets Start matrix and

@@ -117,7 +117,8 @@ TOLERANCES = Study(
         Option("samples", int, 1000, "Number of samples.", least=30, most=1_000_000),
         Option("seed", int, 1, "The same seed gives the same samples.", least=0),
         Option(
-            "method", str, "lhs", "lhs (Latin hypercube) or sobol (a power of two).",
+            "method", str, "lhs", "lhs (Latin hypercube) or sobol (Sobol sequence; number of samples rounded up to a "
+                                  "power of two).",
             words=("lhs", "sobol"),
         ),
         Option(

@@ -347,7 +347,7 @@ _RESULTS: tuple[TableSpec, ...] = (
                 format=shown.ONE_DECIMAL,
             ),
             number(
-                "Pull", "ratio", "Change in prior standard deviations.", "z = (ln p − μ)/σ", _MAP,
+                "Pull", "ratio", "Change, as a multiple of the prior standard deviation.", "z = (ln p − μ)/σ", _MAP,
                 of_row=("CalibratedParameters.Change", "CalibratedParameters.Prior deviation"),
                 format=shown.TWO_DECIMALS,
             ),

@@ -157,7 +157,7 @@ _RESULTS: tuple[TableSpec, ...] = (
         help="Main drivers of the result named above: runs with one factor changed at a time, and "
         "rank regression.",
         row_name=("Factor",), changes_shown=("Share",),
-        json_only=(text("dimension", "Dimension of result and limit, which are in its SI unit."),),
+        json_only=(text("dimension", "Dimension of the results, which are in the SI unit of that dimension."),),
         columns=(
             text("Factor", "What scatters.", trace=_AS_TYPED),
             number(

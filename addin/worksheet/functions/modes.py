@@ -54,7 +54,7 @@ def tv_energy(model: str, mode: int | None, headers: bool | None) -> Rows:
         modes = [modes[mode - 1]]
     if not modes:
         raise FunctionError(
-            "The train has no elastic mode, because it has only one station.", "#N/A"
+            "The train has no elastic mode: no elastic element joins two inertias.", "#N/A"
         )
     rows: Rows = [
         [name, words, *(mode[kind][name] for mode in modes)]

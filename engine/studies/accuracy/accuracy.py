@@ -146,8 +146,9 @@ def _linear_study(
         *ladder.rows(Method.NEWMARK, Method.NEWMARK, reference, rounds, on_stage),
     ]
     text = (
-        f"Compared with the exponential step at {REFERENCE * ladder.finest(EXPONENTIAL):.3g} s, "
-        f"{1.0 / REFERENCE**4:.0f} times finer than the finest setting at fourth order. "
+        "Compared with the exponential method at a step of "
+        f"{REFERENCE * ladder.finest(EXPONENTIAL):.3g} s, whose error, of fourth order, is "
+        f"{1.0 / REFERENCE**4:.0f} times smaller than that of the finest setting. "
         + _checked(off)
         + _timed(rounds)
     )

@@ -235,7 +235,10 @@ class _Answer:
             )
         if self.other is not None:
             if abs(own - self.other[i]) > AGREED * largest + float(self.error[i]):
-                yield f"Per + 1 % the tangent gives {_signed(WHOLE * self.other[i])} for them."
+                yield (
+                    f"For + 1 % the tangent equations of the start give {_signed(WHOLE * self.other[i])} "
+                    "instead."
+                )
 
     def largest_difference(self, calculated: Sequence[int]) -> float:
         """Largest difference of the two ways over the largest derivative."""

@@ -157,7 +157,7 @@ def _sentence(rows: Sequence[ConditionResult], shafts: Sequence[str]) -> str:
             f"Fewest starts: {math.floor(worst.allowable_starts or 0.0):,} of '{worst.condition.name}' "
             f"({worst.governing})"
             + (
-                "; most starts where the number is limited: "
+                "; most starts, apart from unlimited ones: "
                 f"{math.floor(best.allowable_starts or 0.0):,} of '{best.condition.name}'."
                 if best is not worst
                 else "."
