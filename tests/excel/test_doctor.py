@@ -114,7 +114,7 @@ def test_a_missing_library_is_named(bits):
     name = f"xlwings{bits}-{XLWINGS_VERSION}.dll"
     check = found(at=machine(files={f for f in FILES if name not in f}))["Library that VBA loads"]
     assert check.state == WRONG
-    assert check.found.startswith(f"{name} is neither in {VENV}\\Scripts nor in {VENV}.")
+    assert check.found == f"Not found: {name}, neither in {VENV}\\Scripts nor in {VENV}."
     assert "--force-reinstall" in check.advice
 
 

@@ -126,7 +126,7 @@ def test_requests_of_another_form_are_answered_and_the_next_one_is_served():
         assert "error" in worker._answer_to(wrong.encode())
     assert "error" in worker._answer_to(b'{"function": 3, "arguments": []}')
     for one in (deep, deeper):
-        assert "failed inside" not in worker._answer_to(one.encode())["error"]
+        assert "An error occurred inside" not in worker._answer_to(one.encode())["error"]
 
 
 @pytest.mark.parametrize("name", ["addin.libreoffice.worker", "addin.calc.worker"])
