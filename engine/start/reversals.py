@@ -40,33 +40,34 @@ BISECTIONS = 60
 class Reversal:
     """Lowest torque of one mesh or coupling during a start, and its passages below zero."""
 
+    # The order of the keys in the JSON of the results.
     element: str  #: Gear mesh, geared coupling, or other element that states a reversal limit.
     kind: str  #: Its kind.
     minimum_torque: float  #: Lowest torque. [N m]
     minimum_time: float  #: When. [s]
-    #: Twice the slip times line frequency then; None where line or speed is unknown. [Hz]
-    slip_frequency: float | None
     largest_torque: float  #: Largest magnitude of its torque. [N m]
     hysteresis: float  #: Depth below zero from which a passage counts. [N m]
     reversals: int  #: How many.
-    first_time: float | None  #: When the first one began; None if there is none. [s]
-    longest_reversal: float  #: Duration of the longest. [s]
     #: Without clearance model: total time below zero of the counted reversals. With it: total time
     #: without tooth contact. [s]
     time_unloaded: float
+    impacts: int | None  #: Recontacts; None without clearance model.
+    #: Largest approach speed of the flanks; None for a coupling and without that model. [m/s]
+    recontact_speed: float | None
+    #: Largest normal tooth force; None for a coupling and without that model. [N]
+    tooth_force: float | None
+    longest_reversal: float  #: Duration of the longest. [s]
+    first_time: float | None  #: When the first one began; None if there is none. [s]
+    #: Twice the slip times line frequency at the lowest torque; None where line or speed is unknown. [Hz]
+    slip_frequency: float | None
     transmitted_torque: float  #: Torque it transmits in continuous operation. [N m]
     margin: float | None  #: Minimum over transmitted torque; None where that is zero. [1]
     limit: float | None  #: The maker's `Reversal limit`, a magnitude; None = not stated. [N m]
     verdict: Judgement  #: ``pass``, ``fail`` or ``not judged``.
-    model: str  #: ``clearance`` where the teeth may part, else ``linear``.
-    impacts: int | None  #: Recontacts; None without clearance model.
-    #: Largest approach speed of the flanks; None for a coupling and without that model. [m/s]
-    recontact_speed: float | None
-    #: The same as relative angular speed on the From side. [rad/s]
+    #: The approach speed as relative angular speed on the From side. [rad/s]
     recontact_speed_angular: float | None
-    #: Largest normal tooth force; None for a coupling and without that model. [N]
-    tooth_force: float | None
-    sentence: str  #: What was found, with its numbers.
+    model: str  #: ``clearance`` where the teeth may separate, else ``linear``.
+    sentence: str  #: The result in words, with its numbers.
 
     @property
     def reverses(self) -> bool:
