@@ -699,8 +699,9 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             number(
                 "Error peak", "fraction", "Error of the peak torques.",
                 "Largest error of a peak over the larger extreme of its element: estimated from h "
-                "and h/2, in a study against a reference 256 times more accurate (with events: of a "
-                "tolerance 100 times finer, where the step allows)",
+                "and h/2; in a study, found by comparison with a reference 256 times more accurate "
+                "(with events: with a start calculated to a tolerance 100 times finer, where the "
+                "step allows)",
                 "docs/method.md, What accuracy costs", of_case=START, format=shown.STUDIED,
                 error=ReportedError.ESTIMATE, printed="Error of peaks",
             ),

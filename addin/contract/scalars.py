@@ -105,8 +105,9 @@ _BY_GROUP: Mapping[str, tuple[Field, ...]] = {
         number(
             "MaximumTime",
             "time",
-            "Longest simulated time. A start that is not completed by then has the outcome time out, "
-            "and its starts are not judged; one that reaches its end speed or settles ends earlier.",
+            "Longest simulated time. A start that is not completed by then has the outcome time "
+            "out, and its allowable starts are not judged; one that reaches its end speed or "
+            "settles ends earlier.",
             blank="600 s, or to the end of TorqueTime",
         ),
         number("StartsRequired", "count", "Starts the train must survive."),

@@ -194,8 +194,8 @@ GROUPS: Mapping[str, tuple[str, ...]] = {
 }
 
 PEAK = (
-    "extreme of the torque between samples, of the cubic through the values and their "
-    "time derivatives"
+    "extreme of the torque, also between samples, from the cubic through the values and "
+    "their time derivatives"
 )
 STRESS = "τ = 16 T D / (π (D⁴ − d⁴))"
 EQUATION_OF_MOTION = "q̈ + 2ζω q̇ + ω² q = Φᵀ T(t, θ, ω); torque of an element = k · twist"

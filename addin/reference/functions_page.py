@@ -40,7 +40,7 @@ more rows. Workbooks for one of these programs (`torsionbook new train.xlsm`, `-
 sheet `Live` with the formula ready, its ranges growing with the tables: the name `LiveModel` is its
 cell, so that `=TV_PEAKS(LiveModel)` works anywhere in the book. Results are tables with one row of headers; they spill in Excel
 365 and 2021, and are entered as array formulas (Ctrl+Shift+Enter) in older Excel and in Calc. *Units*
-is `SI` or `US`, blank as the tables are typed; *Headers* `FALSE` omits the header row.
+is `SI` or `US`, blank means as the tables are typed; *Headers* `FALSE` omits the header row.
 
 **Do not type the per cent sign where the unit is `%` already.** A cell that shows `1.5%` holds 0.015, and a
 spreadsheet program hands a function that number without its format. With the unit `%` it is read as

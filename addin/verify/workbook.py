@@ -402,7 +402,9 @@ def _of_unjudged(workbook: Workbook, fresh: Workbook | None, reason: str) -> Ite
     if formulas:
         first, many = formulas[0], len(formulas)
         count = "1 live formula" if many == 1 else f"{many:,} live formulas"
-        sentence = f"{count} of torsionbook, from here on, could not be checked. {reason}"
+        sentence = (
+            f"{count} of torsionbook could not be checked; the place named is the first. {reason}"
+        )
         yield Finding("not judged", first.sheet, first.cell, sentence)
 
 

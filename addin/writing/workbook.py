@@ -51,8 +51,8 @@ _OPTIONAL = frozenset(table.name for table in fields.WORKBOOK_TABLES) | {
 #: What the rows of a plain recalculation are, below `NO_STUDY`.
 ANALYSES = (
     "Start: linear start with all teeth in contact, on which the plan is based. Start "
-    "with events: the same with the effects that are on in sheet Effects. Errors compare "
-    "a step with half of it."
+    "with events: the same with the effects that sheet Effects shows as on. Errors "
+    "compare a step with half of it."
 )
 
 

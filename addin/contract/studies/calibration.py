@@ -262,8 +262,8 @@ _RESULTS: tuple[TableSpec, ...] = (
             ),
             number(
                 "Required", "fraction", "Required margin with the justified margin basis.",
-                f"{_REQUIRED}; that for measured frequencies where every mode with a margin below "
-                "20 % is known", STEADY,
+                f"{_REQUIRED}; the one for measured frequencies applies where every mode with a "
+                "margin below 20 % is known", STEADY,
                 of_row=("CalibratedFrequencies.Known",), of_case=_BASIS, format=shown.ONE_DECIMAL,
             ),
             verdict(

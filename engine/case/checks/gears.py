@@ -356,7 +356,7 @@ def _pushed_body(
             "Mesh stiffness",
             None,
             "positive, or a positive Stiffness, where a gear has bearings",
-            f"{data}, but the mesh {'is rigid' if rigid else 'has none'}: Stiffness of "
+            f"{data}, but the mesh {'is rigid' if rigid else 'has no stiffness'}: Stiffness of "
             f"'{e.element}' ({_place(element_cells)}) is {'blank' if rigid else '0'} "
             f"and Mesh stiffness (table Meshes, row {cells.row}) is blank. Type one of the two, or "
             "clear the bearing data.",

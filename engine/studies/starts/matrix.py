@@ -144,7 +144,7 @@ def _sentence(rows: Sequence[ConditionResult], shafts: Sequence[str]) -> str:
     if not shafts:
         return (
             "No shaft has stress diameter, material and S-N points: torques and stresses are "
-            "shown, starts are not counted."
+            "shown, allowable starts are not calculated."
         )
     judged = [r for r in rows if r.judged]
     unfinished = [r for r in rows if r.outcome != NOT_CALCULATED and not r.judged]

@@ -699,7 +699,7 @@ def test_what_another_row_says_of_the_same_gear_counts():
     assert told(idler(0.0, 1.0)) == {}  # mass in one row, stiffness in the other
 
 
-@pytest.mark.parametrize(("stiffness", "word"), [(None, "is rigid"), (0.0, "has none")])
+@pytest.mark.parametrize(("stiffness", "word"), [(None, "is rigid"), (0.0, "has no stiffness")])
 def test_bearings_need_a_mesh_stiffness(stiffness, word):
     case = mesh_changed(pair(), mesh_stiffness=None)
     element = replace(
