@@ -22,7 +22,7 @@ from addin.contract.tables import DIMENSIONS
 #: What a relative unit is a share of.
 RATED_TORQUE = "rated torque"
 SYNCHRONOUS_SPEED = "synchronous speed"
-STATION_SPEED = "synchronous speed of the station"
+STATION_SPEED = "speed of the station at synchronism"
 TRANSMITTED_TORQUE = "torque transmitted at that station"
 
 

@@ -98,7 +98,7 @@ def test_a_wrong_input_has_its_cell_and_its_sentence(
         ({"TripSpeed": 120}, "TripSpeed", "synchronous speed (100 %)", "(188."),
         ({"EndSpeed": 104}, "EndSpeed", "synchronous speed (100 %)", "(188."),
         ({"Meshes/1/Pitch radius drive": None}, "Pitch radius drive",
-         "Backlash is {Meshes/1/Backlash} in,", " m,"),
+         "Backlash is {Meshes/1/Backlash} in along", " m,"),
     ],
     ids=lambda value: ", ".join(value) if isinstance(value, dict) else "",
 )  # fmt: skip

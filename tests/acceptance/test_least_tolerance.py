@@ -83,4 +83,4 @@ def test_a_row_of_a_programme_is_refused(tmp_path: Path) -> None:
         next(row for row in rows if f",{name}," in f",{row}") for name in ("fine", "small")
     )
     assert ",done," in fine
-    assert f'small,1e-08,wrong input,"TolerancePeak: found 1e-08; {ALLOWED}' in small
+    assert f"small,1e-08,wrong input,TolerancePeak: found 1e-08; {ALLOWED}" in small

@@ -301,7 +301,7 @@ def test_the_first_compilation_says_what_it_is_doing(tmp_path, monkeypatch):
     (tmp_path / "train.xlsx").write_bytes(template_path("example_modified.xlsx").read_bytes())
     first = torsionbook("recalc", "train.xlsx", cwd=tmp_path)
     assert first.returncode == 0, first.stderr
-    assert "compiling the numerical routines, once on this machine" in first.stderr
+    assert "compiling the numerical routines, only once on this machine" in first.stderr
     second = torsionbook("recalc", "train.xlsx", cwd=tmp_path)
     assert second.returncode == 0, second.stderr
     assert "compiling" not in second.stderr

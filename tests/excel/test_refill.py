@@ -190,7 +190,7 @@ def test_histories_are_kept_beside_the_workbook(tmp_path, kept):
     book.api.FullName = "https://firm.sharepoint.com/Jobs/train.xlsm"
     refill(book)
     assert list(tmp_path.glob("train*.npz")) == []
-    assert "are not kept" in book.alerts[-1][1]
+    assert "were not saved" in book.alerts[-1][1]
 
 
 def test_the_macro_hands_over_the_workbook_that_called(excel, monkeypatch):

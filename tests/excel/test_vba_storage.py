@@ -56,7 +56,7 @@ def test_a_full_chunk_of_random_bytes_is_stored_raw():
 
 
 def test_what_the_format_cannot_hold_is_named():
-    with pytest.raises(VbaCompressionError, match="4000 bytes of random data"):
+    with pytest.raises(VbaCompressionError, match="The last 4000 bytes cannot be compressed"):
         compress(random.Random(2).randbytes(4000))
 
 

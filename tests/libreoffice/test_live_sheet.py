@@ -198,7 +198,7 @@ def test_a_train_that_is_wrong_leaves_the_sheet_blank(calc, shipped, tmp_path):
     for row in (5, 6):
         assert "Inertia" in cells[row, 3]
         assert "-1" in cells[row, 3]
-    assert cells[7, 3] == "None yet."
+    assert cells[7, 3] == "No model yet."
     areas = (MODES, MODE_ROWS, 10), (MARGINS, MARGIN_ROWS, 7)
     for at, rows, columns in areas:
         seen = {value for row in shown(cells, at, rows, columns) for value in row}
@@ -210,7 +210,7 @@ def test_an_empty_template_asks_for_its_train(calc, tmp_path):
     path = build_template(tmp_path / "blank.xlsx", "si", None, VARIANTS["calc"])
     cells = words(calc, path)
     assert "Stations" in cells[5, 3]
-    assert cells[7, 3] == "None yet."
+    assert cells[7, 3] == "No model yet."
 
 
 @pytest.mark.slow
@@ -219,7 +219,7 @@ def test_after_a_calculation_it_says_whose_the_results_are(calc, shipped, tmp_pa
 
     done = tmp_path / "done.xlsx"
     recalculate(shipped, destination=done)
-    assert words(calc, done)[8, 3] == "They belong to these inputs."
+    assert words(calc, done)[8, 3] == "Results belong to the present inputs."
 
     def change(book):
         below(book, "Stations", "Inertia", 1).value = 1234.0

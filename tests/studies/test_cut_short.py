@@ -262,7 +262,12 @@ class Watched:
 
     def workers(self) -> list[int]:
         pid = self.process.pid
-        found = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
+        # a child belongs to the thread that started it
+        found = [
+            n
+            for file in Path(f"/proc/{pid}/task").glob("*/children")
+            for n in file.read_text().split()
+        ]
         return [int(n) for n in found if b"spawn_main" in Path(f"/proc/{n}/cmdline").read_bytes()]
 
     def ended(self) -> tuple[int, str]:

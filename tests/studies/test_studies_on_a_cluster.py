@@ -176,7 +176,8 @@ def test_a_scheduler_that_is_lost_is_told_without_words_of_batches(
         own.stop()
         _, wrong = study.communicate(timeout=300)
         assert study.returncode == 1
-        assert "is lost. Nothing was written." in wrong
+        assert "Lost the connection to the Dask scheduler" in wrong
+        assert "Nothing was written." in wrong
         assert "--resume" not in wrong
         assert not (tmp_path / "none.json").exists()
     finally:

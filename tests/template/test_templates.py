@@ -246,7 +246,7 @@ def test_effects_are_shipped_by_name_and_none_is_chosen(book: openpyxl.Workbook)
 def test_examples_say_where_their_numbers_come_from(design: str) -> None:
     book = openpyxl.load_workbook(template_path(f"example_{design}.xlsx"))
     text = " ".join(str(c.value) for row in book["Notes"].iter_rows() for c in row if c.value)
-    for words in ("Published", "Constructed", "Reference", "not calculated", "prediction"):
+    for words in ("Published", "Constructed", "Reference", "not modelled", "prediction"):
         assert words in text
     assert "Provenance" not in str(
         [c.value for c in openpyxl.load_workbook(template_path("blank_us.xlsx"))["Notes"]["B"]]

@@ -398,7 +398,7 @@ def test_a_standard_trip_is_the_worst_of_its_instants(case: Case) -> None:
     (worst,) = gather_matrix(case, StudyInputs(), alone, rows).rows
     assert worst.allowable_starts == min(starts)
     assert worst.condition == condition
-    assert worst.note.startswith("Worst of 8 instants of one period")
+    assert worst.note.startswith("Worst of 8 trip instants within one period")
     times = [float(r.note.split(" after ")[1].split(" s")[0]) for r in rows]
     assert times[-1] - times[0] == pytest.approx(7.0 / 8.0 / f, rel=0.1)
     (gone,) = gather_matrix(case, StudyInputs(), alone, rows[:-1]).rows
