@@ -438,7 +438,7 @@ def test_without_a_calculator_nothing_old_is_left(returned, tmp_path, monkeypatc
     monkeypatch.setitem(sys.modules, "formualizer", None)
     target = tmp_path / f"blank{returned[0].suffix}"
     done = recalculate(returned[0], destination=target)
-    assert any("left without a value" in w for w in done.warnings)
+    assert any("formulas have no stored value" in w for w in done.warnings)
     values = own_values(target)
     hanging = ("largest", "times rated", "third torque", "by cell", "fails", "words", "on each other",
                "sorted", "unknown")  # fmt: skip
