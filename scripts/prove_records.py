@@ -26,6 +26,7 @@ DERIVED = (
     "templates/",
     "docs/results.md",
     "docs/functions.md",
+    "docs/effects.md",
     "addin/cli/study_commands.py",
     "scripts/sentences.txt",
 )
