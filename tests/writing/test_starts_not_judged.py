@@ -64,4 +64,4 @@ def test_report(cut_short: Path) -> None:
     text = "\n".join([p.text for p in document.paragraphs] + cells)
     assert "not judged: the start was not completed" in text
     assert "starts unlimited" not in text
-    assert "unlimited: no cycle" not in text
+    assert "unlimited: no damaging cycle" not in text
