@@ -399,16 +399,23 @@ def chosen_elements(workbook: Workbook) -> list[str | None]:
     return chosen
 
 
-#: Words that a calculation gives titles; other words in their place are the engineer's own.
+#: Words that a calculation of this or an earlier version gives titles; other words in their place
+#: are the engineer's own.
 _HISTORY_TITLE = r".*: (tangential tooth load|nominal shear stress|torque)|History \d .*|unused.*"
 _HISTORY_AXIS = r"(Tooth load|Nominal shear stress|Torque)( \[.*\])?"
 _SN_TITLE, _SN_AXIS = r"S-N line.*", r"Stress amplitude with SCF.*"
-_REVERSAL_TITLE = r".*: torque around its least value.*|Torque around the deepest reversal.*"
+_REVERSAL_TITLE = (
+    r".*: torque around its (minimum|least value).*|Torque around the deepest reversal.*"
+)
 _REVERSAL_AXIS = r"Torque( \[.*\])?"
 _BLOW_TITLE = (
-    r"Torque at its deepest moment.*|.*: (torque at its least value|teeth (part|separate)).*"
+    r"Torque (around its minimum, enlarged|at its deepest moment).*"
+    r"|.*: (torque at its (minimum|least value)|teeth (part|separate)).*"
 )
-_FORCE_TITLE = r"Tooth and bearing forces.*|.*: (forces at its deepest moment|no forces drawn).*"
+_FORCE_TITLE = (
+    r"Tooth and bearing forces.*"
+    r"|.*: (forces at (minimum torque|its deepest moment)|no forces (shown|drawn)).*"
+)
 _FORCE_AXIS = r"Force( \[.*\])?"
 _ACCURACY_TITLE = "Accuracy title"
 _ACCURACY_LINES = tuple(f"{method} {error}" for method in METHODS for error in ("peak", "starts"))

@@ -89,6 +89,24 @@ def test_titles_that_lost_their_cell_are_linked_again(tmp_path: Path) -> None:
     openpyxl.load_workbook(again)
 
 
+def test_titles_in_the_words_of_earlier_versions_are_linked_again(tmp_path: Path) -> None:
+    first = write_results(SOURCE, tmp_path / "first.xlsx", made_up_run(), STAMP).path
+    shown = {f: text for pairs in linked(first).values() for f, text in pairs}
+    earlier = {
+        "torque around its minimum in the start": "torque around its least value in the start",
+        "teeth separate (torque zero)": "teeth part (torque zero)",
+        "forces at minimum torque": "forces at its deepest moment",
+    }
+    words = {}
+    for new, old in earlier.items():
+        places = {f: text.replace(new, old) for f, text in shown.items() if new in text}
+        assert places, new
+        words |= places
+    fixed = with_fixed_titles(first, tmp_path / "fixed.xlsx", words)
+    again = write_results(fixed, tmp_path / "again.xlsx", made_up_run(), STAMP).path
+    assert linked(again) == linked(first)
+
+
 def test_charts_without_our_titles_stay_as_they_are(tmp_path: Path) -> None:
     first = write_results(SOURCE, tmp_path / "first.xlsx", made_up_run(), STAMP).path
     places = {f for pairs in linked(first).values() for f, _ in pairs}

@@ -134,7 +134,7 @@ def test_load_angle_and_slip_are_drawn_from_field_application_on(written: Path) 
     ("change", "key", "words"),
     [
         ({"load_angle": None}, "Pull-in title", "no field is applied"),
-        ({"forces": None}, "Force title", "no forces drawn"),
+        ({"forces": None}, "Force title", "no forces shown: no mesh with clearance"),
         ({"histories": {}}, "Blow title", "no start was calculated"),
     ],
 )
