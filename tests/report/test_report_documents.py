@@ -383,7 +383,7 @@ def test_results_of_other_inputs_are_told(proposed, tmp_path):
     done = torsionbook("report", "edited.xlsx", "--pdf", "edited.pdf", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     text = flat(pdf_text(tmp_path / "edited.pdf", "-l", "1"))
-    said = "The results stored in the workbook do not belong to its inputs"
+    said = "The results stored in the workbook belong to other inputs, with SHA-256 "
     assert said in text
     assert said in done.stderr
     assert proposed.results["case_sha256"][:12] in text  # whose the stored ones are

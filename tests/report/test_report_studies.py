@@ -58,7 +58,7 @@ def test_studies_of_these_inputs_are_printed_as_they_stand(book: Path, tmp_path:
         for words in (
             "Tuning: all combinations", "Tolerances", "Start matrix and damage ledger",
             "Calibration against measurements", "Reasons for the ranking", "reached at 97.0 % speed",
-            "nothing of them was calculated again", "Numbers in words have the units typed",
+            "does not recalculate them.", "Numbers in the text use the units typed",
         ):  # fmt: skip
             assert words in text
         for number in (f"{int(best['Allowable starts']):,}", f"{p50:.2f}", f"{after:.2f}",
@@ -82,7 +82,7 @@ def test_studies_of_other_inputs_are_named_and_not_printed(book: Path, tmp_path:
     assert report(other, docx=tmp_path / "o.docx").problems == ()
     text = docx_text(tmp_path / "o.docx")
     assert text.count("Out of date and omitted") == 4
-    assert "torsionbook tune FILE makes it again" in text
+    assert "Run torsionbook tune FILE to update it." in text
     assert "Reasons for the ranking" not in text
     assert str(cells(book, "TuningResults")[0]["Reason"])[:60] not in text
 
@@ -99,7 +99,7 @@ def test_a_study_of_other_rows_alone_is_out_of_date(book: Path, tmp_path: Path) 
     text = docx_text(tmp_path / "o.docx")
     assert text.count("Out of date and omitted") == 1
     assert "the rows of tables Tuning and Catalogue were changed" in text
-    assert "What the duty takes" in text  # the ledger still is of these rows
+    assert "Damage of the duty by start condition" in text  # the ledger still is of these rows
 
 
 @pytest.mark.slow

@@ -52,7 +52,7 @@ def test_a_study_in_the_workbook_is_drawn_and_listed(tmp_path):
     for text in (flat(pdf_text(tmp_path / "a.pdf")), docx_text(tmp_path / "a.docx")):
         for words in (
             "You asked for 0.1 %: 12.3 ms.", "Against a finer one.", "torsionbook 9.9",
-            "Error of the answers against wall time", "newmark", "step 0.002 s",
+            "Error against wall time, as measured by the accuracy study", "newmark", "step 0.002 s",
         ):  # fmt: skip
             assert words in text
         # 4.7e-5 in percent, 0.0871 in percent, seconds in ms
@@ -69,7 +69,7 @@ def test_a_study_in_the_workbook_is_drawn_and_listed(tmp_path):
         (None, "The input file contains no study of error against time."),
         (
             "f" * 64,
-            "belongs to other inputs, and is not shown (Study of the inputs with SHA-256 fff",
+            "belongs to other inputs and is omitted (Study of the inputs with SHA-256 fff",
         ),
     ],
 )
@@ -81,7 +81,8 @@ def test_without_a_study_of_these_inputs_it_is_said_how_to_get_one(tmp_path, stu
     report(tmp_path / "a.xlsx", docx=tmp_path / "a.docx")
     text = docx_text(tmp_path / "a.docx")
     assert said in text
-    assert "torsionbook accuracy FILE makes one" in text
+    how = "Run torsionbook accuracy FILE and make the report from the workbook that it writes."
+    assert how in text
     assert "You asked for" not in text
 
 
@@ -144,7 +145,8 @@ def test_a_wrong_earlier_revision_is_named_and_nothing_written(tmp_path):
     assert not (tmp_path / "a.pdf").exists()
     done = torsionbook("report", PROPOSED, "--pdf", "a.pdf", "--against", PROPOSED, cwd=tmp_path)
     assert done.returncode == 2
-    assert "the file itself" in flat(re.sub(r"[│╭╮╰╯─]", "", done.stderr))
+    said = flat(re.sub(r"[│╭╮╰╯─]", "", done.stderr))
+    assert "the same file. Name an earlier revision of it." in said
 
 
 CASE = {
@@ -170,7 +172,7 @@ def test_conditions_tolerances_and_conclusions(tmp_path):
     text = docx_text(tmp_path / "a.docx")
     # 0.85² of the torque
     assert "85 % of the voltage of the torque curves; motor torques times 0.7225" in text
-    assert "torsionbook accuracy makes one of a case file too" in text
+    assert "torsionbook accuracy also takes a case JSON; for the report, use a workbook" in text
     assert "No other design is compared here" in text
     # all energy is in the one coupling: half of 10 %
     tables = docx.Document(str(tmp_path / "a.docx")).tables
