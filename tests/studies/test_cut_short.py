@@ -296,7 +296,7 @@ def test_ctrl_c_on_the_command_line(times: int, tmp_path: Path) -> None:
             os.kill(worker, signal.SIGSTOP)
     study.process.send_signal(signal.SIGINT)
     if times == 2:
-        study.until(r"Stopping: |\(stopping\)")  # two at once are one
+        study.until(r"Stopping after |\(stopping\)")  # two at once are one
         study.process.send_signal(signal.SIGINT)
     status, said = study.ended()
     assert status == 130, said + study.told
