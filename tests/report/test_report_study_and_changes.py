@@ -191,7 +191,8 @@ def test_a_makers_vibratory_limit_stands_beside_the_torque(tmp_path):
     assert report(tmp_path / "case.json", docx=tmp_path / "a.docx").problems == ()
     text = docx_text(tmp_path / "a.docx")
     assert (
-        "At 1 of them the zero-to-peak torque is compared with the maker's vibratory limit" in text
+        "The zero-to-peak torque of 1 of all these elements is compared with the maker's vibratory limit"
+        in text
     )
     tables = docx.Document(str(tmp_path / "a.docx")).tables
     rows = next(
