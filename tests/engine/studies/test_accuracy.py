@@ -50,7 +50,7 @@ def test_the_reference_is_a_hundred_times_finer_than_the_finest_setting(study):
     assert study.reference_error_starts < 0.1 * next_finest.error_starts
     assert of(study, "newmark")[-1].error_peak < 1e-4
     assert of(study, "newmark")[-1].error_starts < 1e-4
-    assert "256 times finer" in study.reference
+    assert "256 times smaller than that of the finest setting" in study.reference
     assert "medians of 3 runs in this process" in study.reference
 
 
