@@ -1,4 +1,4 @@
-"""What the processes of the server do: starts, workbooks, tables, studies; each is told its stages."""
+"""What the processes of the server do: starts, workbooks, tables, studies; each reports its stages."""
 
 from __future__ import annotations
 

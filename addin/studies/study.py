@@ -61,7 +61,7 @@ class StudyTask:
     def map(
         self, do: Callable[[Any], Any], units: Sequence[Any], stage: Callable[[int], str]
     ) -> list[Any]:
-        """What a function makes of each unit; how many are done is told in the words of `stage`."""
+        """What a function makes of each unit; how many are done is reported in the words of `stage`."""
         return self.parallel_map(do, units, lambda done: self.tell(stage(done)))
 
     def map_until_cancelled(

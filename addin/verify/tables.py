@@ -30,7 +30,7 @@ _REPRODUCED = 0.9
 
 @dataclass(frozen=True)
 class TablePair:
-    """A table as it stands beside the same as it would be written."""
+    """A recorded table beside the same table as it would be written."""
 
     name: str  #: Result table.
     sheet: str  #: Its sheet; empty in a JSON file.

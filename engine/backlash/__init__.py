@@ -8,7 +8,7 @@ module                responsibility
                       and a log of events
 `contacts`            what a run with clearances tells about teeth and bearings: impacts, speeds,
                       forces
-`event_start`         starts with clearances, sideways motion of gears, field application and
+`event_start`         starts with clearances, lateral motion of gears, field application and
                       trip: the event runs
 ====================  ============================================================================
 """

@@ -79,7 +79,7 @@ def _time_unloaded(log: Floats, end: float) -> float:
 
 
 def bearing_forces(train: Train, run: EventRun) -> tuple[BearingForce, ...]:
-    """Largest bearing force of each gear that moves sideways."""
+    """Largest bearing force of each gear that moves laterally."""
     return tuple(
         BearingForce(train.stations[body.station], float(force), float(time))
         for body, (force, time) in zip(train.bodies, run.largest_bearing, strict=True)

@@ -1,6 +1,6 @@
-"""Starts with clearances, sideways motion of gears, field application and trip: the event runs.
+"""Starts with clearances, lateral motion of gears, field application and trip: the event runs.
 
-The paper's Figure 4: when the torque of a mesh goes through zero its teeth part, fly through the
+The paper's Figure 4: when the torque of a mesh goes through zero its teeth separate, fly through the
 clearance under the torques of their own sides, and meet again on one flank or the other. Between
 two such events the train is linear and the step is exact (`engine.stepping.contact_loop`). A speed at
 which the field is applied or the motor trips is an event of the same kind.
@@ -129,7 +129,7 @@ def run_event_start(
     effects: StartEffects,
     linear: Start | None = None,
 ) -> Start:
-    """Calculate a start with clearances, sideways motion, field application or trip.
+    """Calculate a start with clearances, lateral motion, field application or trip.
 
     `modal` has all teeth in contact. The linear start of the same case gives the scale of each torque; it
     is calculated if it is not given. Raises `ModelError` if the train cannot turn or has no motor, or an

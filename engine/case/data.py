@@ -84,12 +84,12 @@ class MeshRow:
 
     Drive means the element's From station, driven its To station, whichever drives. A gear is one
     body: its mass and bearings may stand in any row it has part in. With mass and bearing stiffness
-    it moves sideways; the mesh must then have a stiffness and a pitch radius.
+    it moves laterally; the mesh must then have a stiffness and a pitch radius.
     """
 
     element: str | None = None  #: The gear mesh or geared coupling of `Elements`.
     #: ``external`` (default) or ``internal``: the sense of rotation, and the direction in which
-    #: the teeth push the gears sideways.
+    #: the teeth push the gears laterally.
     gear_type: str | None = None
     pitch_radius_drive: float | None = None  #: Pitch radii on the From and the To side. [m]
     pitch_radius_driven: float | None = None  #: Likewise. [m]

@@ -11,7 +11,7 @@ module                   responsibility
 `assembly`               rows and nodes while a train is put together
 `excitation`             what shakes the train in continuous operation: orders and frequencies,
                          and the torque they bring
-`gear_bodies`            gears that move sideways on their bearings, and the flanks on which
+`gear_bodies`            gears that move laterally on their bearings, and the flanks on which
                          elements touch
 `load`                   torque of the driven machines against their own speed
 `motor`                  torque of a synchronous motor while it starts: average and pulsating part

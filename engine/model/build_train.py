@@ -29,7 +29,7 @@ def build_train(
         Number of segments of each shaft that has inertia of its own; default 1. An element with
         a clearance stays one piece: it separates in one place. [count]
     lateral : bool, optional
-        Whether gears with bearing data move sideways; False: their bearings are rigid. [flag]
+        Whether gears with bearing data move laterally; False: their bearings are rigid. [flag]
 
     Returns
     -------

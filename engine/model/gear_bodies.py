@@ -1,4 +1,4 @@
-"""Gears that move sideways on their bearings, and the flanks on which elements touch."""
+"""Gears that move laterally on their bearings, and the flanks on which elements touch."""
 
 from __future__ import annotations
 

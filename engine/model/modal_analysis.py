@@ -17,13 +17,13 @@ class ModalAnalysis:
 
     subdivided: SubdividedModes  #: The modes that are reported. [SI]
     reported: ModalTrain  #: Their train and damping: with bearings where their data is given. [SI]
-    torsional: ModalTrain  #: Gears held sideways; the same where there is no bearing data. [SI]
+    torsional: ModalTrain  #: Gears held laterally; the same where there is no bearing data. [SI]
     #: Gears on their bearings, whether reported or not; None without bearing data. [SI]
     coupled: ModalTrain | None
 
 
 def analyse(case: CaseData) -> ModalAnalysis:
-    """Natural modes of a case; where bearing data is given also those of gears held sideways.
+    """Natural modes of a case; where bearing data is given also those of gears held laterally.
 
     Parameters
     ----------

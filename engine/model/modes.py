@@ -21,7 +21,7 @@ from engine.model.topology import group_heads
 from engine.model.train import Train
 from engine.numerics.singular_values import singular_triplets
 
-#: A mode with less strain in the elements than this is sideways motion of gears alone.
+#: A mode with less strain in the elements than this is lateral motion of gears alone.
 SIDEWAYS_ALONE = 1e-9
 #: Rotations below this share of the largest of their mode are rounding, not motion.
 STANDSTILL = 1e-12
@@ -66,10 +66,10 @@ class Modes:
     #: Share of the kinetic energy in the rotation of each station. [1] Shape (n_stations,
     #: n_modes).
     kinetic_share: Floats
-    #: Share of the strain energy in the bearings of each gear that moves sideways. [1] Shape
+    #: Share of the strain energy in the bearings of each gear that moves laterally. [1] Shape
     #: (n_bodies, n_modes).
     bearing_share: Floats
-    #: Share of the kinetic energy in the sideways motion of that gear. [1] Shape (n_bodies,
+    #: Share of the kinetic energy in the lateral motion of that gear. [1] Shape (n_bodies,
     #: n_modes).
     sideways_share: Floats
     #: ``svd``, ``jacobi`` or ``chain``; of several parts the last that is no ``svd``.
@@ -87,7 +87,7 @@ class Modes:
 
     @property
     def twists(self) -> Mask:
-        """Which modes strain an element; the others are sideways motion of gears alone. [mask]"""
+        """Which modes strain an element; the others are lateral motion of gears alone. [mask]"""
         return np.asarray(self.strain_share.sum(axis=0) > SIDEWAYS_ALONE)
 
     @property
@@ -239,7 +239,7 @@ def natural_modes(
     tolerance : float, optional
         Wanted relative error. [1]
     lateral : bool, optional
-        Whether gears with bearing data move sideways. [flag]
+        Whether gears with bearing data move laterally. [flag]
 
     Returns
     -------

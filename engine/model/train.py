@@ -6,7 +6,7 @@ digits. Angles are positive in each station's own running direction, hence B hol
 and no signs; `Train.sense` gives the physical direction. Rigid gear meshes are merged exactly:
 the stations of one rigid group share one degree of freedom.
 
-A gear with bearing data also moves sideways: two more nodes x and y, in metres, after all others.
+A gear with bearing data also moves laterally: two more nodes x and y, in metres, after all others.
 Their "inertia" is a mass, their speed ratio 0, and the row of each of its meshes has entries on
 them. The bearing is a row of its own for each of them, which belongs to no element (−1).
 
@@ -36,7 +36,7 @@ class RigidMesh:
 
 @dataclass(frozen=True)
 class GearBody:
-    """A gear that moves sideways on its bearings.
+    """A gear that moves laterally on its bearings.
 
     Its x axis lies along the drive flank's line of action in its first mesh, so that the motion
     across it, which no tooth of a single mesh sees, is exactly uncoupled. Bearings are isotropic:

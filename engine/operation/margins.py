@@ -120,7 +120,7 @@ def separation_margins(
     speeds = operating_range(case)
     judged = [x for x in excitations if x.frequency is not None or speeds is not None]
     rows = []
-    twists = modes.twists[modes.n_rigid :]  # no torque drives a mode of sideways motion alone
+    twists = modes.twists[modes.n_rigid :]  # no torque drives a mode of lateral motion alone
     for mode, f in enumerate(modes.elastic_frequency.tolist(), start=1):
         for x in judged if twists[mode - 1] else ():
             f_exc = nearest_frequency(x, f, speeds)

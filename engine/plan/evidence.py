@@ -109,7 +109,7 @@ def collect_evidence(
 ) -> Evidence:
     """Evidence that needs no start.
 
-    `modal` is without sideways motion of gears, `coupled` with it, where bearing data is given.
+    `modal` is without lateral motion of gears, `coupled` with it, where bearing data is given.
     """
     train, modes = modal.train, modal.modes
     ratings = case.ratings
@@ -191,7 +191,7 @@ def _shock_share(case: CaseData, line_omega: float, motors: Sequence[Motor]) -> 
 def _bearing_number(modal: ModalTrain, on_bearings: ModalTrain) -> float:
     """Largest relative change that the bearings make to a mode: frequency, shape or damping.
 
-    Modes of any frequency count, since all ring at breaker closing. A mode that is sideways motion
+    Modes of any frequency count, since all ring at breaker closing. A mode that is lateral motion
     alone counts with the rotation in it times its resonance. 1 or more where a mode has no
     counterpart.
     """
@@ -329,7 +329,7 @@ def start_evidence(case: CaseData, train: Train, start: Start, wall_time: float)
 
 
 def moves_laterally(case: CaseData, evidence: Evidence) -> bool:
-    """Whether gears move sideways on their bearings in the start: the decision on bearings."""
+    """Whether gears move laterally on their bearings in the start: the decision on bearings."""
     if evidence.bearing_number is None:
         return False
     choice = choice_of(case, "bearings")

@@ -48,7 +48,7 @@ class Plan:
 
     @property
     def lateral(self) -> bool:
-        """Whether gears move sideways on their bearings in the start. [flag]"""
+        """Whether gears move laterally on their bearings in the start. [flag]"""
         return self.decision("bearings").on
 
     @property
@@ -65,7 +65,7 @@ class Plan:
     def events(self) -> bool:
         """Whether the start needs the event-driven simulation. [flag]
 
-        Gears that move sideways do: it alone gives the forces of their bearings.
+        Gears that move laterally do: it alone gives the forces of their bearings.
         """
         e = self.effects
         return bool(e.clearances) or e.pull_in or e.aborted_start or self.lateral

@@ -61,7 +61,7 @@ class ForceHistories:
     #: Normal tooth force, positive on the drive flank, negative on the back flank. [N] Shape
     #: (n_meshes, n_times).
     tooth_force: Floats
-    bearings: tuple[str, ...]  #: Gears that move sideways.
+    bearings: tuple[str, ...]  #: Gears that move laterally.
     #: Magnitude of the radial force, without weight. [N] Shape (n_gears, n_times).
     bearing_force: Floats
 
@@ -82,7 +82,7 @@ class Start(JudgedRun):
     uncoupled_dampers: tuple[str, ...] = ()
     #: What happened at each clearance that was modelled. [SI]
     contacts: tuple[ContactRecord, ...] = ()
-    #: Largest bearing force of each gear that moves sideways. [N]
+    #: Largest bearing force of each gear that moves laterally. [N]
     bearing_forces: tuple[BearingForce, ...] = ()
     pull_in: PullIn | None = None  #: Field application and what came of it. [SI]
     #: Asked where the answers did not settle as the step was refined. [1]

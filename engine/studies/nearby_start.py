@@ -68,7 +68,7 @@ class NearbyStartPlan:
     lateral: bool  #: Whether the reported modes include gears on their bearings.
     #: ``linear``, ``planned`` (events, prescribed torques or strong dampers) or ``none``.
     start: str
-    start_lateral: bool  #: Whether gears move sideways in the start.
+    start_lateral: bool  #: Whether gears move laterally in the start.
     effects: StartEffects  #: What the start simulates.
     step: float  #: Step of a linear start. [s]
     step_error: float  #: Its relative error of peak torques, from the plain run. [1]

@@ -1,4 +1,4 @@
-"""Gears that move sideways on their bearings."""
+"""Gears that move laterally on their bearings."""
 
 from engine.case.data import CaseData
 from engine.case.effect import Effect, EffectInputs

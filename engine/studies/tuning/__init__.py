@@ -7,7 +7,7 @@ module          responsibility
                 that they make
 `checks`        checks of the rows of `Tuning` and `Catalogue`: what is wrong is told all at once,
                 with what to do
-`combinations`  what is to be tried: every combination of the options, and the case as it stands
+`combinations`  what is to be tried: every combination of the options, and the unchanged case
 `evaluate`      one combination of a tuning study, calculated: what a designer compares couplings
                 by
 `maps`          the map of a tuning study: starts and margins over the first two variables, or the

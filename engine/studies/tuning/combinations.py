@@ -1,4 +1,4 @@
-"""What is to be tried: every combination of the options, and the case as it stands.
+"""What is to be tried: every combination of the options, and the unchanged case.
 
 Each row of `Tuning` is a variable with one option a value, and each element of `Catalogue` a variable
 with one option a coupling on offer. A combination takes one option of each.
@@ -29,7 +29,7 @@ class TuningPlan:
 
     #: Rows of `Tuning`, then elements of `Catalogue`, each in the order of its table. [SI]
     variables: tuple[Variable, ...]
-    #: The case as it stands first, the others in the order of the options. [SI]
+    #: The unchanged case first, the others in the order of the options. [SI]
     combinations: tuple[Combination, ...]
     study_digest: str  #: Of the rows. [hex]
 
@@ -47,7 +47,7 @@ def plan_tuning(case: CaseData, studies: StudyInputs) -> TuningPlan:
     Returns
     -------
     TuningPlan
-        With the case as it stands. [SI]
+        With the unchanged case. [SI]
 
     Raises
     ------

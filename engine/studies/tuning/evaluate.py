@@ -99,7 +99,7 @@ def calculate_combination(case: CaseData, combination: Combination) -> Evaluated
     Parameters
     ----------
     case : CaseData
-        The case as it stands. [SI]
+        The unchanged case. [SI]
     combination : Combination
         What is chosen. [SI]
 

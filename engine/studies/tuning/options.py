@@ -84,7 +84,7 @@ class Combination:
     #: Option of each variable of the plan; empty where none of them is the case itself. [indices]
     picked: tuple[int, ...]
     options: tuple[Option, ...]  #: The same, as they are. [SI]
-    as_is: bool  #: Whether it is the case as it stands.
+    as_is: bool  #: Whether it is the unchanged case.
 
 
 def variables_of(case: CaseData, studies: StudyInputs) -> tuple[Variable, ...]:
@@ -116,7 +116,7 @@ def with_options(case: CaseData, options: Sequence[Option]) -> CaseData:
     Parameters
     ----------
     case : CaseData
-        The case as it stands. [SI]
+        The unchanged case. [SI]
     options : sequence of Option
         One of each variable, or of some. [SI]
 

@@ -142,7 +142,7 @@ def reason(
     tried : EvaluatedCombination
         A combination, calculated. [SI]
     as_is : EvaluatedCombination or None
-        The case as it stands; None = nothing to compare with. [SI]
+        The unchanged case; None = nothing to compare with. [SI]
     rated_torque : float or None
         RatedTorque. [N m]
     units : mapping of (str, str) to DisplayUnit, optional

@@ -57,12 +57,12 @@ class TuningResult:
     study_digest: str  #: Digest of the rows of `Tuning` and `Catalogue`. [hex]
     variables: tuple[Variable, ...]  #: What was chosen from. [SI]
     rows: tuple[Ranked, ...]  #: Every combination that was calculated, the best first. [SI]
-    as_is: Ranked | None  #: The case as it stands; None where the study was stopped before it. [SI]
+    as_is: Ranked | None  #: the unchanged case; None where the study was stopped before it. [SI]
     required_margin: float  #: Required separation margin. [1]
     bands: tuple[Band, ...]  #: Forbidden bands of every excitation. [Hz]
     windows: tuple[Window, ...]  #: What they leave free. [Hz]
     map: TuningMap  #: Over the first two variables, or the only one. [SI]
-    planned: int  #: Combinations there are, the case as it stands included.
+    planned: int  #: Combinations there are, the unchanged case included.
     sentence: str  #: What was found, in short.
 
 
@@ -77,7 +77,7 @@ def rank_combinations(
     Parameters
     ----------
     case : CaseData
-        The case as it stands. [SI]
+        The unchanged case. [SI]
     plan : TuningPlan
         What was to be tried. [SI]
     tried : iterable of EvaluatedCombination
@@ -129,7 +129,7 @@ def best_cases(
     Parameters
     ----------
     case : CaseData
-        The case as it stands. [SI]
+        The unchanged case. [SI]
     result : TuningResult
         The study. [SI]
     top : int
@@ -226,7 +226,7 @@ def uncalculated_rows(plan: TuningPlan, result: TuningResult) -> list[Row]:
 
 
 def _ranked_row(row: Ranked, usual: frozenset[str]) -> Row:
-    """One row; warnings that hold of the case as it stands as well are left out."""
+    """One row; warnings that hold of the unchanged case as well are left out."""
     a = row.tried.answers
     values: Row = {
         "rank": row.rank,
@@ -288,7 +288,7 @@ def crossing_rows(result: TuningResult, top: int | None = None) -> list[Row]:
     result : TuningResult
         The study. [SI]
     top : int or None, optional
-        How many of the best, the case as it stands besides; None = all. [count]
+        How many of the best, the unchanged case besides; None = all. [count]
 
     Returns
     -------
