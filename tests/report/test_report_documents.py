@@ -50,7 +50,6 @@ def expected_numbers(results: dict) -> set[str]:
 # --- what stands in them --------------------------------------------------------------------------
 
 
-@pytest.mark.needs_poppler
 def test_the_pdf_holds_the_numbers_of_the_results(proposed):
     text = pdf_text(proposed.pdf, "-layout")
     words = set(text.replace("−", "-").split())
@@ -69,7 +68,6 @@ def test_the_docx_holds_the_numbers_of_the_results(proposed):
     assert {n for n in expected_numbers(proposed.results) if n not in found | cells} == set()
 
 
-@pytest.mark.needs_poppler
 def test_pdf_and_docx_say_the_same(proposed):
     """Every sentence and every cell of the .docx stands in the PDF too, but for field codes."""
     pdf = re.sub(r"\s+", "", pdf_text(proposed.pdf).replace("\u200b", ""))
@@ -84,7 +82,6 @@ def test_pdf_and_docx_say_the_same(proposed):
     assert [h for h in headings if re.sub(r"\s+", "", h) not in pdf] == []
 
 
-@pytest.mark.needs_poppler
 def test_every_section_is_there_and_every_page_is_numbered(proposed):
     pages = pdf_text(proposed.pdf, "-layout").split("\f")[:-1]
     assert 15 <= len(pages) <= 30
@@ -128,7 +125,6 @@ def test_the_docx_has_headings_fields_and_equations(proposed):
 
 
 @pytest.mark.slow
-@pytest.mark.needs_poppler
 def test_libreoffice_opens_the_docx(proposed, soffice):
     try:
         made = soffice.convert(proposed.docx, "pdf")
@@ -145,7 +141,6 @@ def test_libreoffice_opens_the_docx(proposed, soffice):
 
 
 @pytest.mark.slow
-@pytest.mark.needs_poppler
 def test_paper_follows_the_units(proposed, tmp_path):
     assert re.search(r'page width="612\.0+" height="792\.0+"', pdf_text(proposed.pdf, "-bbox"))
     us = docx.Document(str(proposed.docx)).sections[0]
@@ -157,7 +152,6 @@ def test_paper_follows_the_units(proposed, tmp_path):
     assert round(docx.Document(str(tmp_path / "c.docx")).sections[0].page_width.mm) == 210
 
 
-@pytest.mark.needs_poppler
 def test_a_case_file_is_shown_in_the_units_it_is_typed_in(tmp_path):
     stations = [
         {"station": "A", "inertia": "10 lb*ft^2"},
@@ -205,7 +199,6 @@ def small_report(tmp_path, **fields) -> tuple[str, str]:
     return flat(pdf_text(tmp_path / "c.pdf")), docx_text(tmp_path / "c.docx")
 
 
-@pytest.mark.needs_poppler
 def test_what_is_absent_is_said_in_words(tmp_path):
     for text in small_report(tmp_path):
         for sentence in (
@@ -222,7 +215,6 @@ def test_what_is_absent_is_said_in_words(tmp_path):
             assert title in text
 
 
-@pytest.mark.needs_poppler
 def test_one_station_alone_makes_a_report(tmp_path):
     alone = {"stations": SMALL["stations"][:1], "elements": []}
     for text in small_report(tmp_path, **alone):
@@ -240,7 +232,6 @@ HOSTILE = (
 )
 
 
-@pytest.mark.needs_poppler
 def test_typed_text_stands_as_typed(tmp_path):
     """Markup of either writer, in title, names and notes, is text like any other."""
     n = len(HOSTILE)
@@ -262,7 +253,6 @@ def test_typed_text_stands_as_typed(tmp_path):
         assert word.count(flat(text)) >= 6, text
 
 
-@pytest.mark.needs_poppler
 def test_control_characters_and_very_long_texts_do_no_harm(tmp_path):
     pdf, word = small_report(
         tmp_path, title="A\u0000B\u0007C\uffff " + "long title " * 88, tag="x" * 1000
@@ -279,7 +269,6 @@ LONG = "A_very_long_name_of_a_station_without_any_blank_at_all_number_{:02d}"
 
 
 @pytest.mark.slow
-@pytest.mark.needs_poppler
 def test_nothing_runs_off_the_page(tmp_path):
     """Every word of a long train with long names lies between the margins."""
     n = 40
@@ -371,7 +360,6 @@ def test_a_missing_package_is_said(tmp_path, monkeypatch):
 
 
 @pytest.mark.slow
-@pytest.mark.needs_poppler
 def test_results_of_other_inputs_are_told(proposed, tmp_path):
     calculated = proposed.pdf.parent / "o" / "example_proposed.xlsx"
     read = read_checked(calculated)

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from report_files import pdf_text
 
 from addin.charts.data import chart_blocks
 from addin.contract.shown_units import shown_units, template_units
@@ -130,7 +131,6 @@ def test_a_broken_table_leaves_three_rows_and_its_note_is_never_alone(tmp_path, 
     import json
 
     import typst
-    from report_files import pdf_text
 
     from addin.report.pdf import TEMPLATE, _table
 
@@ -174,7 +174,6 @@ def test_a_heading_stands_on_the_page_of_its_figure(tmp_path, above, kind):
     import json
 
     import typst
-    from report_files import pdf_text
 
     from addin.report.pdf import TEMPLATE, _section
 

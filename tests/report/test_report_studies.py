@@ -45,7 +45,6 @@ def pictures(path: Path) -> int:
 
 
 @pytest.mark.slow
-@pytest.mark.needs_poppler
 def test_studies_of_these_inputs_are_printed_as_they_stand(book: Path, tmp_path: Path) -> None:
     done = report(book, pdf=tmp_path / "a.pdf", docx=tmp_path / "a.docx")
     assert done.problems == ()

@@ -44,7 +44,6 @@ def pictures(path) -> int:
 
 
 @pytest.mark.slow
-@pytest.mark.needs_poppler
 def test_a_study_in_the_workbook_is_drawn_and_listed(tmp_path):
     with_study(PROPOSED, tmp_path / "a.xlsx")
     done = report(tmp_path / "a.xlsx", pdf=tmp_path / "a.pdf", docx=tmp_path / "a.docx")
@@ -99,7 +98,6 @@ def stiffnesses(path) -> dict[str, float]:
 
 
 @pytest.mark.slow
-@pytest.mark.needs_poppler
 def test_changes_since_an_earlier_revision(tmp_path):
     done = report(MODIFIED, pdf=tmp_path / "a.pdf", docx=tmp_path / "a.docx", against=PROPOSED)
     assert done.problems == ()
