@@ -24,7 +24,7 @@ GRACE = 3
 
 
 def serve(
-    host: Annotated[str, typer.Option(help="Address to listen at.")] = "127.0.0.1",
+    host: Annotated[str, typer.Option(help="Address to listen on.")] = "127.0.0.1",
     port: Annotated[int, typer.Option(help="Port; 0 = any free port.")] = 8765,
     cert: Annotated[Path | None, typer.Option(help="Certificate chain in PEM, for HTTPS.")] = None,
     key: Annotated[Path | None, typer.Option(help="Its private key in PEM.")] = None,

@@ -123,7 +123,7 @@ class ReportedError(StrEnum):
     ALL_STARTS = "the largest of the allowable starts"
     FREQUENCIES = "of the frequencies"
     WORDS = "of a number inside a sentence"
-    ESTIMATE = "an estimate of an error itself, up to its size"
+    ESTIMATE = "itself an estimate of an error: may differ by its own size"
 
 
 class Pane(StrEnum):

@@ -95,7 +95,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             ),
             verdict(
                 "Verdict", "pass, accepted by forced response, or fail.",
-                "pass where the result keeps the limit; accepted by forced response where a margin is not "
+                "pass where the result meets the limit; accepted by forced response where a margin is not "
                 "kept and every judged stress is within UTS/25; fail; not judged without a limit. Overall = the worst",
                 f"{STEADY} (a forced vibration analysis where the margin cannot be attained)",
                 of_row=("Verdicts.Result", "Verdicts.Limit"),

@@ -188,7 +188,7 @@ SHEETS: tuple[Sheet, ...] = (
         freeze="A8",
         header_rows=7,
         intro="Margin = |f − f_exc| / f_exc, the least over the speeds of continuous operation; "
-        "0 where a line crosses the mode inside them.",
+        "0 where an excitation crosses the mode within this range.",
     ),
     Sheet(
         "Steady state",

@@ -60,8 +60,8 @@ EFFECT_NOTES: tuple[str, ...] = (
     "The plan follows from modes, damping, rigid-body run-up and the linear start.",
     "Bound: largest change of a result if the effect is left out; 0 = none;",
     "blank = effect on, or bound unknown (no input, forced off).",
-    "Time: computing time in this run, or its estimate if switched on;",
-    "backlash, pull-in and trip share one run; each shows its total time.",
+    "Time: computing time in this run; of an effect that is off, an estimate;",
+    "backlash, pull-in and trip share one run; each shows the total time of that run.",
 )
 
 #: Blocks of sheet `Notes`: heading, then term and text.

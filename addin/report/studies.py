@@ -250,7 +250,7 @@ def _starts(study: _Study) -> Iterator[Block | None]:
     ]
     yield study.subject.pictures.curves(
         [(name, points) for name, points in curves if len(points) > 1],
-        "Voltage [%]", "Allowable starts", "Allowable starts over the voltage at the motor", log=True,
+        "Voltage [%]", "Allowable starts", "Allowable starts against the voltage at the motor", log=True,
     )  # fmt: skip
     yield study.table(
         "DamageLedger", "Damage ledger",

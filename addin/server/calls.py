@@ -100,8 +100,8 @@ def read_calls(content: Any, most: int) -> list[Call]:
     if len(calls) > most:
         raise Refused(
             413,
-            f"There are {len(calls):,} calls; one request may contain {most:,}. Split them over "
-            "several requests.",
+            f"There are {len(calls):,} calls; one request may contain at most {most:,}. Split "
+            "them over several requests.",
         )
     return [read_call(one, f"calls[{i}]") for i, one in enumerate(calls)]
 

@@ -55,7 +55,7 @@ class Settings:
         If these settings would expose the server, or contradict each other.
     """
 
-    host: str = "127.0.0.1"  #: Address to listen at.
+    host: str = "127.0.0.1"  #: Address to listen on.
     port: int = 8765  #: Port; 0 = any that is free. [number]
     keys: frozenset[str] = frozenset()  #: API keys; empty = none is asked for.
     certificate: Path | None = None  #: Certificate chain in PEM.

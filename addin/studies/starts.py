@@ -67,7 +67,7 @@ def _calculate(task: StudyTask) -> StudyResult:
 
 def _cut_short(calculated: int, planned: int, has_duty: bool) -> CutShort:
     sentence = (
-        f"{CUT_SHORT}: {calculated} of {planned} starts were calculated; the others are named "
+        f"{CUT_SHORT}: {calculated} of {planned} starts were calculated; the others are marked "
         "'not calculated'."
     )
     if has_duty:
@@ -93,7 +93,7 @@ def _terminal(study: StudyResult, options: Mapping[str, Any]) -> Iterator[Termin
 
 
 _HELP = """\
-Calculate start matrix and damage ledger: starts at every voltage, and the life left under a duty.
+Calculate the start matrix and the damage ledger: starts at every voltage, and the life left under a duty.
 
 Start conditions and how often each occurs are in table StartConditions of sheet Duty; without
 rows: 80 to 110 % voltage, loaded and unloaded, and aborted starts. Writes sheets Start matrix and

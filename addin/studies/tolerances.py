@@ -30,7 +30,7 @@ def _calculate(task: StudyTask) -> StudyResult:
     units = sorted(units_of(plan), key=lambda unit: unit.first < plan.n_samples)
     runs = [0, *accumulate(len(unit.values) for unit in units)]
     parts = task.map_until_cancelled(
-        evaluate, units, lambda done: f"{runs[done]:,} of {plan.n_runs:,} trains"
+        evaluate, units, lambda done: f"{runs[done]:,} of {plan.n_runs:,} runs"
     )
     drawn = plan.n_samples - (plan.n_runs - runs[len(parts)])
     cut = None

@@ -219,7 +219,7 @@ def _wrong_spread(spread: float | None, kind: str, limit: float) -> str:
     if spread is None:
         return "Spread is blank; type it relative to the value in the case, such as 5 %."
     if spread < 0.0:
-        return f"Spread is {_percent(spread)}; it must not be negative. Type a positive share."
+        return f"Spread is {_percent(spread)}; it must not be negative. Type zero or more."
     if spread < limit:
         return ""
     why = (

@@ -400,7 +400,7 @@ _SHEETS: tuple[Sheet, ...] = (
 _CHARTS: tuple[ChartSpec, ...] = (
     # how far calculated frequencies are from measured ones, before and after
     ChartSpec(
-        "fit", "columns", "Calculated less measured frequency, in standard deviations",
+        "fit", "columns", "Calculated minus measured frequency, in standard deviations",
         Axis(low=True, grid=False), Axis("Standard deviations of the measurement", number="0.0"),
         tuple(
             Series("FrequencyFit", "Mode", column, name, colour)

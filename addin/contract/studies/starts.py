@@ -43,7 +43,7 @@ def _asked(column: str, rule: str) -> Trace:
     return Trace(rule, _METHOD, (f"StartConditions.{column}",))
 
 
-_STRESS_EQUATION = "τ = 16 ΔT D/(π(D⁴ − d⁴)), ΔT from rest to the end of this kind of start"
+_STRESS_EQUATION = "τ = 16 ΔT D/(π(D⁴ − d⁴)), ΔT from rest to the end of this start"
 _STARTS_EQUATION = "1/q; unlimited where q = 0, not judged where the start is not completed"
 
 _OF_CASE = "as in the case"
@@ -228,11 +228,11 @@ _RESULTS: tuple[TableSpec, ...] = (
                 of_case=("StartsFactor",), format=shown.FOUR_DECIMALS,
             ),
             number(
-                "Used", "count", "Damage so far.", "Σ so far × q over all kinds of starts", _MINER,
+                "Used", "count", "Damage so far.", "Σ so far × q over all start conditions", _MINER,
                 of_case=("StartConditions.So far", *_FATIGUE), format=shown.USED,
             ),
             number(
-                "Yearly", "count", "Damage per year.", "Σ per year × q over all kinds of starts",
+                "Yearly", "count", "Damage per year.", "Σ per year × q over all start conditions",
                 _MINER, of_case=("StartConditions.Per year", *_FATIGUE), format=shown.USED,
             ),
             number(
@@ -306,7 +306,7 @@ _RESULTS: tuple[TableSpec, ...] = (
             ),
             number(
                 "Damage low", "count", "Damage at the lower end of its error.",
-                "q with every stress amplitude less its error, or q less its change between two steps",
+                "q with every stress amplitude minus its error, or q minus its change between two steps",
                 "docs/method.md, Fatigue", of_row=_ROW, of_case=_FATIGUE, format=shown.DAMAGE,
             ),
             number(
@@ -317,7 +317,7 @@ _RESULTS: tuple[TableSpec, ...] = (
             number(
                 "Remaining starts", "count",
                 "Allowed damage not yet used / damage of one start, if only this condition occurs.",
-                "(1/StartsFactor − used)/q, of this kind alone", _METHOD,
+                "(1/StartsFactor − used)/q, of this start condition alone", _METHOD,
                 of_row=("RemainingStarts.Damage",), of_case=("DamageLedger.Left",), format=shown.STARTS,
                 unlimited=True,
             ),

@@ -139,7 +139,7 @@ _RESULTS: tuple[TableSpec, ...] = (
             *_percentiles(_STARTS, ""),
             number(
                 "Unlimited", "fraction", "Share of the samples without any damage.",
-                "Samples without damage over all", _SAMPLE, of_row=(_STARTS,), of_case=_SCATTER,
+                "Samples without damage / all samples", _SAMPLE, of_row=(_STARTS,), of_case=_SCATTER,
             ),
             number(
                 "Required", "count", "StartsRequired.", "As typed", _SAMPLE,
@@ -280,7 +280,7 @@ _RESULTS: tuple[TableSpec, ...] = (
                 "Bars of equal width in the logarithm", _SAMPLE, of_row=(_STARTS,),
             ),
             number(
-                "Share", "fraction", "Share of the samples.", "Samples in the bar over all",
+                "Share", "fraction", "Share of the samples.", "Samples in the bar / all samples",
                 _SAMPLE, of_row=(_STARTS,), of_case=_SCATTER, format=shown.ONE_DECIMAL,
             ),
         ),
@@ -389,7 +389,7 @@ _CHARTS: tuple[ChartSpec, ...] = (
     ChartSpec(
         "starts_distribution", "curves", "Probability that the train allows fewer starts",
         Axis("Allowable starts", log=True, number="#,##0"),
-        Axis("Probability of fewer, %", least=0, largest=100, number="0"),
+        Axis("Probability of fewer starts, %", least=0, largest=100, number="0"),
         (Series("ToleranceDistribution", "Starts", "Probability", "samples", "navy", 1.75),),
     ),
 )  # fmt: skip

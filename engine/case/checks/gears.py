@@ -237,8 +237,8 @@ def _without_stiffness(
         clearance,
         "used with a positive stiffness",
         f"found {number_text(clearance, unit)}, but Stiffness of '{e.element}' "
-        f"({_place(element_cells)}) is 0. {ends} that separate need a stiffness to close "
-        f"again: type it, or clear the {column.lower()}.",
+        f"({_place(element_cells)}) is 0. {ends} that separate need a stiffness to "
+        f"re-engage: type it, or clear the {column.lower()}.",
     )
 
 

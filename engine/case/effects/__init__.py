@@ -22,7 +22,9 @@ def _records() -> Iterator[Effect]:
         module = import_module(f"{__name__}.{file.name}")
         records = [value for value in vars(module).values() if isinstance(value, Effect)]
         if [record.module for record in records] != [file.name]:
-            raise ImportError(f"{module.__file__} must hold the one Effect of its name")
+            raise ImportError(
+                f"{module.__file__} must define exactly one Effect, named after the file"
+            )
         if records[0].flag not in {None, *flags}:
             raise ImportError(f"{module.__file__}: StartEffects has no field {records[0].flag}")
         yield records[0]

@@ -7,8 +7,8 @@ BACKLASH = Effect(
     "teeth that separate, cross their clearance and re-engage",
     order=70,
     number=(
-        "Lowest torque of the linear start less its error, over the largest of that element; "
-        "on below −tolerance / 5"
+        "Lowest torque of the linear start minus its error, divided by the largest torque of that "
+        "element; on below −tolerance / 5"
     ),
     bound="5 × its depth",
     inputs=EffectInputs(

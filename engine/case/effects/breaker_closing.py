@@ -7,8 +7,9 @@ BREAKER_CLOSING = Effect(
     "electrical transient at breaker closing",
     order=40,
     number=(
-        "Largest torque it could bring at a resonance, over the motor's at standstill (of "
-        "several motors: all transients over the least of their torques); on above tolerance"
+        "Largest torque it could add at a resonance, divided by the motor torque at standstill "
+        "(several motors: sum of their transients, divided by the smallest motor torque); on above "
+        "tolerance"
     ),
     bound="the number",
     flag="breaker_closing",

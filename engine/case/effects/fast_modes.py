@@ -7,8 +7,8 @@ FAST_MODES = Effect(
     "modes above those required by the tolerance are integrated",
     order=30,
     number=(
-        "Largest change of a peak that the modes left out may bring. Never on by itself: "
-        "modes are kept until this is a tenth of the tolerance"
+        "Largest change of a peak that the modes left out may cause. auto never switches it on: "
+        "modes are added until this is below a tenth of the tolerance"
     ),
     bound="the number",
     flag="fast_modes",

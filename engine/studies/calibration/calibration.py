@@ -472,13 +472,13 @@ def _basis(
         )
     if not least:
         return False, (
-            f"MarginBasis is unchanged: every margin keeps the {limit:.0%} required for "
+            f"MarginBasis is unchanged: every margin meets the {limit:.0%} required for "
             "calculated frequencies."
         )
     if doubt:
         return (
             False,
-            f"{stays}: {doubt}. State its mode, from measured phases or the sensor's place.",
+            f"{stays}: {doubt}. State its mode, from measured phases or sensor location.",
         )
     reasons = [
         f"mode {at[m].mode} ({at[m].after:.4g} Hz, margin {margin:.1%}): {at[m].why}"

@@ -510,8 +510,8 @@ def _about_the_starts(
             + (
                 "each was recalculated with its own plan."
                 if plan.settings.replan
-                else "the calculation does not let their teeth separate. Request replanning, or force "
-                "backlash on."
+                else "the calculation does not let their teeth separate. Request replanning "
+                "(--replan), or force backlash on."
             )
         )
     sensitive = int(np.sum(sample.sensitive[known]))

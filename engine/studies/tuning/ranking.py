@@ -182,7 +182,7 @@ def _limits(a: KeyAnswers) -> str:
     unjudged = dict.fromkeys(c.check for c in a.checks if c.verdict == Judgement.NOT_JUDGED)
     unjudged.pop(MARGIN_CHECK, None)
     unjudged_words = f"Not judged: {', '.join(unjudged)}." if unjudged else ""
-    limits_kept = "Keeps all judged limits" if unjudged else "Keeps all limits"
+    limits_kept = "Meets all judged limits" if unjudged else "Meets all limits"
     if not near:
         limits_kept += "; no separation margin was judged."
     elif a.margin_verdict == Judgement.ACCEPTED:
@@ -242,7 +242,7 @@ def _severity(a: KeyAnswers, b: KeyAnswers | None, stress: DisplayUnit) -> str:
         text = f"largest torque {a.peak_over_rated:.3g} × rated"
         parts.append(text + ("" if b is None else _against(a.peak_over_rated, b.peak_over_rated)))
     if a.impacts:
-        parts.append(f"{a.impacts} impacts of teeth")
+        parts.append(f"{a.impacts} tooth impacts")
     if not parts:
         return ""
     text = ", ".join(parts)

@@ -160,7 +160,7 @@ def _sentence(rows: tuple[Ranked, ...], as_is: Ranked | None, planned: int) -> s
         sentence += f", {impossible:,} of them cannot be calculated"
     better = sum(r.better for r in rows)
     n_kept = sum(r.tried.answers is not None and not r.tried.answers.broken for r in rows)
-    sentence += f"; {n_kept:,} {'keeps' if n_kept == 1 else 'keep'} all limits that are judged"
+    sentence += f"; {n_kept:,} {'meets' if n_kept == 1 else 'meet'} all judged limits"
     if as_is is None:
         return f"{sentence}. The unchanged case was not one of them."
     sentence += f", {better:,} {'is' if better == 1 else 'are'} better than the unchanged case (rank {as_is.rank:,})."

@@ -101,7 +101,7 @@ def test_equals_are_ordered_by_what_was_chosen_whatever_the_order_of_rows() -> N
 @pytest.mark.parametrize(
     ("answers", "says"),
     [
-        (GOOD, "Keeps all limits (least separation margin: mode 1 (24 Hz) against 1× motor: 25 %)."),
+        (GOOD, "Meets all limits (least separation margin: mode 1 (24 Hz) against 1× motor: 25 %)."),
         (
             replace(GOOD, checks=(KEPT, replace(STRESS, verdict="not judged"))),
             f"against 1× motor: 25 %). Not judged: {STRESS.check}.",
@@ -112,7 +112,7 @@ def test_equals_are_ordered_by_what_was_chosen_whatever_the_order_of_rows() -> N
         (replace(GOOD, checks=(KEPT, STARTS)), "Violates 1 limit: Allowable starts."),
         (replace(GOOD, unlimited=True, starts=None), "Unlimited starts"),
         (replace(GOOD, whole=False, sentence="Stalled: at 1500 rpm."), "Stalled: at 1500 rpm."),
-        (replace(GOOD, impacts=12), "12 impacts of teeth"),
+        (replace(GOOD, impacts=12), "12 tooth impacts"),
         (None, "Cannot be calculated: OD is smaller than ID."),
     ],
 )  # fmt: skip
