@@ -29,7 +29,6 @@ from addin.template.examples import (
     EXAMPLES,
     Example,
     example_case,
-    example_torque,
     study_rows,
 )
 from addin.template.live_sheet import LIVE_SHEET, NO_ANSWERS, LiveAnswers, LiveSheets, live_answers
@@ -118,8 +117,9 @@ def _chart_rows(filled: Example, system: str) -> dict[str, Rows]:
         for table in fields.EVERY_TABLE
         for field in table.columns
     }
-    units, _ = shown_units(names, example_torque(filled))
-    return chart_blocks(example_case(filled, units), units)
+    case = example_case(filled, system)
+    units, _ = shown_units(names, case.ratings.rated_torque)
+    return chart_blocks(case, units)
 
 
 class _Builder(LiveSheets):

@@ -13,10 +13,10 @@ from dataclasses import dataclass, field, replace
 from itertools import pairwise, repeat
 
 from addin.contract import tables as fields
-from addin.contract.shown_units import ShownUnits
 from addin.contract.sources import PAPER, PAPER_TITLE
-from addin.contract.units import parse_unit
-from engine.case.data import TABLES, CaseData
+from addin.contract.units import UnitScale, parse_unit
+from addin.reading.typed_case import Entry, Findings, Typed, TypedCase, to_case_data
+from engine.case.data import CaseData
 
 Value = float | int | str
 
@@ -286,59 +286,48 @@ EXAMPLES: Mapping[str, Example] = {
 }
 
 
-def example_torque(example: Example) -> float | None:
-    """Rated torque of an example. [N m]"""
-    return _scalar_si(example, fields.scalar("RatedTorque"))
-
-
-def _scalar_si(example: Example, field: fields.Field) -> float | None:
-    value = example.scalars.get(field.name)
-    if value is None or not field.is_number:
-        return None
-    if not field.has_unit:
-        return float(value)
-    unit = example.scalar_units.get(field.name, field.unit_us)
-    return parse_unit(unit, field.dimension).to_si(float(value))
-
-
-def example_case(example: Example, units: ShownUnits) -> CaseData:
-    """An example as the engine sees it, for the drawings that need no calculation.
+def example_case(example: Example, system: str) -> CaseData:
+    """An example read as the workbook made of it will be, for the drawings that need no calculation.
 
     Parameters
     ----------
     example : Example
-        The example, in shown units.
-    units : ShownUnits
-        Units above its columns.
+        The example, as typed.
+    system : str
+        Units of the workbook where the example names none: ``us`` or ``si``. [word]
 
     Returns
     -------
     CaseData
-        Tables, ratings and speeds. [SI]
+        What cannot be resolved is blank. [SI]
     """
-    ratings = ("LineFrequency", "SynchronousSpeed", "RatedTorque", "StartsRequired")
-    values: dict[str, object] = {
-        fields.scalar(name).attribute: _scalar_si(example, fields.scalar(name)) for name in ratings
-    }
+    typed = TypedCase(
+        {
+            name: _entry(value, fields.scalar(name), example.scalar_units.get(name), system)
+            for name, value in example.scalars.items()
+        }
+    )
     for spec in fields.INPUT_TABLES:
-        attribute, row_class = TABLES[spec.name]
-        values[attribute] = tuple(
-            row_class(
-                **{
-                    field.attribute: _cell_si(row[field.name], spec.name, field, units)
-                    for field in spec.columns
-                    if field.name in row
-                }
-            )
+        typed.tables[spec.name] = [
+            {
+                field.name: _entry(
+                    row[field.name], field, example.units.get((spec.name, field.name)), system
+                )
+                for field in spec.columns
+                if field.name in row
+            }
             for row in example.tables.get(spec.name, ())
-        )
-    return CaseData(**values)  # type: ignore[arg-type]
+        ]
+    return to_case_data(typed, Findings())
 
 
-def _cell_si(value: Value, table: str, field: fields.Field, units: ShownUnits) -> Value:
+def _entry(value: Value, field: fields.Field, unit: str | None, system: str) -> Entry:
     if isinstance(value, str):
         return value
-    return value * units.factor(table, field.name)
+    if not field.has_unit:
+        return Typed(value, UnitScale(1.0), "")
+    unit = unit or str(getattr(field, f"unit_{system}"))
+    return Typed(value, parse_unit(unit, field.dimension), unit)
 
 
 # --- studies: what an engineer would ask of the sample case ---------------------------------------

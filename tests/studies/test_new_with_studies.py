@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -11,9 +12,11 @@ from typer.testing import CliRunner
 from addin.cli.app import app
 from addin.contract.shipped import template_path
 from addin.contract.tables import STUDY_INPUT_TABLES
-from addin.reading.case_json import case_to_json
+from addin.reading.case_json import case_to_json, read_case_json
 from addin.reading.one_file import Unreadable, read_checked
 from addin.reading.typed_case import CaseInput
+from addin.template.examples import example_case
+from addin.template.filled import example_of
 from engine.case.data import case_digest
 from engine.case.study_inputs import TuningRow
 
@@ -77,6 +80,17 @@ def test_study_rows_do_not_change_the_case_and_spoil_no_plain_run(tmp_path: Path
     told = RUN.invoke(app, ["check", str(spoilt)])
     assert told.exit_code == 1
     assert "table Scatter, row 1, Spread (key scatter[0].spread): found 'ten'" in told.output
+
+
+def test_torques_over_speeds_in_rpm_are_drawn_as_they_are_read() -> None:
+    content = case_to_json(_read(template_path("example_proposed.xlsx")).data)
+    for name in ("motor_torque", "load_torque"):
+        for row in content[name]:
+            row["speed"] = f"{1234.5 * row['speed']} rpm"
+    read = read_case_json(content)
+    drawn = example_case(example_of(read, "us"), "us")
+    assert drawn == replace(read.data, template_version=None)
+    assert read.data.motor_torque[1].speed > 0.0
 
 
 @pytest.mark.parametrize(

@@ -12,9 +12,7 @@ from typing import Any
 import numpy as np
 
 from addin.calculation.calculation import RunView
-from addin.contract.shown_units import shown_units
-from addin.contract.tables import INPUT_TABLES
-from addin.template.examples import EXAMPLES, example_case, example_torque
+from addin.template.examples import EXAMPLES, example_case
 from engine.case.data import CaseData
 from engine.case.effects import EFFECTS
 from engine.start.start import ForceHistories
@@ -74,13 +72,7 @@ def made_up_run(case: CaseData | None = None) -> RunView:
 
 
 def _example() -> CaseData:
-    example = EXAMPLES["proposed"]
-    names = {
-        (table.name, field.name): example.units.get((table.name, field.name), field.unit_us)
-        for table in INPUT_TABLES
-        for field in table.columns
-    }
-    return example_case(example, shown_units(names, example_torque(example))[0])
+    return example_case(EXAMPLES["proposed"], "us")
 
 
 def _verdicts() -> list[dict[str, Any]]:
