@@ -29,7 +29,7 @@ def serve(
     cert: Annotated[Path | None, typer.Option(help="Certificate chain in PEM, for HTTPS.")] = None,
     key: Annotated[Path | None, typer.Option(help="Its private key in PEM.")] = None,
     api_key_file: Annotated[
-        Path | None, typer.Option(help="File with the API keys, one a line.")
+        Path | None, typer.Option(help="File with the API keys, one per line.")
     ] = None,
     public_url: Annotated[
         str,

@@ -28,7 +28,7 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
             sentence("Description", "Free text."),
             number("Inertia", "inertia", "Polar inertia (WR²) at the station's own speed."),
             number(
-                "Speed ratio", "ratio", "Speed of the station over the speed of the motor shaft.",
+                "Speed ratio", "ratio", "Speed of the station divided by the speed of the motor shaft.",
                 blank="1",
             ),
             number(

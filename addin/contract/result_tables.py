@@ -72,7 +72,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             text("Check", "What is judged.", "Name of the check", "docs/method.md"),
             mixed(
                 "Result", "Result of the check.",
-                "The governing number: least margin, largest stress over its allowable, least torque over its "
+                "The governing number: least margin, largest stress / its allowable, least torque / its "
                 "limit, fewest starts (rounded down to whole starts)",
                 "docs/method.md; the source of the result table it is taken from",
                 of_case=(
@@ -206,7 +206,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             ),
             number(
                 "Margin", "fraction", "|f - f_exc| / f_exc.",
-                "|f − f_exc| / f_exc, the least over the operating speeds; 0 where a line crosses the mode",
+                "|f − f_exc| / f_exc, the least over the operating speeds; 0 where an excitation crosses the mode",
                 f"{STEADY} (20 percent margin)",
                 of_row=("NaturalFrequencies.Frequency", "SeparationMargins.Excitation frequency"),
                 of_case=SPEEDS, format=shown.TWO_DECIMALS,
@@ -360,8 +360,8 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             ),
             number(
                 "Error", "fraction", "Estimated relative error of the peak.",
-                "Change of the extremes from step h to h/2, with a bound on the modes left out, over the "
-                "larger extreme",
+                "Change of the extremes from step h to h/2, with a bound on the modes left out, divided "
+                "by the larger extreme",
                 "docs/method.md, The start", of_case=("TolerancePeak", "Method"), format=shown.ERROR,
                 error=ReportedError.ESTIMATE, printed="Estimated error", pane=Pane.MINOR,
             ),
@@ -592,7 +592,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 ), pane=Pane.MINOR,
             ),
             number(
-                "Margin", "fraction", "Least torque over the transmitted torque; < 0 reverses.",
+                "Margin", "fraction", "Least torque divided by the transmitted torque; below 0 the torque reverses.",
                 "least torque / transmitted torque", "docs/nomenclature.md, reversal margin",
                 of_row=("TorqueReversals.Minimum torque", "TorqueReversals.Transmitted torque"),
                 format=shown.TWO_DECIMALS, error=ReportedError.PEAKS, pane=Pane.WORKBOOK,
@@ -698,7 +698,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             ),
             number(
                 "Error peak", "fraction", "Error of the peak torques.",
-                "Largest error of a peak over the larger extreme of its element: estimated from h "
+                "Largest error of a peak / larger extreme of its element: estimated from h "
                 "and h/2; in a study, found by comparison with a reference 256 times more accurate "
                 "(with events: with a start calculated to a tolerance 100 times finer, where the "
                 "step allows)",

@@ -144,7 +144,7 @@ NOTES: Mapping[str, tuple[tuple[str, str], ...]] = {
             "Fatigue",
             "q = Σ nᵢ / Nᵢ over the cycles of one start, allowable starts 1 / q (paper, Figure 3). "
             f"Cycles by rainflow counting ({RAINFLOW.cited}); the paper's cycle-by-cycle count is "
-            "shown beside it. Bending data are halved for torsion. N between S-N points is log-log.",
+            "shown beside it. Bending data are halved for torsion. N between S-N points is interpolated log-log.",
         ),
         ("Yield", "Nominal peak stress is judged against Yield / 2 (maximum shear theory)."),
     ),

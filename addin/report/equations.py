@@ -132,7 +132,7 @@ METHODS: tuple[tuple[str, str], ...] = (
     ),
     (
         "Cycle counting",
-        f"rainflow after {_numbered(RAINFLOW)}; the history begins at rest and is closed by a return to zero.",
+        f"rainflow according to {_numbered(RAINFLOW)}; the history begins at rest and is closed by a return to zero.",
     ),
 )
 

@@ -122,7 +122,7 @@ ACCURACY = Study(
     as_json=_to_json,
     help=_HELP,
     options=(
-        Option("quick", bool, False, "Time each setting once instead of five times."),
+        Option("quick", bool, False, "Measure the time of each setting once instead of five times."),
     ),
     terminal=_terminal,
     measures_time=True,

@@ -82,7 +82,7 @@ def _axes(
     if up is not None and len(lines) < len(up.options):
         row["second_variable"] += f" ({len(lines)} of {len(up.options)} values shown)"
     if others:
-        row["second_variable"] += f"; best over {', '.join(others)}"
+        row["second_variable"] += f"; with the best {', '.join(others)}"
     names = ["all" if up is None else up.options[j].label for j in lines]
     return row | {f"line_{k}": name for k, name in enumerate([*names, *["–"] * LINES][:LINES], 1)}
 

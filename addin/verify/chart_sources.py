@@ -63,7 +63,7 @@ def compare_copies(workbook: Workbook, charts: Sequence[DrawnChart]) -> Iterator
         wrong = [one for drawn in chart.references() for one in _wrong_points(workbook, drawn)]
         if wrong:
             (sheet, cell), carried, held = wrong[0]
-            more = "" if len(wrong) == 1 else f", and {len(wrong) - 1:,} more likewise"
+            more = "" if len(wrong) == 1 else f" (and {len(wrong) - 1:,} more such)"
             yield Finding(
                 "chart", chart.sheet, chart.cell,
                 f"{_called(chart)} shows {_shown(carried)} for {quoted_sheet(sheet)}!{cell}, but the "

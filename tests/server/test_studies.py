@@ -67,7 +67,7 @@ def test_a_study_that_is_cancelled_frees_its_process(server):
     with stream_of(server) as line:
         asked = {"study": "tolerances", "case": CASE, "settings": {"samples": 100_000}}
         line.send(json.dumps({"id": 1, **asked}))
-        while "trains" not in json.loads(line.recv(timeout=120)).get("stage", ""):
+        while " runs" not in json.loads(line.recv(timeout=120)).get("stage", ""):
             pass
         line.send(json.dumps({"id": 1, "cancel": True}))
         assert until_the_end(line, 1)[-1] == {"cancelled": True}
@@ -81,7 +81,7 @@ def test_a_client_that_leaves_gives_its_study_up(server):
     with stream_of(server) as line:
         asked = {"study": "tolerances", "case": CASE, "settings": {"samples": 100_000}}
         line.send(json.dumps({"id": 1, **asked}))
-        while "trains" not in json.loads(line.recv(timeout=120)).get("stage", ""):
+        while " runs" not in json.loads(line.recv(timeout=120)).get("stage", ""):
             pass
     time.sleep(0.2)
     with stream_of(server) as line:

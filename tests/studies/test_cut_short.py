@@ -309,7 +309,7 @@ def test_ctrl_c_on_the_command_line(times: int, tmp_path: Path) -> None:
         assert not place.exists()
 
 
-@pytest.mark.parametrize("stage", ["nominal run", "68 of 68 trains"])
+@pytest.mark.parametrize("stage", ["nominal run", "68 of 68 runs"])
 def test_a_second_ctrl_c_gives_up_whatever_is_done(
     stage: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

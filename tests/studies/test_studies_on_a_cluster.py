@@ -133,7 +133,7 @@ def test_progress_is_shown_and_ctrl_c_frees_the_cluster(
 
     reader = threading.Thread(target=read, daemon=True)
     reader.start()
-    wait_until(lambda: re.search(rb"case.json: \d[\d,]* of 100,0\d\d trains", b"".join(shown)))
+    wait_until(lambda: re.search(rb"case.json: \d[\d,]* of 100,0\d\d runs", b"".join(shown)))
     wait_until(lambda: re.search(rb"case.json: [1-9]\d\d of 100,0\d\d", b"".join(shown)))
     study.send_signal(signal.SIGINT)
     assert study.wait(120) == 130

@@ -159,7 +159,7 @@ _RESULTS: tuple[TableSpec, ...] = (
             ),
             number(
                 "Peak over rated", "ratio",
-                "Largest torque, referred to the motor, over RatedTorque.",
+                "Largest torque, referred to the motor, divided by RatedTorque.",
                 trace=_run(
                     "max |T| × speed ratio / RatedTorque over all elements",
                     (*_CASE, "RatedTorque"),
@@ -185,7 +185,7 @@ _RESULTS: tuple[TableSpec, ...] = (
             integer(
                 "Impacts",
                 "Number of re-engagements of the teeth; blank where no clearance is modelled.",
-                trace=_run("Re-engagements of all clearances modelled"),
+                trace=_run("Re-engagements, sum over all elements with a modelled clearance"),
             ),
             number(
                 "Damage", "count", "Damage of one such start on the governing shaft.",

@@ -46,7 +46,7 @@ MAP_ROWS = 13
 MAP_MODES = 5
 _PAGE = "docs/tuning.md"
 _RULES = f"{_PAGE}, How combinations are ranked"
-_RUN = f"{_PAGE}; as the nominal run of that case, see its result sheets"
+_RUN = f"{_PAGE}; calculated like any run of the case, see the result sheets"
 _ROWS = ("Tuning.Element", "Tuning.Quantity", "Tuning.Values", "Catalogue.Name")
 
 
@@ -240,7 +240,7 @@ _RESULTS: tuple[TableSpec, ...] = (
                 trace=_as("StartupPeaks.Element", "Shaft with the largest range × SCF"),
             ),
             number(
-                "Peak torque over rated", "ratio", "Largest torque, referred to the motor, over RatedTorque.",
+                "Peak torque over rated", "ratio", "Largest torque, referred to the motor, divided by RatedTorque.",
                 trace=_as("StartupPeaks.Maximum torque", "max |T| · speed ratio / RatedTorque"),
             ),
             text(
@@ -386,7 +386,7 @@ _RESULTS: tuple[TableSpec, ...] = (
             ),
             integer(
                 "Combinations clear", "Number of combinations without a mode in the band.",
-                "Combinations all of whose modes keep the margin from it", _PAGE, of_case=_ROWS,
+                "Combinations in which every mode keeps the margin from it", _PAGE, of_case=_ROWS,
             ),
             integer(
                 "Combinations", "Combinations that were calculated.",

@@ -290,7 +290,9 @@ def tv_sensitivities(model: str, of: str | None, units: str | None, headers: boo
     rows = _kept(found, f"sensitivities {asked}", calculate)
     spec = result_table(FOLLOWING[asked])
     if not rows:
-        raise FunctionError("No sensitivities: the case has no start with a peak.", "#N/A")
+        raise FunctionError(
+            "No sensitivities: there are no peaks of a start to differentiate.", "#N/A"
+        )
     return table_cells(spec, rows, system_for(units, found), headers, _columns_of(spec, rows))
 
 

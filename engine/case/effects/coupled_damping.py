@@ -7,7 +7,8 @@ COUPLED_DAMPING = Effect(
     "dampers couple the modes in the start (non-proportional damping)",
     order=20,
     number=(
-        "Estimated share of an element's torque that the coupling brings; on above tolerance / 50"
+        "Estimated change of an element's torque by the coupling of modes, as a share of that "
+        "torque; on above tolerance / 50"
     ),
     bound="50 × the number",
     called_for_by="Damping of elements or stations",

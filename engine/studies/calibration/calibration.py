@@ -376,7 +376,7 @@ class _Estimate:
         if reading.frequency > float(np.max(base.frequency)):
             return (
                 f"Not used: it is above the highest mode of the model, mode {len(base.frequency)} at "
-                f"{base.frequency[-1]:.4g} Hz. Divide shafts (give Density) for higher modes, or "
+                f"{base.frequency[-1]:.4g} Hz. For higher modes give shafts a Density, or "
                 "delete the row."
             )
         return (
@@ -506,7 +506,7 @@ def _sentence(
 ) -> str:
     used = [m for m in measurements if m.used]
     if not used:
-        return "Nothing was calibrated: no measurement could be used. See their notes."
+        return "Nothing was calibrated: no measurement could be used. See the notes of the measurements."
     if not parameters:
         return "Nothing was calibrated: no stiffness, inertia or damping is uncertain."
     largest = max(parameters, key=lambda p: abs(p.change))
