@@ -199,11 +199,7 @@ class _Styles:
 #: Most a row can be. [points]
 _HIGHEST = 400.0
 #: Columns that begin a new page, after the first page.
-_PAGES = (
-    "Mode 1 [Hz]",
-    "Largest stress in a start, nominal, peak-to-peak [MPa]",
-    "What happened",
-)
+_PAGES = ("Mode 1 [Hz]", "Largest stress in a start, nominal, peak-to-peak [MPa]", "What happened")
 _FIRST = 3  # row of the headers, counted from 0
 
 

@@ -32,14 +32,7 @@ from addin.batch.own_files import (
     is_result_csv,
     stated_columns,
 )
-from addin.batch.records import (
-    AN_EARLIER,
-    CRASHED,
-    DONE,
-    NOT_RENAMED,
-    OUTDATED,
-    outcome_of,
-)
+from addin.batch.records import AN_EARLIER, CRASHED, DONE, NOT_RENAMED, OUTDATED, outcome_of
 from addin.batch.scheduler import Listener
 from addin.batch.summary import guarded
 from addin.batch.vary_columns import TableRefused, Varied, read_columns
@@ -49,11 +42,7 @@ from addin.batch.work import compiles
 from addin.calculation.stages import COMPILING
 from addin.contract.version import product_version
 from addin.reading.one_file import Unreadable, read_checked
-from addin.reading.typed_case import (
-    Findings,
-    TypedCase,
-    to_case_data,
-)
+from addin.reading.typed_case import Findings, TypedCase, to_case_data
 from addin.workers.pool import Crashed, Task, Workers
 from addin.workers.stop import Stop, Stopped
 

@@ -10,10 +10,7 @@ from typing import TypeVar
 from addin.contract.problems import nearest, shortened
 from addin.contract.tables import INPUT_TABLES, SCALAR_TABLE, SCALARS, Field, TableSpec
 from addin.contract.units import UnitError, UnitScale, parse_unit
-from addin.reading.typed_case import (
-    Place,
-    TypedCase,
-)
+from addin.reading.typed_case import Place, TypedCase
 
 
 class TableRefused(Exception):

@@ -10,11 +10,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from addin.batch.own_files import RESULT_COLUMNS
-from addin.batch.records import (
-    DONE,
-    FAULT,
-    WRONG_INPUT,
-)
+from addin.batch.records import DONE, FAULT, WRONG_INPUT
 from addin.batch.vary_columns import Varied
 from addin.calculation.key_figures import key_figures
 from addin.contract.problems import shortened
@@ -74,10 +70,7 @@ def calculate_rows(task: Chunk) -> list[dict[str, Any]]:
 
 
 def _calculated(
-    task: Chunk,
-    values: Sequence[Any],
-    base: TypedCase,
-    known: dict[str, dict[str, Any]],
+    task: Chunk, values: Sequence[Any], base: TypedCase, known: dict[str, dict[str, Any]]
 ) -> dict[str, Any]:
     """One row; `known` holds the cases of this chunk."""
     columns = task.columns

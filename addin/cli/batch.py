@@ -357,11 +357,7 @@ def _processed(work: Batch, inputs: Sequence[Input], stop: Stop) -> str:
 
 
 def _watched(
-    work: Batch,
-    find: Callable[[], list[Input]],
-    inputs: Sequence[Input],
-    book: Path,
-    stop: Stop,
+    work: Batch, find: Callable[[], list[Input]], inputs: Sequence[Input], book: Path, stop: Stop
 ) -> None:
     """Calculate what is saved until Ctrl-C."""
     everything = {one.name: one for one in inputs}

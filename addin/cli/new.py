@@ -56,9 +56,7 @@ def new(
     source: Annotated[
         Path | None,
         typer.Option(
-            "--from",
-            metavar="FILE",
-            help="Copy the inputs of this workbook or case JSON as typed.",
+            "--from", metavar="FILE", help="Copy the inputs of this workbook or case JSON as typed."
         ),
     ] = None,
     force: ForceOption = False,

@@ -24,8 +24,7 @@ def verify(
         typer.Argument(help="Calculated workbooks, or result JSON files.", show_default=False),
     ],
     case: Annotated[
-        Path | None,
-        typer.Option(help="Case JSON or workbook with the inputs of a result JSON."),
+        Path | None, typer.Option(help="Case JSON or workbook with the inputs of a result JSON.")
     ] = None,
     within: Annotated[
         str,

@@ -13,13 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path, PureWindowsPath
 
 from addin.excel.errors import VbaProjectError
-from addin.excel.vba import (
-    MACROS,
-    UDF_MODULE,
-    WRAPPERS,
-    fresh_project,
-    product_modules,
-)
+from addin.excel.vba import MACROS, UDF_MODULE, WRAPPERS, fresh_project, product_modules
 from addin.excel.vba_project import VbaProject
 from addin.xlsx import SaveReport, Workbook, open_workbook
 from addin.xlsx.macros import (
@@ -99,11 +93,7 @@ def portable(path: str, local: str) -> str:
 
 
 def install(
-    source: Path,
-    destination: Path | None,
-    *,
-    interpreter: str = "",
-    ignore_lock: bool = False,
+    source: Path, destination: Path | None, *, interpreter: str = "", ignore_lock: bool = False
 ) -> SaveReport:
     """Give a workbook the functions, or bring those it has to this version.
 

@@ -250,10 +250,7 @@ class _Reading:
                 meant = nearest(key, known)
                 advice = f"Did you mean '{meant}'?" if meant else "Delete it."
                 self.findings.add(
-                    (*place, key),
-                    key,
-                    "a key of the case format",
-                    f"unknown key '{key}'. {advice}",
+                    (*place, key), key, "a key of the case format", f"unknown key '{key}'. {advice}"
                 )
 
     def _read_rows(self, name: str, rows: Any) -> None:
@@ -384,8 +381,7 @@ _SCALARS = {spec.key: spec for spec in SCALARS}
 _TABLES = {table.key: table for table in INPUT_TABLES}
 _STUDIES = {table.key: table for table in STUDY_INPUT_TABLES}
 _QUANTITY = re.compile(
-    r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)(?:\s+|(?![\d.,]))(.*)",
-    re.DOTALL | re.ASCII,
+    r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)(?:\s+|(?![\d.,]))(.*)", re.DOTALL | re.ASCII
 )
 
 

@@ -535,12 +535,7 @@ class _Reading:
         self.findings.add(place, found, allowed, message)
 
     def _typed(
-        self,
-        number: float,
-        scale: UnitScale,
-        unit: str,
-        cell: Cell,
-        place: Place,
+        self, number: float, scale: UnitScale, unit: str, cell: Cell, place: Place
     ) -> Typed | None:
         """A number with its unit, unless percent is stated twice."""
         if scale.factor == 0.01 and is_percent_format(cell.number_format):

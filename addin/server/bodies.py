@@ -105,8 +105,7 @@ def parsed(text: bytes | str) -> Any:
     except (ValueError, UnicodeDecodeError) as wrong:
         if "set_int_max_str_digits" in str(wrong):
             raise Refused(
-                400,
-                "The JSON contains a whole number with too many digits for a cell. Correct it.",
+                400, "The JSON contains a whole number with too many digits for a cell. Correct it."
             ) from None
         raise Refused(400, f"This is not valid JSON: {wrong}. Correct it.") from None
 

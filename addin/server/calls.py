@@ -176,8 +176,7 @@ class UnsentCells:
                 )
             elif self._is_sent or self._unsent.cells + cells > MOST_UNSENT:
                 self.refused = error(
-                    "The server is busy sending results. Try again in a few seconds.",
-                    "#N/A",
+                    "The server is busy sending results. Try again in a few seconds.", "#N/A"
                 )
             else:
                 self._cells += cells

@@ -13,10 +13,7 @@ from addin.workers.stop import cores
 
 #: Does a function of a module with each payload; answers in the order of the payloads. The last
 #: argument is called with how many are done.
-ParallelMap = Callable[
-    [Callable[[Any], Any], Sequence[Any], Callable[[int], None]],
-    list[Any],
-]
+ParallelMap = Callable[[Callable[[Any], Any], Sequence[Any], Callable[[int], None]], list[Any]]
 
 
 class Cancelled(Exception):
@@ -96,10 +93,7 @@ def map_until_cancelled(
 
 @contextmanager
 def open_parallel_map(
-    jobs: int | None,
-    scheduler: str | None,
-    version: Callable[[], str],
-    stopped: Callable[[], bool],
+    jobs: int | None, scheduler: str | None, version: Callable[[], str], stopped: Callable[[], bool]
 ) -> Iterator[ParallelMap]:
     """The cluster of an address, or processes, or this process where one is asked for.
 

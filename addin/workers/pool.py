@@ -378,9 +378,7 @@ def _last_words(status: int | None) -> str:
 
 
 def _serve(
-    line: Connection,
-    warm_up: Callable[[], None] | None = None,
-    most_memory: int | None = None,
+    line: Connection, warm_up: Callable[[], None] | None = None, most_memory: int | None = None
 ) -> None:
     """Do one task after the other until the line ends."""
     if warm_up is not None:
