@@ -216,10 +216,7 @@ class _Reading:
         self._read_format(content.get("format"))
         known = {"format", *_SCALARS, *_TABLES, *_STUDIES}
         self._note_unknown(content, known, (SCALAR_TABLE, None))
-        for key, spec in _SCALARS.items():
-            entry = self._entry(content.get(key), spec, (SCALAR_TABLE, None, spec.name))
-            if entry is not None:
-                self.typed.scalars[spec.name] = entry
+        self.typed.scalars = self._entries(content, _SCALARS, SCALAR_TABLE, None)
         for key, table in _TABLES.items():
             rows = content.get(key)
             if rows is not None:
@@ -269,16 +266,12 @@ class _Reading:
         known = {column.key: column for column in spec.columns}
         self.typed.tables[name] = []
         for number, row in enumerate(rows, start=1):
-            entries: dict[str, Entry] = {}
-            self.typed.tables[name].append(entries)
-            if not isinstance(row, Mapping):
+            if isinstance(row, Mapping):
+                self._note_unknown(row, set(known), (name, number))
+            else:
                 self._note_row(name, number, row, spec.columns)
-                continue
-            self._note_unknown(row, set(known), (name, number))
-            for key, column in known.items():
-                entry = self._entry(row.get(key), column, (name, number, column.name))
-                if entry is not None:
-                    entries[column.name] = entry
+                row = {}
+            self.typed.tables[name].append(self._entries(row, known, name, number))
 
     def _note_row(self, name: str, number: int, row: Any, columns: tuple[Field, ...]) -> None:
         self.findings.add(
@@ -287,8 +280,17 @@ class _Reading:
             "an object",
             "the row is not an object. Write its columns as keys in braces.",
         )
-        for column in columns:
-            self.findings.silence((name, number, column.name))
+        self.findings.silence(*((name, number, column.name) for column in columns))
+
+    def _entries(
+        self, content: Mapping[str, Any], fields: Mapping[str, Field], table: str, row: int | None
+    ) -> dict[str, Entry]:
+        """The values of a case or of a row that can be read, by name."""
+        entries = {
+            spec.name: self._entry(content.get(key), spec, (table, row, spec.name))
+            for key, spec in fields.items()
+        }
+        return {name: entry for name, entry in entries.items() if entry is not None}
 
     def _entry(self, value: Any, spec: Field, place: Place) -> Entry | None:
         """One value as typed; None for a blank and for a value that cannot be read."""

@@ -1,4 +1,4 @@
-"""One cell of a workbook → a number, words, nothing, or a sentence on what is wrong with it."""
+"""One cell of a workbook → a number, words, nothing, or `CellFault` with what is wrong with it."""
 
 from __future__ import annotations
 
@@ -28,19 +28,28 @@ class Cell:
         return blank_text or (self.value is None and not self.is_formula)
 
 
-@dataclass(frozen=True)
-class Fault:
-    """Why a cell cannot be taken as it is."""
+class CellFault(Exception):
+    """A cell that cannot be taken as it is.
 
-    found: str  #: What it shows. [as shown]
-    allowed: str  #: What would be accepted.
-    message: str  #: What is wrong and what to do.
+    Parameters
+    ----------
+    found : str or None
+        What it shows. [as shown]
+    allowed : str
+        What would be accepted. [words]
+    message : str
+        What is wrong and what to do. [sentence]
+    """
+
+    def __init__(self, found: str | None, allowed: str, message: str) -> None:
+        super().__init__(message)
+        self.found, self.allowed, self.message = found, allowed, message
 
 
 _NUMBER = "a number"
 
 
-def read_number(cell: Cell, spec: Field, unit_place: str) -> float | Fault | None:
+def read_number(cell: Cell, spec: Field, unit_place: str) -> float | None:
     """The number in a cell.
 
     Parameters
@@ -54,25 +63,23 @@ def read_number(cell: Cell, spec: Field, unit_place: str) -> float | Fault | Non
 
     Returns
     -------
-    float, Fault or None
+    float or None
         None for a blank. [shown unit]
+
+    Raises
+    ------
+    CellFault
+        If it is none.
     """
-    value = cell.value
-    if cell.is_blank:
+    value = _plain(cell, _NUMBER, "found {}; type a number.")
+    if value is None:
         return None
-    fault = _formula_fault(cell)
-    if fault is not None:
-        return fault
-    if isinstance(value, bool):
-        shown = "TRUE" if value else "FALSE"
-        return Fault(shown, _NUMBER, f"found {shown}; type a number.")
     if isinstance(value, str):
-        return _text_fault(value, spec, unit_place)
-    assert isinstance(value, (int, float))
+        raise _text_fault(value, spec, unit_place)
     if not math.isfinite(value):
-        return Fault(str(value), "a finite number", f"found {value}; type a finite number.")
+        raise CellFault(str(value), "a finite number", f"found {value}; type a finite number.")
     if is_date_format(cell.number_format):
-        return Fault(
+        raise CellFault(
             f"a date or time ({value:.10g})",
             _NUMBER,
             f"the cell is formatted as a date or time; Excel stores {value:.10g}. Excel converts "
@@ -82,70 +89,72 @@ def read_number(cell: Cell, spec: Field, unit_place: str) -> float | Fault | Non
     return float(value)
 
 
-def read_text(cell: Cell, spec: Field) -> str | Fault | None:
+def read_text(cell: Cell, spec: Field) -> str | None:
     """The words in a cell; a number stands for its digits.
 
     Returns
     -------
-    str, Fault or None
+    str or None
         None for a blank. [text]
+
+    Raises
+    ------
+    CellFault
+        If it holds none.
     """
-    value = cell.value
-    if cell.is_blank:
-        return None
-    fault = _formula_fault(cell)
-    if fault is not None:
-        return fault
-    if isinstance(value, bool):
-        shown = "TRUE" if value else "FALSE"
-        allowed = "one of " + ", ".join(spec.choices) if spec.choices else "text"
-        return Fault(shown, allowed, f"found {shown}; it must be {allowed}. Type it as text.")
-    if isinstance(value, str):
-        return value
-    assert isinstance(value, (int, float))
-    return f"{value:.15g}"
+    allowed = "one of " + ", ".join(spec.choices) if spec.choices else "text"
+    value = _plain(cell, allowed, "found {}; it must be " + allowed + ". Type it as text.")
+    return f"{value:.15g}" if isinstance(value, (int, float)) else value
 
 
-def read_unit(cell: Cell) -> str | Fault:
+def read_unit(cell: Cell) -> str:
     """The unit in a cell; the number 1 is a unit too.
 
     A unit that cannot be told is no blank one: a ratio would be taken for what is per cent.
 
     Returns
     -------
-    str or Fault
+    str
         Empty for a blank. [text]
+
+    Raises
+    ------
+    CellFault
+        If it cannot be told.
+    """
+    value = _plain(cell, "a unit", "found {}; type a unit.")
+    return f"{value:.15g}" if isinstance(value, (int, float)) else (value or "").strip()
+
+
+def _plain(cell: Cell, allowed: str, sentence: str) -> int | float | str | None:
+    """The number or text of a cell, None for a blank; `sentence` is said of a truth value.
+
+    Raises
+    ------
+    CellFault
+        Of an error value, a formula nobody has calculated, and a truth value.
     """
     value = cell.value
     if cell.is_blank:
-        return ""
-    fault = _formula_fault(cell)
-    if fault is not None:
-        return fault
+        return None
     if isinstance(value, bool):
         shown = "TRUE" if value else "FALSE"
-        return Fault(shown, "a unit", f"found {shown}; type a unit.")
-    return value.strip() if isinstance(value, str) else f"{value:.15g}"
-
-
-def _formula_fault(cell: Cell) -> Fault | None:
-    """An error value, or a formula nobody has calculated."""
-    value = cell.value
+        raise CellFault(shown, allowed, sentence.format(shown))
     if isinstance(value, ErrorValue) or (isinstance(value, str) and re.match(r"#[A-Z/0]", value)):
         code = value.code if isinstance(value, ErrorValue) else shortened(value)
         if cell.is_formula:
             action = "Correct the formula or the cells it reads"
         else:
             action = "Type the value, or leave the cell blank"
-        return Fault(code, "a value", f"found the error {code}. {action}.")
-    if cell.is_formula and value is None:
-        return Fault(
+        raise CellFault(code, "a value", f"found the error {code}. {action}.")
+    if value is None:
+        raise CellFault(
             "a formula without value",
             "a calculated value",
             "the formula has no stored value. Open the workbook in Excel or LibreOffice, let it "
             "calculate, and save it.",
         )
-    return None
+    return value
 
 
 # --- text where a number belongs ------------------------------------------------------------------
@@ -169,12 +178,12 @@ def number_in_text(text: str) -> str:
     return f"found '{text}', which {why}" if why else ""
 
 
-def _text_fault(text: str, spec: Field, unit_place: str) -> Fault:
+def _text_fault(text: str, spec: Field, unit_place: str) -> CellFault:
     """Why a text is not the number it may look like."""
     text = shortened(text)
     why = _why_no_number(_trimmed(text), unit_place if spec.has_unit else "")
     why = why or "is not a number. Type a number or leave the cell blank."
-    return Fault(text, _NUMBER, f"found '{text}', which {why}")
+    return CellFault(text, _NUMBER, f"found '{text}', which {why}")
 
 
 def _why_no_number(trimmed: str, unit_place: str) -> str:

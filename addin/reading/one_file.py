@@ -9,6 +9,8 @@ from addin.contract.problems import CellProblem, printable
 from addin.reading.case_json import read_case_json
 from addin.reading.typed_case import CaseInput
 from addin.reading.workbook import read_workbook
+from addin.xlsx import open_workbook
+from addin.xlsx.container import DEFAULT_LIMITS, Limits
 from addin.xlsx.errors import PackageError
 
 #: Endings of workbooks; every other file is taken for JSON where it is to be written.
@@ -24,13 +26,15 @@ class Unreadable:
     cause: Exception | None = None  #: What was raised.
 
 
-def read_checked(source: Path) -> CaseInput | Unreadable:
+def read_checked(source: Path, limits: Limits = DEFAULT_LIMITS) -> CaseInput | Unreadable:
     """Read and check a workbook or a case JSON; what is wrong is inside, not raised.
 
     Parameters
     ----------
     source : Path
         A .xlsx, .xlsm or .json file. [path]
+    limits : Limits, optional
+        How large a workbook may be.
 
     Returns
     -------
@@ -40,7 +44,7 @@ def read_checked(source: Path) -> CaseInput | Unreadable:
     try:
         if source.suffix.lower() == ".json":
             return read_case_json(source)
-        return read_workbook(source)
+        return read_workbook(open_workbook(source, read_only=True, limits=limits))
     except (PackageError, OSError) as error:
         return Unreadable((file_problem(source, error),), cause=error)
 

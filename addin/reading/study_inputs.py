@@ -107,7 +107,7 @@ def studies_read(
         frozenset(tables),
         tuple(findings.problems),
         warnings,
-        findings.bad_cells,
+        frozenset(findings.bad),
         locate,
         typed,
     )
@@ -262,8 +262,7 @@ def _scale(
             f"{refused.message} For multiples of the value in the case write 1 or %, or leave the "
             "cell blank.",
         )
-    for column in ("Values", "From", "To"):
-        findings.silence(("Tuning", number, column))
+    findings.silence(*(("Tuning", number, column) for column in ("Values", "From", "To")))
     return _RELATIVE, True
 
 

@@ -92,7 +92,8 @@ class Findings:
 
     def __init__(self) -> None:
         self.problems: list[Problem] = []
-        self._bad: set[Place] = set()
+        #: Every place that is noted or silenced.
+        self.bad: set[Place] = set()
 
     def add(self, place: Place, found: object, allowed: str, message: str) -> None:
         """Note a problem.
@@ -109,20 +110,11 @@ class Findings:
             What is wrong and what to do. [sentence]
         """
         self.problems.append(Problem(*place, found, allowed, message))
-        self._bad.add(place)
+        self.bad.add(place)
 
-    def silence(self, place: Place) -> None:
-        """Say nothing more of a place whose cause is already noted."""
-        self._bad.add(place)
-
-    def is_bad(self, place: Place) -> bool:
-        """Whether a place has been noted or silenced."""
-        return place in self._bad
-
-    @property
-    def bad_cells(self) -> frozenset[Place]:
-        """Every noted or silenced place."""
-        return frozenset(self._bad)
+    def silence(self, *places: Place) -> None:
+        """Say nothing more of places whose cause is already noted."""
+        self.bad.update(places)
 
 
 @dataclass(frozen=True)
@@ -191,7 +183,7 @@ def all_problems(data: CaseData, findings: Findings) -> list[Problem]:
     list of Problem
         Rows counted as in `data`.
     """
-    problems = [*findings.problems, *find_problems(data, findings.bad_cells)]
+    problems = [*findings.problems, *find_problems(data, frozenset(findings.bad))]
     order = {spec.name: i for i, spec in enumerate(INPUT_TABLES)}
     return sorted(problems, key=lambda p: (order.get(p.table, -1), p.row or 0))
 
@@ -451,9 +443,9 @@ def _scalars(
     for spec in SCALARS:
         if spec.name in entries:
             place = (SCALAR_TABLE, None, spec.name)
-            value = _value(entries[spec.name], spec, place, bases, None, findings)
             entry = entries[spec.name]
-            if value is None and isinstance(entry, Typed) and not findings.is_bad(place):
+            value = _value(entry, spec, place, bases, None, findings)
+            if value is None and isinstance(entry, Typed) and place not in findings.bad:
                 _note_unresolved([place], entry, findings)
             values[spec.attribute] = value
     return values
@@ -493,7 +485,7 @@ def rows_in_si(
             entry, place = entries[column.name], (spec.name, number, column.name)
             where = station if isinstance(station, str) else None
             value = _value(entry, column, place, bases, where, findings)
-            if value is None and not findings.is_bad(place):
+            if value is None and place not in findings.bad:
                 unresolved[column.name].append(place)
             values[_attribute(column, entry)] = value
         rows.append(row_class(**values))
@@ -551,11 +543,10 @@ def _note_unresolved(
 ) -> None:
     """One problem for all cells of a column that refer to something unknown."""
     names, sentence = _SOURCES[entry.scale.base]
-    reported = any(findings.is_bad((SCALAR_TABLE, None, name)) for name in names)
+    reported = any((SCALAR_TABLE, None, name) in findings.bad for name in names)
     station_unknown = entry.scale.base == STATION_SPEED and bases.synchronous_speed is not None
     if reported or station_unknown:  # the cause has, or will have, a sentence of its own
-        for place in places:
-            findings.silence(place)
+        findings.silence(*places)
         return
     others = f" (and {len(places) - 1} more rows of this column)" if len(places) > 1 else ""
     findings.add(
@@ -564,8 +555,7 @@ def _note_unresolved(
         f"a number whose reference ({entry.scale.base}) is known",
         f"found {entry}{others}; it is {sentence}.",
     )
-    for place in places[1:]:
-        findings.silence(place)
+    findings.silence(*places[1:])
 
 
 # --- what follows from a cell that could not be read ----------------------------------------------
@@ -590,13 +580,12 @@ _REFERRED = {
 
 def _silence_followers(ratings: Ratings, findings: Findings) -> None:
     """Nothing is said of what is only missing because another cell could not be read."""
-    bad = list(findings.bad_cells)
+    bad = list(findings.bad)
     for table, row, column in bad:
-        for follower in _FOLLOWERS.get((table, column), ()):
-            findings.silence((table, row, follower))
+        followers = _FOLLOWERS.get((table, column), ())
+        findings.silence(*((table, row, follower) for follower in followers))
     if ratings.synchronous_speed is None and any(b[2] in _RATINGS for b in bad):
-        for name in _RATINGS:
-            findings.silence((SCALAR_TABLE, None, name))
+        findings.silence(*((SCALAR_TABLE, None, name) for name in _RATINGS))
 
 
 #: Columns of `Meshes` that need the Stiffness of their element in table `Elements`.
@@ -608,22 +597,19 @@ def _silence_meshes(typed: TypedCase, findings: Findings) -> None:
     elements = typed.tables.get("Elements", [])
     names = {
         elements[row - 1].get("Element")
-        for table, row, column in findings.bad_cells
+        for table, row, column in findings.bad
         if (table, column) == ("Elements", "Stiffness") and row is not None
     }
     for row, entries in enumerate(typed.tables.get("Meshes", []), start=1):
         if entries.get("Element") in names:
-            for column in _NEED_STIFFNESS:
-                findings.silence(("Meshes", row, column))
+            findings.silence(*(("Meshes", row, column) for column in _NEED_STIFFNESS))
 
 
 def _silence_references(typed: TypedCase, findings: Findings) -> None:
     """When names could not be read, nothing is said of references to names."""
     for kind, (table, column) in _REFERRED.items():
-        spoilt = any(bad[0] == table and bad[2] in (column, "") for bad in findings.bad_cells)
-        if spoilt:
-            for place in _references(typed, kind):
-                findings.silence(place)
+        if any(bad[0] == table and bad[2] in (column, "") for bad in findings.bad):
+            findings.silence(*_references(typed, kind))
 
 
 def _references(typed: TypedCase, kind: str) -> Iterator[Place]:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from pathlib import Path
@@ -30,7 +31,7 @@ from addin.contract.tables import (
 from addin.contract.units import UnitError, UnitScale, parse_unit
 from addin.reading.cells import (
     Cell,
-    Fault,
+    CellFault,
     built_in_format,
     is_percent_format,
     read_number,
@@ -324,8 +325,7 @@ class _Reading:
                 f"{what} is missing in the workbook. If another program renamed the sheet, rename it "
                 f"to {sheet}; if it was deleted, start from a new template.",
             )
-            for name in names[1:]:
-                self.findings.silence((SCALAR_TABLE, None, name))
+            self.findings.silence(*((SCALAR_TABLE, None, name) for name in names[1:]))
 
     def _note_missing_name(self, spec: Field, broken: bool) -> None:
         own = _own_names()
@@ -403,10 +403,10 @@ class _Reading:
         )
 
     def _silence_missing_columns(self, spec: TableSpec) -> None:
+        rows = range(1, len(self.locations.rows[spec.name]) + 1)
         for column in spec.columns:
-            if self.findings.is_bad((spec.name, None, column.name)):
-                for row in range(1, len(self.locations.rows[spec.name]) + 1):
-                    self.findings.silence((spec.name, row, column.name))
+            if (spec.name, None, column.name) in self.findings.bad:
+                self.findings.silence(*((spec.name, row, column.name) for row in rows))
 
     def _read_rows(self, spec: TableSpec, table: Table) -> None:
         """All rows that hold something; the others are passed over."""
@@ -483,9 +483,7 @@ class _Reading:
                 "one cell a value",
                 f"the cells {merge} are merged and share one value. Unmerge them and fill each.",
             )
-            for index in indices:
-                for column in columns:
-                    self.findings.silence((spec.name, index, column))
+            self.findings.silence(*((spec.name, i, name) for i in indices for name in columns))
 
     # ---- cells ---------------------------------------------------------------------------------
 
@@ -502,37 +500,38 @@ class _Reading:
         return _number_formats(self.workbook)
 
     def _number(self, cell: Cell, spec: Field, place: Place, unit_place: str) -> float | None:
-        number = read_number(cell, spec, unit_place)
-        if isinstance(number, Fault):
-            self.findings.add(place, number.found, number.allowed, number.message)
-            return None
-        return number
+        with self._noting(place):
+            return read_number(cell, spec, unit_place)
+        return None
 
     def _words(self, cell: Cell, spec: Field, place: Place) -> str | None:
-        words = read_text(cell, spec)
-        if isinstance(words, Fault):
-            self.findings.add(place, words.found, words.allowed, words.message)
-            return None
-        return None if words is None else word_entry(words, spec, place, self.findings)
+        with self._noting(place):
+            words = read_text(cell, spec)
+            return None if words is None else word_entry(words, spec, place, self.findings)
+        return None
+
+    @contextmanager
+    def _noting(self, place: Place) -> Iterator[None]:
+        """Note why a cell cannot be read, in place of raising it."""
+        try:
+            yield
+        except CellFault as fault:
+            self.findings.add(place, fault.found, fault.allowed, fault.message)
 
     def _scale(self, cell: Cell, spec: Field, place: Place) -> tuple[UnitScale, str] | None:
         """The scale of a unit cell and the unit; one that cannot be read is noted."""
         if not spec.has_unit:
             return UnitScale(1.0), ""
-        unit = read_unit(cell)
-        if isinstance(unit, Fault):
-            self._note_unit(unit.message, unit.found, unit.allowed, place)
-            return None
+        unit = None
         try:
+            unit = read_unit(cell)
             return parse_unit(unit, spec.dimension), unit
-        except UnitError as error:
-            self._note_unit(error.message, unit or None, error.allowed, place)
+        except (CellFault, UnitError) as error:
+            found, message = error.found if unit is None else unit or None, error.message
+            if place[0] == SCALAR_TABLE:
+                message = f"unit cell {self.locations.units[place[0], place[2]][1]}: {message}"
+            self.findings.add(place, found, error.allowed, message)
             return None
-
-    def _note_unit(self, message: str, found: str | None, allowed: str, place: Place) -> None:
-        if place[0] == SCALAR_TABLE:
-            message = f"unit cell {self.locations.units[place[0], place[2]][1]}: {message}"
-        self.findings.add(place, found, allowed, message)
 
     def _typed(
         self, number: float, scale: UnitScale, unit: str, cell: Cell, place: Place

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import AsyncIterator, Awaitable, Callable
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, closing
 
 from starlette.applications import Starlette
 from starlette.exceptions import HTTPException
@@ -55,7 +55,7 @@ def create_app(settings: Settings) -> Starlette:
     async def batch(request: Request) -> Response:
         content, size = await read_json(request, limits.body, limits.body_time)
         wanted = read_calls(content, limits.calls)
-        with calls.room() as room:
+        with closing(calls.new_unsent_cells()) as room:
             answers = await while_connected(request, calls.answers(wanted, room, size))
             return answer(await calls.encoded({"results": answers}))
 
@@ -80,27 +80,24 @@ def create_app(settings: Settings) -> Starlette:
             pool.close()
 
     about = {"name": "torsionbook", "version": product_version()}
-    description = document()
+    constant = {
+        "": (_page(b""), "text/html"),
+        "taskpane.html": (_page(OFFICE_JS), "text/html"),
+        "functions.js": (office.functions_script(), "text/javascript"),
+        "functions.json": (encoded(office.functions_json()), "application/json"),
+        "openapi.json": (encoded(document()), "application/json"),
+        "healthz": (encoded({"ok": True}), "application/json"),
+        "version": (encoded(about), "application/json"),
+        **{name: (office.static(name), kind) for name, kind in FILES.items()},
+    }
     app = Starlette(
         routes=[
             Route("/api/v1/batch", batch, methods=["POST"]),
             Route("/api/v1/model", model, methods=["POST"]),
             Route("/api/v1/workbook", workbook, methods=["POST"]),
             WebSocketRoute("/api/v1/stream", stream),
-            Route("/", _constant(_page(b""), "text/html")),
-            Route("/taskpane.html", _constant(_page(OFFICE_JS), "text/html")),
-            Route("/functions.js", _constant(office.functions_script(), "text/javascript")),
-            Route(
-                "/functions.json", _constant(encoded(office.functions_json()), "application/json")
-            ),
             Route("/manifest.xml", manifest),
-            Route("/openapi.json", _constant(encoded(description), "application/json")),
-            Route("/healthz", _constant(encoded({"ok": True}), "application/json")),
-            Route("/version", _constant(encoded(about), "application/json")),
-            *(
-                Route(f"/{name}", _constant(office.static(name), kind))
-                for name, kind in FILES.items()
-            ),
+            *(Route(f"/{path}", _constant(*what)) for path, what in constant.items()),
         ],
         middleware=[Middleware(RequestGuard, settings=settings)],
         exception_handlers={HTTPException: _no_such_thing, Refused: _refused},

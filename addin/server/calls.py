@@ -6,9 +6,9 @@ import asyncio
 import logging
 import threading
 import time
-from collections.abc import Awaitable, Callable, Iterator, Sequence
+from collections.abc import Awaitable, Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import AbstractContextManager, nullcontext
 from contextvars import copy_context
 from dataclasses import dataclass
 from functools import partial
@@ -46,29 +46,30 @@ class Call:
     arguments: list[Any]  #: As a front hands them over. [as typed]
 
     @property
-    def is_long(self) -> bool:
-        """Whether it may have to calculate a start."""
+    def _kinds(self) -> tuple[str, ...]:
+        """Kinds of the function's arguments; none of a function that is not known."""
         function = FUNCTIONS.get(self.name)
-        return function is not None and function.long
-
-    def model(self) -> Model | None:
-        """The model it asks about; None where the function itself will say what is wrong."""
-        function = FUNCTIONS.get(self.name)
-        arguments = () if function is None else function.arguments
-        for argument, given in zip(arguments, self.arguments, strict=False):
-            if argument.kind == "model":
-                cell = _only_cell(given)
-                try:
-                    return MODELS.of(cell.strip()) if isinstance(cell, str) else None
-                except FunctionError:
-                    return None
-        return None
+        return () if function is None else tuple(one.kind for one in function.arguments)
 
     @property
     def takes_model(self) -> bool:
         """Whether it asks about a model."""
-        function = FUNCTIONS.get(self.name)
-        return function is not None and any(a.kind == "model" for a in function.arguments)
+        return "model" in self._kinds
+
+    def model(self) -> Model | None:
+        """The model it asks about; None where the function itself will say what is wrong."""
+        kinds = self._kinds[: len(self.arguments)]
+        cell = _only_cell(self.arguments[kinds.index("model")]) if "model" in kinds else None
+        try:
+            return MODELS.of(cell.strip()) if isinstance(cell, str) else None
+        except FunctionError:
+            return None
+
+    def result(self, model: Model) -> str | None:
+        """The result of its model that it waits for; None for one that is answered at once."""
+        if FUNCTIONS[self.name].long:
+            return RUN
+        return AT_SPEED if is_large(model) else None
 
 
 def _only_cell(given: Any) -> Any:
@@ -183,7 +184,7 @@ class UnsentCells:
                 self._unsent.cells += cells
         return self.refused
 
-    def free(self) -> None:
+    def close(self) -> None:
         """The answer is sent, or nobody wants it any more."""
         with self._unsent.lock:
             self._unsent.cells -= self._cells
@@ -216,17 +217,8 @@ class Calls:
             pool.shutdown(wait=False, cancel_futures=True)
 
     def new_unsent_cells(self) -> UnsentCells:
-        """Count of the cells of one answer, to be freed when it is sent."""
+        """Count of the cells of one answer, to be closed when it is sent."""
         return UnsentCells(self._unsent)
-
-    @contextmanager
-    def room(self) -> Iterator[UnsentCells]:
-        """Count of the cells of one answer, until it is sent."""
-        room = self.new_unsent_cells()
-        try:
-            yield room
-        finally:
-            room.free()
 
     async def answers(
         self,
@@ -256,7 +248,7 @@ class Calls:
         list of dict
             ``value``, rows of cells, or ``error`` each. [shown units]
         """
-        pool = self._pool(size)
+        pool = self._heavy if size > HEAVY else self._short
         # those without a model first: a TV_MODEL among them makes the handle that others ask about
         bare = [i for i, each in enumerate(calls) if not each.takes_model]
         answers = await self._in_thread(pool, calls, bare, room, turn)
@@ -266,7 +258,7 @@ class Calls:
             if i in answers:
                 continue
             model = each.model()
-            what = None if model is None else _wanted(each, model)
+            what = None if model is None else each.result(model)
             if model is None or what is None:
                 at_once.append(i)
             else:
@@ -281,9 +273,6 @@ class Calls:
         for part in parts:
             answers |= part
         return [answers[i] for i in range(len(calls))]
-
-    def _pool(self, size: int) -> ThreadPoolExecutor:
-        return self._heavy if size > HEAVY else self._short
 
     async def encoded(self, content: Any) -> bytes:
         """JSON, made in a thread since it may be large."""
@@ -359,13 +348,6 @@ class Calls:
         if has_begun:
             return f"The calls of this request took longer than {seconds}. Ask for fewer at a time."
         return f"The server was busy: this call waited {seconds}. Try again in a minute."
-
-
-def _wanted(one: Call, model: Model) -> str | None:
-    """The result of the model that a call waits for; None for one that is answered at once."""
-    if one.is_long:
-        return RUN
-    return AT_SPEED if is_large(model) else None
 
 
 def _answer(wanted: Call, room: UnsentCells) -> Answer:

@@ -134,7 +134,7 @@ class Stream:
         """What an answer held is free again."""
         if answering is None:
             return
-        answering.room.free()
+        answering.room.close()
         if answering.has_turn:
             answering.has_turn = False
             self._turns.release()

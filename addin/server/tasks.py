@@ -10,21 +10,19 @@ from pathlib import Path
 from typing import Any
 
 from addin.calculation.calculation import calculate
-from addin.reading.one_file import WORKBOOK_ENDINGS, Unreadable, file_problem, read_checked
-from addin.reading.typed_case import CaseInput
-from addin.reading.workbook import read_workbook
+from addin.reading.one_file import Unreadable, read_checked
 from addin.server.studies import study_of
 from addin.server.view import speed_view
 from addin.worksheet.answers import speed_results
 from addin.worksheet.models import Model, system_of
 from addin.worksheet.registry import FunctionError
-from addin.writing.recalculate import recalculate
-from addin.xlsx import open_workbook
-from addin.xlsx.container import Container, Limits
-from addin.xlsx.errors import PackageError
+from addin.writing.recalculate import PreparedInput, recalculate
+from addin.xlsx.container import Limits
 from engine.errors import InternalError, ModelError
 
 Tell = Callable[[str], None]
+#: What is taken for a workbook here: less than on a machine of one's own.
+LIMITS = Limits(file_size=25 * 2**20, total_size=100 * 2**20, part_size=60 * 2**20, entries=2_000)
 
 
 class LazyTables(Mapping[str, Any]):
@@ -53,34 +51,18 @@ def _workbook(paths: tuple[str, str], tell: Tell) -> Any:
     """Recalculate a workbook; problems, warnings and the verdict."""
     source, target = map(Path, paths)
     tell("reading")
-    try:
-        Container(source, _limits())
-    except PackageError as wrong:
-        return (file_problem(source, wrong),), ()
-    done = recalculate(source, destination=target, on_stage=tell)
+    prepared = PreparedInput(read_checked(source, LIMITS))
+    done = recalculate(source, destination=target, on_stage=tell, prepared=prepared)
     return done.problems, done.warnings
 
 
 def _read(path: str, tell: Tell) -> Any:
     """Read a workbook or a case JSON; problems, warnings, the case and its units."""
-    source = Path(path)
     tell("reading")
-    try:
-        read: CaseInput | Unreadable
-        if source.suffix.lower() in WORKBOOK_ENDINGS:
-            read = read_workbook(open_workbook(source, read_only=True, limits=_limits()))
-        else:
-            read = read_checked(source)
-    except (PackageError, OSError) as wrong:
-        return (file_problem(source, wrong),), (), None, ""
+    read = read_checked(Path(path), LIMITS)
     if isinstance(read, Unreadable) or read.problems:
         return read.problems, read.warnings, None, ""
     return (), read.warnings, read.case(), system_of(read)
-
-
-def _limits() -> Any:
-    """What is taken for a workbook here: less than on a machine of one's own."""
-    return Limits(file_size=25 * 2**20, total_size=100 * 2**20, part_size=60 * 2**20, entries=2_000)
 
 
 def _speed(case: Any, tell: Tell) -> Any:

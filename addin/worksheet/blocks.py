@@ -21,7 +21,7 @@ from addin.contract.tables import (
 )
 from addin.contract.units import UnitError, UnitScale, parse_unit
 from addin.reading.cells import Cell as SheetCell
-from addin.reading.cells import Fault, read_number, read_text
+from addin.reading.cells import CellFault, read_number, read_text
 from addin.reading.study_inputs import study_rows, units_for_words
 from addin.reading.typed_case import (
     CaseInput,
@@ -225,8 +225,7 @@ class _Reading:
             self.rows[spec.name].append(number)
             line: dict[str, Entry] = {}
             entries.append(line)
-            for name in misspelt:
-                self.findings.silence((spec.name, len(entries), name))
+            self.findings.silence(*((spec.name, len(entries), name) for name in misspelt))
             for j in sorted(filled):
                 column = columns[j]
                 place = (spec.name, len(entries), column.name)
@@ -330,15 +329,13 @@ class _Reading:
         self, spec: Field, value: Cell, scale: UnitScale | None, unit: str, place: Place
     ) -> Entry | None:
         cell = SheetCell(value)
-        if not spec.is_number:
-            words = read_text(cell, spec)
-            if isinstance(words, Fault):
-                self.findings.add(place, words.found, words.allowed, words.message)
-                return None
-            return None if words is None else word_entry(words, spec, place, self.findings)
-        number = read_number(cell, spec, "in the cell above the header")
-        if isinstance(number, Fault):
-            self.findings.add(place, number.found, number.allowed, number.message)
+        try:
+            if not spec.is_number:
+                words = read_text(cell, spec)
+                return None if words is None else word_entry(words, spec, place, self.findings)
+            number = read_number(cell, spec, "in the cell above the header")
+        except CellFault as fault:
+            self.findings.add(place, fault.found, fault.allowed, fault.message)
             return None
         if scale is None:
             self.findings.silence(place)

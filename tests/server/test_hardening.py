@@ -10,6 +10,7 @@ import sys
 import threading
 import time
 import urllib.request
+from contextlib import closing
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -342,7 +343,7 @@ def test_no_call_is_made_whose_answer_has_no_room(monkeypatch):
 
     async def scene():
         calls = Calls(Starts(None), Limits())
-        with calls.room() as room:
+        with closing(calls.new_unsent_cells()) as room:
             found = await calls.answers([Call("TV_CONVERT", [])] * 2000, room)
             assert calls._unsent.cells == 8
             monkeypatch.setattr(server_calls, "MOST_UNSENT", 11)
