@@ -10,7 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from addin.batch.folder import digest_of, stamp_of
+from addin.batch.folder import digested
 from addin.batch.work import Calculated, Examine, Work, is_locked, refused
 from addin.contract.version import product_version
 from addin.workers.cluster import PATIENCE, Cluster
@@ -52,14 +52,13 @@ class FileCluster(Cluster):
     def prepare(self, task: Task) -> Any:
         """What is sent for a task; `Answered` where its file is not there or somebody has it open."""
         payload = task.payload
-        if not self.sends_bytes or not isinstance(payload, (Work, Examine)):
+        if not self.sends_bytes or not isinstance(payload, Examine):
             return payload
         wrong = is_locked(payload) if isinstance(payload, Work) else None
         if wrong is None:
             path = Path(payload.source)
             try:
-                stamp = replace(stamp_of(path), sha256=digest_of(path))
-                return replace(payload, content=path.read_bytes(), stamp=stamp)
+                return replace(payload, stamp=digested(path), content=path.read_bytes())
             except OSError as error:
                 wrong = error
         if isinstance(payload, Work):

@@ -44,8 +44,13 @@ def stamp_of(path: Path) -> Stamp:
     OSError
         If it is not there.
     """
-    found = path.stat()
-    return Stamp(found.st_size, found.st_mtime_ns, "")
+    status = path.stat()
+    return Stamp(status.st_size, status.st_mtime_ns, "")
+
+
+def digested(path: Path) -> Stamp:
+    """Which state a file is in, its digest included."""
+    return replace(stamp_of(path), sha256=digest_of(path))
 
 
 class OutFolder:
@@ -140,16 +145,14 @@ class OutFolder:
         """Whether a result may be called so: below this folder, or a full path."""
         if not isinstance(name, str) or "\0" in name:
             return False
-        if Path(name).is_absolute():
-            return True
         place = self.path / name
-        return _is_below(place, self.path) and not place.is_relative_to(self._own)
+        is_inside = _is_below(place, self.path) and not place.is_relative_to(self._own)
+        return is_inside or Path(name).is_absolute()
 
     def _is_asked_for(self, name: str, json: Path | None) -> bool:
         """Whether a result belongs in this folder or in that of the JSON."""
-        if not Path(name).is_absolute():
-            return True
-        return json is not None and _is_below(Path(name), json.absolute())
+        is_own = not Path(name).is_absolute()
+        return is_own or (json is not None and _is_below(Path(name), json.absolute()))
 
     def _clear(self, json: Path | None) -> None:
         """Keep recorded results of an ended batch that are still to be put in place; drop the rest."""

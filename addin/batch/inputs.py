@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import glob
 import json
 import os
@@ -9,6 +10,7 @@ import re
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import takewhile
 from pathlib import Path
 
 from addin.batch.own_files import is_result_json
@@ -112,12 +114,7 @@ def _expanded(pattern: str) -> Iterator[tuple[Path, Path]]:
 
 def _fixed_part(pattern: Path) -> Path:
     """The folders of a pattern before its first wildcard."""
-    fixed: list[str] = []
-    for part in pattern.parts[:-1]:
-        if glob.has_magic(part):
-            break
-        fixed.append(part)
-    return Path(*fixed) if fixed else Path()
+    return Path(*takewhile(lambda part: not glob.has_magic(part), pattern.parts[:-1]))
 
 
 def _is_input(file: Path) -> bool:
@@ -145,11 +142,8 @@ def _named(found: dict[Path, Path], json: bool) -> list[Input]:
     """Names relative to each root; where two meet, relative to what all files have in common."""
     names = {path: _relative(path, root) for path, root in found.items()}
     if _clash(names, json) is not None:
-        try:
+        with contextlib.suppress(ValueError):  # several drives
             common = Path(os.path.commonpath([str(path.parent) for path in found]))
-        except ValueError:  # several drives
-            common = None
-        if common is not None:
             names = {path: _relative(path, common) for path in found}
     clash = _clash(names, json)
     if clash is not None:
@@ -206,7 +200,7 @@ def check_places(
     for one in inputs:
         for place in {one.path, one.path.resolve()}:
             sources[_key(place)].append(one.path)
-    ours = {_key(place): place for place in _with_csv(summary)}
+    ours = {_key(place) for place in (() if summary is None else summary_files(summary))}
     for one in inputs:
         places = [(out / name, "--out") for name in results_of(one)]
         if json is not None:
@@ -230,8 +224,9 @@ def check_places(
                 )
 
 
-def _with_csv(summary: Path | None) -> tuple[Path, ...]:
-    return () if summary is None else (summary, summary.with_suffix(".csv"))
+def summary_files(summary: Path) -> tuple[Path, Path]:
+    """The workbook of a summary and the CSV beside it."""
+    return summary, summary.with_suffix(".csv")
 
 
 def _key(place: Path) -> str:

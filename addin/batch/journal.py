@@ -7,10 +7,10 @@ that the disk returned otherwise than it was written.
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import zlib
-from collections.abc import Iterator
 from dataclasses import asdict
 from pathlib import Path
 
@@ -19,23 +19,21 @@ from addin.batch.records import Record
 
 def read_journal(path: Path) -> dict[str, Record]:
     """The last record of each file."""
-    return {record.name: record for _, record in _whole_lines(path)}
+    return _read(path)[0]
 
 
-def _whole_lines(path: Path) -> Iterator[tuple[int, Record]]:
-    """Each record with where its line ends; the first line that is not whole ends it. [bytes]"""
+def _read(path: Path) -> tuple[dict[str, Record], int]:
+    """The last record of each file, and where the whole lines end. [bytes]"""
+    records: dict[str, Record] = {}
     end = 0
-    try:
-        file = open(path, "rb")
-    except FileNotFoundError:
-        return
-    with file:
+    with contextlib.suppress(FileNotFoundError), open(path, "rb") as file:
         for line in file:
-            end += len(line)
             record = _parsed(line)
             if record is None:
-                return
-            yield end, record
+                break
+            records[record.name] = record
+            end += len(line)
+    return records, end
 
 
 def _parsed(line: bytes) -> Record | None:
@@ -64,10 +62,7 @@ class Journal:
     """
 
     def __init__(self, path: Path, *, keep: bool) -> None:
-        end = 0
-        if keep:
-            for end, _ in _whole_lines(path):  # noqa: B007  (the last one is wanted)
-                pass
+        end = _read(path)[1] if keep else 0
         self._file = os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_BINARY", 0), 0o666)
         os.ftruncate(self._file, end)
         os.lseek(self._file, end, os.SEEK_SET)

@@ -71,12 +71,9 @@ def stated_columns(names: Sequence[str]) -> dict[bytes, bytes]:
 
 def in_the_way(folder: Path, as_csv: bool) -> Iterator[Path]:
     """Files of somebody else where results would be put."""
-    for name, is_ours, is_written in (
-        (RESULT, is_result, True),
-        (RESULT_CSV, is_result_csv, as_csv),
-    ):
+    for name, is_ours in IS_OURS.items():
         place = folder / name
-        if is_written and os.path.lexists(place) and not is_ours(place):
+        if (as_csv or name != RESULT_CSV) and os.path.lexists(place) and not is_ours(place):
             yield place
 
 
@@ -117,6 +114,10 @@ def is_result_csv(path: Path) -> bool:
         r"[,;\t]".join(names) for names in (_FIRST, [name for name, *_ in RESULT_COLUMNS])
     )
     return re.match(rf"{first}[,;\t].*{last}\s*$", headers, re.DOTALL) is not None
+
+
+#: How each result of a programme is known to be one that this program wrote.
+IS_OURS = {RESULT: is_result, RESULT_CSV: is_result_csv}
 
 
 def is_result_json(path: Path) -> bool:

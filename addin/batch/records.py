@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import errno
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 from addin.calculation.key_figures import verdict_text
 from addin.contract.problems import CellProblem
+from addin.workers.stop import causes
 from addin.xlsx.errors import SourceChanged, WorkbookLocked, WorkbookRefused
 
 DONE = "done"
@@ -129,19 +130,11 @@ def outcome_of(cause: BaseException) -> str:
         return LOCKED
     if isinstance(cause, SourceChanged):
         return CHANGED
-    for one in _chain(cause):
-        if isinstance(one, FileNotFoundError):
+    for error in causes(cause):
+        if isinstance(error, FileNotFoundError):
             return MISSING
-        if isinstance(one, OSError) and one.errno in _FULL:
+        if isinstance(error, OSError) and error.errno in _FULL:
             return DISK_FULL
-        if isinstance(one, OSError) and one.errno in _FORBIDDEN:
+        if isinstance(error, OSError) and error.errno in _FORBIDDEN:
             return NO_ACCESS
     return UNREADABLE if isinstance(cause, WorkbookRefused) else WRONG_INPUT
-
-
-def _chain(cause: BaseException) -> Iterator[BaseException]:
-    """An exception and those that led to it."""
-    one: BaseException | None = cause
-    while one is not None:
-        yield one
-        one = one.__cause__ or one.__context__

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from addin.batch.folder import OutFolder, digest_of, stamp_of
+from addin.batch.folder import OutFolder, digest_of, digested, stamp_of
 from addin.batch.inputs import Input, json_name, result_name
 from addin.batch.journal import Journal
 from addin.batch.own_files import holds_results
@@ -86,14 +86,11 @@ class Batch:
         self._numbers = 0
         self._told = False  # that the first calculation compiles
         self._retried: set[str] = set()
-        self._sent: dict[str, Stamp] = {}
         self._earlier, self.refused = self.folder.records(self.json)
         if self.resume:
             self.records = dict(self._earlier)
-        try:
+        with _journalling():
             self._journal = Journal(self.folder.journal, keep=self.resume)
-        except OSError as wrong:
-            raise Stopped(_no_journal(wrong)) from wrong
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -145,7 +142,7 @@ class Batch:
         groups: dict[str, list[Input]] = {}
         for one in todo:
             self.workers.add(Task(examine, Examine(one.name, str(one.path)), one))
-        for task, answer in self._answers():
+        for task, answer in self.workers.answers(self.stop):
             if isinstance(answer, Crashed):
                 self._settle(self._crashed(task.tag, answer))
             elif answer.record is not None:
@@ -161,9 +158,6 @@ class Batch:
             group.sort(key=lambda one: order[one.name])
         return dict(sorted(groups.items(), key=lambda pair: order[pair[1][0].name]))
 
-    def _answers(self) -> Iterator[tuple[Task, Any]]:
-        return self.workers.answers(self.stop)
-
     # ---- calculating -----------------------------------------------------------------------------
 
     def _calculated(self, groups: dict[str, list[Input]]) -> None:
@@ -172,7 +166,7 @@ class Batch:
         waiting = {digest: list(group[1:]) for digest, group in groups.items()}
         for digest, group in groups.items():
             self._add(group[0], digest, keep=len(group) > 1)
-        for task, answer in self._answers():
+        for task, answer in self.workers.answers(self.stop):
             one: Input = task.tag
             if isinstance(answer, Crashed):
                 record = self._crashed(one, answer)
@@ -194,11 +188,9 @@ class Batch:
         if results is None:  # it came to nothing: the next file tries by itself
             self._add(others.pop(0), digest, keep=bool(others))
             return
-        place = self.folder.staging / f"case-{digest}.pickle"
-        more: dict[str, Any]
-        if self.send == "bytes":
-            more = {"known": results}
-        else:
+        more: dict[str, Any] = {"known": results}
+        if self.send == "files":
+            place = self._new_place()
             place.write_bytes(results)
             more = {"known_file": str(place)}
         for other in others:
@@ -207,7 +199,6 @@ class Batch:
 
     def _add(self, one: Input, digest: str, **more: Any) -> None:
         """Give a file to the workers."""
-        self._numbers += 1
         work = Work(
             one.name,
             str(one.path),
@@ -219,11 +210,9 @@ class Batch:
             overrides=self.overrides,
             json=self._json_of(one.name),
             history=one.history,
+            staging=str(self._new_place()) if self.send == "files" else "",
             **more,
         )
-        if self.send == "files":
-            staging = self.folder.staging / f"{self._numbers}"
-            work = replace(work, staging=str(staging))
         self.workers.add(Task(calculate, work, one))
 
     def _json_of(self, name: str) -> str:
@@ -231,49 +220,51 @@ class Batch:
         if self.json is None:
             return ""
         place = self.json.absolute() / json_name(name)
-        if place.is_relative_to(self.folder.path):
-            place = place.relative_to(self.folder.path)
-        return place.as_posix()
+        return self._inside(place) if place.is_relative_to(self.folder.path) else place.as_posix()
 
     def _placed(self, work: Work, answer: Calculated) -> Record:
         """The record, its result files on the disk; those that came as bytes are staged here."""
         record = answer.record
         if not answer.files:
             return record
-        folder = self.folder.staging / f"{work.name.count('/')}-{self._numbers}-bytes"
-        self._numbers += 1
+        if not _unchanged(Path(work.source), record.stamp):
+            sentence = (
+                f"{work.name} changed during the calculation; nothing was written for it. Run again "
+                "with --resume."
+            )
+            return failed(record.name, record.source, CHANGED, sentence)
+        folder = self._new_place()
         try:
-            if not _unchanged(Path(work.source), record.stamp):
-                return failed(
-                    record.name,
-                    record.source,
-                    CHANGED,
-                    f"{work.name} changed during the calculation; nothing was written for it. Run again "
-                    "with --resume.",
-                )
             folder.mkdir()
             outputs = []
             for output in record.outputs:
                 staged = folder / Path(output.name).name
                 staged.write_bytes(answer.files[output.name])
-                outputs.append(
-                    replace(output, staged=staged.relative_to(self.folder.path).as_posix())
-                )
+                outputs.append(replace(output, staged=self._inside(staged)))
         except OSError as wrong:
             return self._not_written(record, wrong)
         return replace(record, outputs=tuple(outputs))
+
+    def _new_place(self) -> Path:
+        """A place in the staging folder that nothing has."""
+        self._numbers += 1
+        return self.folder.staging / f"{self._numbers}"
+
+    def _inside(self, place: Path) -> str:
+        """The name of a place in the folder of results."""
+        return place.relative_to(self.folder.path).as_posix()
 
     # ---- recording -------------------------------------------------------------------------------
 
     def _settle(self, record: Record) -> Record:
         """Record what became of a file, then put its results in place."""
         record = replace(record, version=record.version or self._version, settings=self.overrides)
-        if self.json is not None and not record.done and not self._keeps_json(record):
-            record = self._with_errors(record)
-        if not record.done:
-            record = self._with_old_results_told(record)
-        else:
+        if record.done:
             record = self._without_old_histories(record)
+        else:
+            if self.json is not None and not self._keeps_json(record):
+                record = self._with_errors(record)
+            record = self._with_old_results_told(record)
         self._write(record)
         try:
             self.folder.put(record.outputs)
@@ -297,19 +288,15 @@ class Batch:
 
     def _with_errors(self, record: Record) -> Record:
         """A file without results: its errors as JSON, staged, so that no earlier results stay there."""
-        self._numbers += 1
-        staged = self.folder.staging / f"{self._numbers}-errors.json"
+        staged = self._new_place()
         problems = [CellProblem(**error) for error in record.errors]
         try:
             write_json(staged, errors_to_json(problems, record.version, record.warnings))
-            output = Output(
-                self._json_of(record.name),
-                staged.stat().st_size,
-                digest_of(staged),
-                staged.relative_to(self.folder.path).as_posix(),
-            )
+            state = digested(staged)
         except OSError:  # such as a full disk, which the record says already
             return record
+        name = self._json_of(record.name)
+        output = Output(name, state.size, state.sha256, self._inside(staged))
         return replace(record, outputs=(output,))
 
     def _old_results(self, name: str) -> list[str]:
@@ -323,11 +310,12 @@ class Batch:
             # A journal that somebody made up shall not have files renamed that are none of ours.
             if one.name.endswith(Path(json_name(name)).name) and self.folder.holds((one,)):
                 names[one.name] = None
-        return [one for one in names if self._is_there(one) and self._has_results(one)]
-
-    def _has_results(self, name: str) -> bool:
-        """Whether a file holds results; a JSON may hold errors."""
-        return not name.endswith(".json") or holds_results(self.folder.place(name))
+        # a JSON may hold errors
+        return [
+            name
+            for name in filter(self._is_there, names)
+            if not name.endswith(".json") or holds_results(self.folder.place(name))
+        ]
 
     def _with_old_results_told(self, record: Record) -> Record:
         """A file without results, whose earlier ones must not be taken for those of what it holds now.
@@ -366,10 +354,8 @@ class Batch:
         return self.folder.place(name).is_file()
 
     def _write(self, record: Record) -> None:
-        try:
+        with _journalling():
             self._journal.write(record)
-        except OSError as wrong:
-            raise Stopped(_no_journal(wrong)) from wrong
 
     def _not_written(self, record: Record, wrong: OSError) -> Record:
         place = self.folder.place(result_name(record.name))
@@ -398,9 +384,14 @@ def _unchanged(path: Path, stamp: Stamp) -> bool:
         return False
 
 
-def _no_journal(wrong: OSError) -> str:
-    return (
-        f"The journal of the batch cannot be written ({wrong.strerror or wrong}). Recorded "
-        "results are kept; free disk space or close other programs that use the folder, then "
-        "run again with --resume."
-    )
+@contextlib.contextmanager
+def _journalling() -> Iterator[None]:
+    """Stop where the journal cannot be written."""
+    try:
+        yield
+    except OSError as wrong:
+        raise Stopped(
+            f"The journal of the batch cannot be written ({wrong.strerror or wrong}). Recorded "
+            "results are kept; free disk space or close other programs that use the folder, then "
+            "run again with --resume."
+        ) from wrong

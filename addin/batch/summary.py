@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from addin.batch.inputs import summary_files
 from addin.batch.own_files import SUMMARY_SHEETS
 from addin.batch.records import DONE, Record
 from addin.contract.sheet import text_height
@@ -45,16 +46,16 @@ def _of(key: str, factor: float = 1.0) -> Callable[[Record], Any]:
     """A result, blank where there is none."""
 
     def value(record: Record) -> Any:
-        found = record.results.get(key)
-        return found if found is None or isinstance(found, str) else factor * found
+        figure = record.results.get(key)
+        return figure if figure is None or isinstance(figure, str) else factor * figure
 
     return value
 
 
 def _mode(number: int) -> Callable[[Record], Any]:
     def value(record: Record) -> Any:
-        found = record.results.get("frequencies", ())
-        return found[number - 1] if number <= len(found) else None
+        frequencies = record.results.get("frequencies", ())
+        return frequencies[number - 1] if number <= len(frequencies) else None
 
     return value
 
@@ -64,8 +65,8 @@ def _starts(record: Record) -> Any:
         return NoNumber.NOT_JUDGED
     if record.results.get("starts_unlimited"):
         return NoNumber.UNLIMITED
-    found = record.results.get("starts")
-    return None if found is None else math.floor(found)
+    starts = record.results.get("starts")
+    return None if starts is None else math.floor(starts)
 
 
 #: The sheet of files, from left to right.
@@ -98,6 +99,7 @@ FILE_COLUMNS: tuple[Column, ...] = (
     Column("Time [s]", lambda r: round(r.seconds, 3) if r.seconds else None, 9, "0.000"),
     Column("Version", lambda r: r.version or None, 10),
 )  # fmt: skip
+_HEADERS = [column.header for column in FILE_COLUMNS]
 
 #: The sheet of errors.
 ERROR_COLUMNS: tuple[tuple[str, str, int], ...] = (
@@ -128,27 +130,23 @@ def write_summary(workbook: Path, records: Sequence[Record], heading: str) -> tu
         If one cannot be written; one that was there is as before.
     """
     files = [[column.value(record) for column in FILE_COLUMNS] for record in records]
-    errors = _error_rows(records)
-    workbook.parent.mkdir(parents=True, exist_ok=True)
-    write_whole(workbook, lambda path: _write_workbook(path, files, errors, heading))
-    table = workbook.with_suffix(".csv")
-    write_whole(table, lambda path: _write_csv(path, files))
-    return workbook, table
-
-
-def _error_rows(records: Sequence[Record]) -> list[Mapping[str, Any]]:
-    return [
+    errors = [
         {"file": record.name, "outcome": record.outcome, **error}
         for record in records
         for error in record.errors
     ]
+    workbook.parent.mkdir(parents=True, exist_ok=True)
+    write_whole(workbook, lambda path: _write_workbook(path, files, errors, heading))
+    _, table = places = summary_files(workbook)
+    write_whole(table, lambda path: _write_csv(path, files))
+    return places
 
 
 def _write_csv(path: Path, files: Rows) -> None:
     # With a byte order mark, without which Excel would not read it as UTF-8.
     with open(path, "w", encoding="utf-8-sig", newline="") as file:
         writer = csv.writer(file)
-        writer.writerow(_headers())
+        writer.writerow(_HEADERS)
         for row in files:
             writer.writerow(
                 guarded(_text(value)) if isinstance(value, str) else value for value in row
@@ -232,8 +230,8 @@ def _write_files(book: Any, styles: _Styles, files: Rows, heading: str) -> None:
     # Four pages side by side in letters that can be read. Digests and times stay on the screen.
     sheet.set_paper(9)  # A4
     sheet.set_print_scale(74)
-    sheet.set_v_pagebreaks([_headers().index(first) for first in _PAGES])
-    sheet.print_area(0, 0, last, _headers().index("Warnings"))
+    sheet.set_v_pagebreaks([_HEADERS.index(first) for first in _PAGES])
+    sheet.print_area(0, 0, last, _HEADERS.index("Warnings"))
     sheet.print_across()
     sheet.repeat_columns(0)
     _page(sheet, "Files")
@@ -243,7 +241,7 @@ def _colour(
     sheet: Any, styles: _Styles, last: int, header: str, words: Mapping[str, Any], other: Any
 ) -> None:
     """Colours of a column of words."""
-    at = _headers().index(header)
+    at = _HEADERS.index(header)
     place = (_FIRST + 1, at, last, at)
     for word, style in words.items():
         rule = {"type": "text", "criteria": "begins with", "value": word, "format": style}
@@ -293,7 +291,3 @@ def _page(sheet: Any, name: str) -> None:
     sheet.repeat_rows(_FIRST)
     sheet.set_footer(f"&L{name}&R&P / &N")
     sheet.hide_gridlines(2)
-
-
-def _headers() -> list[str]:
-    return [one.header for one in FILE_COLUMNS]

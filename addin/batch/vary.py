@@ -17,6 +17,7 @@ import json
 import os
 import pickle
 import shutil
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import islice
@@ -24,14 +25,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from addin.batch.folder import OWN, OutFolder, digest_of
-from addin.batch.own_files import (
-    RESULT,
-    RESULT_COLUMNS,
-    RESULT_CSV,
-    is_result,
-    is_result_csv,
-    stated_columns,
-)
+from addin.batch.own_files import IS_OURS, RESULT, RESULT_COLUMNS, RESULT_CSV, stated_columns
 from addin.batch.records import AN_EARLIER, CRASHED, DONE, NOT_RENAMED, OUTDATED, outcome_of
 from addin.batch.scheduler import Listener
 from addin.batch.summary import guarded
@@ -74,7 +68,7 @@ class Programme:
     result: Path  #: The Parquet file.
     rows: int = 0  #: Rows of the table.
     csv: Path | None = None  #: The same as CSV, where it is asked for.
-    form: CsvForm = field(default_factory=lambda: CsvForm())  #: How that is written.
+    form: CsvForm = CsvForm()  #: How that is written.
     comma: bool = False  #: Its decimal sign is the comma.
     #: Rows by outcome; those not reached are missing.
     outcomes: dict[str, int] = field(default_factory=dict)
@@ -132,7 +126,14 @@ def run_programme(
     comma = read.has_decimal_commas(columns)
     parts = _Parts(folder, _schema(varied))
     overrides = dict(settings.overrides)
-    parts.begin(_fingerprint(base, table) | {"settings": overrides}, settings.resume)
+    fingerprint = {
+        "base": digest_of(base),
+        "table": digest_of(table),
+        "rows": ROWS,
+        "version": product_version(),
+        "settings": overrides,
+    }
+    parts.begin(fingerprint, settings.resume)
     programme = Programme(folder.place(RESULT), total)
     if settings.as_csv:
         programme.csv = folder.place(RESULT_CSV)
@@ -167,29 +168,20 @@ def _base(path: Path, folder: OutFolder) -> TypedCase:
     if isinstance(read, Unreadable) or read.problems:
         cause = read.cause if isinstance(read, Unreadable) else None
         outdated = cause is None or outcome_of(cause) in OUTDATED
-        sentences = [f"base case {path}: {one.message}" for one in read.problems]
-        raise TableRefused([*sentences, *(_set_aside(folder) if outdated else ())])
+        sentences = [f"base case {path}: {problem.message}" for problem in read.problems]
+        raise TableRefused(*sentences, *(_set_aside(folder) if outdated else ()))
     return read.typed
 
 
 def _set_aside(folder: OutFolder) -> Iterator[str]:
     """Rename results of an earlier base case, which must not be taken for those of this one."""
-    for name, is_ours in ((RESULT, is_result), (RESULT_CSV, is_result_csv)):
+    for name, is_ours in IS_OURS.items():
         if not is_ours(folder.place(name)):
             continue
         try:
             yield AN_EARLIER.format(name, folder.set_aside(name).name)
         except OSError as wrong:
             yield NOT_RENAMED.format(name, wrong.strerror or wrong)
-
-
-def _fingerprint(base: Path, table: Path) -> dict[str, Any]:
-    return {
-        "base": digest_of(base),
-        "table": digest_of(table),
-        "rows": ROWS,
-        "version": product_version(),
-    }
 
 
 def _chunked(rows: Iterable[list[Any]]) -> Iterator[list[list[Any]]]:
@@ -280,14 +272,12 @@ class _Parts:
             if json.loads(manifest.read_text(encoding="utf-8")) == fingerprint:
                 return
             raise TableRefused(
-                [
-                    "the table, the base case, --method, --tolerance or torsionbook has changed. Run "
-                    "without --resume."
-                ]
+                "the table, the base case, --method, --tolerance or torsionbook has changed. Run "
+                "without --resume."
             )
         shutil.rmtree(self._place, ignore_errors=True)
         self._place.mkdir(parents=True)
-        manifest.write_text(json.dumps(dict(fingerprint)), encoding="utf-8")
+        manifest.write_text(json.dumps(fingerprint), encoding="utf-8")
 
     def _part(self, number: int) -> Path:
         return self._place / f"{number:07}.parquet"
@@ -313,7 +303,7 @@ class _Parts:
         import pyarrow as pa
         import pyarrow.parquet as pq
 
-        counts: dict[str, int] = {}
+        counts: Counter[str] = Counter()
         new = self._place / "joined"
         parts = iter(sorted(self._place.glob("*.parquet")))
         with (
@@ -324,13 +314,11 @@ class _Parts:
                 table = pa.concat_tables([pq.read_table(part) for part in some])
                 writer.write_table(table)
                 write(table)
-                for one in table["outcome"].value_counts():
-                    outcome = one["values"].as_py()
-                    counts[outcome] = counts.get(outcome, 0) + one["counts"].as_py()
+                counts.update(table["outcome"].to_pylist())
         os.replace(new, programme.result)
         if programme.csv is not None:
             os.replace(self._place / "csv", programme.csv)
-        return counts
+        return dict(counts)
 
 
 @contextlib.contextmanager

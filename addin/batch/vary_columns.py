@@ -16,9 +16,9 @@ from addin.reading.typed_case import Place, TypedCase
 class TableRefused(Exception):
     """The table cannot be used; each sentence names the column or the row."""
 
-    def __init__(self, sentences: Sequence[str]) -> None:
+    def __init__(self, *sentences: str) -> None:
         super().__init__("\n".join(sentences))
-        self.sentences = tuple(sentences)
+        self.sentences = sentences
 
 
 @dataclass(frozen=True)
@@ -86,7 +86,7 @@ def read_columns(headers: Sequence[str], base: TypedCase) -> tuple[list[Varied |
     if not wrong and not any(columns):
         wrong.append("no column of the table names an input. Add a column such as DampingRatio.")
     if wrong:
-        raise TableRefused(wrong)
+        raise TableRefused(*wrong)
     return columns, names
 
 
@@ -101,13 +101,12 @@ def _column(header: str, base: TypedCase) -> Varied:
             "it must name a scalar, such as DampingRatio, or a cell of a table, such as "
             "Elements[LS coupling].Stiffness, and may end in a unit, such as [N*m/rad]."
         )
-    found, row, column, unit = match.group("table", "row", "column", "unit")
+    name, row, column, unit = match.group("table", "row", "column", "unit")
     if column is None:
-        place: Place = (SCALAR_TABLE, None, "")
-        spec = _named(found, SCALARS, "scalar")
-        place = (SCALAR_TABLE, None, spec.name)
+        spec = _named(name, SCALARS, "scalar")
+        place: Place = (SCALAR_TABLE, None, spec.name)
     else:
-        table = _named(found, INPUT_TABLES, "input table")
+        table = _named(name, INPUT_TABLES, "input table")
         spec = _named(column, table.columns, f"column of {table.name}")
         place = (table.name, _row(table, row, base), spec.name)
     if not unit:

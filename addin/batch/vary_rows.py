@@ -84,7 +84,7 @@ def _calculated(
         data = to_case_data(typed, findings)
         problems = all_problems(data, findings)
         if problems:
-            reasons = [_reason(one, columns, typed) for one in problems]
+            reasons = [_reason(problem, columns, typed) for problem in problems]
             return inputs | {"outcome": WRONG_INPUT, "reason": "\n".join(reasons)}
         inputs |= {one.header: _in_case(one, data) for one in relative}
         case = Case(**(vars(data) | dict(task.overrides)))
@@ -92,10 +92,7 @@ def _calculated(
         if digest not in known:
             known[digest] = _answers(case)
         return inputs | known[digest] | {"case_sha256": digest}
-    except CaseError as wrong:
-        reason = "\n".join(one.message for one in wrong.problems)
-        return inputs | {"outcome": WRONG_INPUT, "reason": reason}
-    except ModelError as wrong:
+    except (CaseError, ModelError) as wrong:
         return inputs | {"outcome": WRONG_INPUT, "reason": str(wrong)}
     except Exception as wrong:  # one row's fault never ends a programme; the row says what happened
         reason = f"an error inside torsionbook; please report it: {wrong!r}"
@@ -133,8 +130,8 @@ def _put(
 def _in_case(column: Varied, data: CaseData) -> float | None:
     """The input of a case in the unit of its column; None where that unit hangs on the case, too."""
     table, row, _ = column.place
-    there: Any = data if row is None else getattr(data, TABLES[table][0])[row - 1]
-    value = getattr(there, column.spec.attribute)
+    holder: Any = data if row is None else getattr(data, TABLES[table][0])[row - 1]
+    value = getattr(holder, column.spec.attribute)
     scale = column.scale or UnitScale(1.0)
     return None if value is None or scale.base else scale.from_si(value)
 
@@ -185,14 +182,14 @@ def _shown(column: Varied, entry: Typed | str | None) -> Any:
 
 def _reason(problem: Problem, columns: Sequence[Varied], typed: TypedCase) -> str:
     """What is wrong in a row, by its column where it is one of the table's."""
-    told = in_typed_units(problem, typed)
+    message = in_typed_units(problem, typed).message
     place = (problem.table, problem.row, problem.column)
     for column in columns:
         if column.place == place:
-            return f"{column.header}: {told.message}"
+            return f"{column.header}: {message}"
     row = "" if problem.row is None else f"[{problem.row}]"
     where = problem.column if problem.table == SCALAR_TABLE else f"{problem.table}{row}.{problem.column}"  # fmt: skip
-    return f"{where.rstrip('.')} (of the base case): {told.message}"
+    return f"{where.rstrip('.')} (of the base case): {message}"
 
 
 def _answers(case: Any) -> dict[str, Any]:

@@ -132,12 +132,12 @@ def _reading() -> Iterator[None]:
         yield
     except UnicodeDecodeError as wrong:
         raise TableRefused(
-            ["it is not UTF-8 text. Save the CSV as CSV UTF-8, or give a .parquet file."]
+            "it is not UTF-8 text. Save the CSV as CSV UTF-8, or give a .parquet file."
         ) from wrong
     except (OSError, csv.Error) as wrong:
         why = getattr(wrong, "strerror", None) or wrong
-        raise TableRefused([f"it cannot be read: {why}. Check the file."]) from wrong
+        raise TableRefused(f"it cannot be read: {why}. Check the file.") from wrong
     except Exception as wrong:
         if not type(wrong).__module__.startswith("pyarrow"):
             raise
-        raise TableRefused(["it is not a readable Parquet file. Save it again."]) from wrong
+        raise TableRefused("it is not a readable Parquet file. Save it again.") from wrong

@@ -12,12 +12,13 @@ import tempfile
 import time
 import traceback
 import uuid
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from addin.batch.folder import digest_of, stamp_of
+from addin.batch.folder import digest_of, digested
 from addin.batch.inputs import result_name
 from addin.batch.records import (
     DONE,
@@ -58,25 +59,20 @@ class Examine:
 class Examined:
     """What reading a file showed."""
 
-    name: str  #: As in `Record`.
-    case_sha256: str  #: Digest of its case; empty if it cannot be calculated. [hexadecimal]
     record: Record | None  #: Why it cannot be calculated; None if it can.
+    case_sha256: str = ""  #: Digest of its case; empty if it cannot be calculated. [hexadecimal]
     #: The numerical routines are not on this machine yet, so its calculation takes longer.
     compiles: bool = False
 
 
 @dataclass(frozen=True)
-class Work:
+class Work(Examine):
     """The task of calculating a file."""
 
-    name: str  #: As in `Record`.
-    source: str  #: Likewise.
-    target: str  #: Where its result belongs in the end.
-    root: str  #: Folder of results, to which the names of outputs are relative.
+    target: str = ""  #: Where its result belongs in the end.
+    root: str = ""  #: Folder of results, to which the names of outputs are relative.
     #: Folder of its own, to be made, for its results; empty if they are to come back as bytes.
     staging: str = ""
-    content: bytes | None = None  #: The file, where it is not to be read from its path. [bytes]
-    stamp: Stamp = Stamp(0, 0, "")  #: Size and time of the file where it comes as bytes.
     known: bytes | None = None  #: Pickled `Results` of the same case. [bytes]
     known_file: str = ""  #: The same in a file.
     same_as: str = ""  #: File whose calculation that was.
@@ -106,20 +102,28 @@ def examine(task: Examine) -> Examined:
     """Read a file and find what it holds."""
     began = time.perf_counter()
     try:
-        if task.content is not None:
-            with tempfile.TemporaryDirectory(prefix="torsionbook-") as folder:
-                path = Path(folder, Path(task.name).name)
-                path.write_bytes(task.content)
-                read, stamp = read_checked(path), task.stamp
-        else:
-            stamp = _stamped(Path(task.source))
-            read = read_checked(Path(task.source))
+        with _file_of(task) as (source, stamp):
+            read = read_checked(source)
     except OSError as wrong:
-        return Examined(task.name, "", refused(task, wrong))
+        return Examined(refused(task, wrong))
     if read.problems:
-        return Examined(task.name, "", _wrong(task, read, stamp, time.perf_counter() - began))
+        return Examined(_wrong(task, read, stamp, time.perf_counter() - began))
     data = read.data  # type: ignore[union-attr]
-    return Examined(task.name, case_digest(data), None, compiles(data))
+    return Examined(None, case_digest(data), compiles(data))
+
+
+@contextmanager
+def _file_of(task: Examine) -> Iterator[tuple[Path, Stamp]]:
+    """The file of a task and its state; one that comes as bytes in a temporary folder."""
+    if task.content is None:
+        source = Path(task.source)
+        yield source, digested(source)
+        return
+    with tempfile.TemporaryDirectory(prefix="torsionbook-") as folder:
+        source = Path(folder, "in", Path(task.name).name)
+        source.parent.mkdir()
+        source.write_bytes(task.content)
+        yield source, task.stamp
 
 
 def compiles(data: CaseData) -> bool:
@@ -135,20 +139,22 @@ def compiles(data: CaseData) -> bool:
     bool
         False without a start, which needs none. [flag]
     """
-    if not data.motor_torque:
-        return False
-
-    return not is_compiled(advance_start)
+    return bool(data.motor_torque) and not is_compiled(advance_start)
 
 
 def calculate(task: Work) -> Calculated:
     """Calculate a file and write its results into the staging folder."""
     try:
-        if task.content is None:
-            # A folder for each attempt: one that was begun by a worker that died is left aside.
-            staging = Path(task.staging, uuid.uuid4().hex[:8])
-            return _calculated(task, Path(task.source), staging)
-        return _calculated_from_bytes(task)
+        with _file_of(task) as (source, stamp):
+            if task.content is None:
+                # A folder for each attempt: one that was begun by a worker that died is left aside.
+                return _calculated(task, source, stamp, Path(task.staging, uuid.uuid4().hex[:8]))
+            staging = source.parents[1] / "out"
+            done = _calculated(task, source, stamp, staging)
+            outputs = {
+                output.name: staging / Path(output.name).name for output in done.record.outputs
+            }
+            return replace(done, files={name: path.read_bytes() for name, path in outputs.items()})
     except OSError as wrong:
         return Calculated(refused(task, wrong))
     except Exception:  # one file's fault never ends a batch; its record says what happened
@@ -159,24 +165,8 @@ def calculate(task: Work) -> Calculated:
         return Calculated(failed(task.name, task.source, FAULT, sentence))
 
 
-def _calculated_from_bytes(task: Work) -> Calculated:
-    """The same where the file comes as bytes and the results go back as bytes."""
-    assert task.content is not None
-    with tempfile.TemporaryDirectory(prefix="torsionbook-") as folder:
-        source = Path(folder, "in", Path(task.name).name)
-        source.parent.mkdir()
-        source.write_bytes(task.content)
-        done = _calculated(replace(task, ignore_lock=True), source, Path(folder, "out"))
-        files = {
-            one.name: Path(folder, "out", Path(one.name).name).read_bytes()
-            for one in done.record.outputs
-        }
-    return Calculated(replace(done.record, stamp=task.stamp), done.results, files)
-
-
-def _calculated(task: Work, source: Path, staging: Path) -> Calculated:
+def _calculated(task: Work, source: Path, stamp: Stamp, staging: Path) -> Calculated:
     began = time.perf_counter()
-    stamp = _stamped(source)
     locked = is_locked(task)
     if locked is not None:
         return Calculated(refused(task, locked))
@@ -218,14 +208,9 @@ def _calculated(task: Work, source: Path, staging: Path) -> Calculated:
     return Calculated(record, results)
 
 
-def _stamped(path: Path) -> Stamp:
-    """State of a file, its digest included."""
-    return replace(stamp_of(path), sha256=digest_of(path))
-
-
 def is_locked(task: Work) -> Exception | None:
     """Why a file is not calculated, where somebody has it or its result open."""
-    if task.ignore_lock:
+    if task.ignore_lock or task.content is not None:
         return None
     try:
         if not task.may_be_open:
@@ -265,23 +250,21 @@ def _outputs(task: Work, staging: Path) -> tuple[Output, ...]:
     )
 
 
-def _wrong(
-    task: Work | Examine, read: CaseInput | Unreadable, stamp: Stamp, seconds: float
-) -> Record:
+def _wrong(task: Examine, read: CaseInput | Unreadable, stamp: Stamp, seconds: float) -> Record:
     """The record of an input with errors."""
     cause = getattr(read, "cause", None)
     problems = read.problems
     if cause is not None:  # by its name in the batch, not by its place on this machine
         problems = tuple(
-            replace(one, found=task.name) if str(one.found) == printable(str(task.source)) else one
-            for one in problems
+            replace(p, found=task.name) if str(p.found) == printable(str(task.source)) else p
+            for p in problems
         )
     record = _not_done(task, problems, cause)
     return replace(record, stamp=stamp, warnings=tuple(read.warnings), seconds=seconds)
 
 
 def _not_done(
-    task: Work | Examine, problems: Sequence[CellProblem], cause: BaseException | None
+    task: Examine, problems: Sequence[CellProblem], cause: BaseException | None
 ) -> Record:
     """The record of a file that was not read, calculated or written."""
     more = f" (and {len(problems) - 1} more)" if len(problems) > 1 else ""
@@ -294,7 +277,7 @@ def _not_done(
     )
 
 
-def refused(task: Work | Examine, wrong: Exception) -> Record:
+def refused(task: Examine, wrong: Exception) -> Record:
     """The record of a file that cannot be used at all."""
     sentence = file_problem(Path(task.source), wrong).message
     return failed(task.name, task.source, outcome_of(wrong), sentence)

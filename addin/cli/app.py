@@ -18,6 +18,7 @@ from typer.main import get_command, get_group
 from addin.cli.status import INTERNAL, INTERRUPTED
 from addin.cli.study_commands import STUDY_COMMANDS
 from addin.contract.version import product_version
+from addin.workers.stop import causes
 
 #: Every command and the first line of its own help, in the order of --help.
 COMMANDS = {
@@ -121,10 +122,7 @@ def _program(
 
 def _by_ctrl_c(ended: BaseException) -> bool:
     """Whether a command was cut short; one that ends by itself after Ctrl-C has said why."""
-    cause: BaseException | None = ended
-    while cause is not None and not isinstance(cause, KeyboardInterrupt):
-        cause = cause.__cause__ or cause.__context__
-    return cause is not None
+    return any(isinstance(cause, KeyboardInterrupt) for cause in causes(ended))
 
 
 def _tell_interrupted() -> None:

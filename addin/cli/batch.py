@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import datetime as dt
 import os
 import sys
 import time
@@ -15,7 +16,14 @@ import typer
 
 from addin.batch.cluster_files import FileCluster
 from addin.batch.folder import FolderRefused, OutFolder
-from addin.batch.inputs import SUMMARY, Input, InputsRefused, check_places, find_inputs
+from addin.batch.inputs import (
+    SUMMARY,
+    Input,
+    InputsRefused,
+    check_places,
+    find_inputs,
+    summary_files,
+)
 from addin.batch.own_files import in_the_way, is_summary, is_summary_csv
 from addin.batch.records import DONE, Record
 from addin.batch.scheduler import Batch, Listener
@@ -33,7 +41,7 @@ from addin.cli.options import (
     ToleranceOption,
 )
 from addin.cli.overrides import case_overrides
-from addin.cli.status import INTERRUPTED, WRONG_INPUT, failed
+from addin.cli.status import INTERRUPTED, WRONG_INPUT, failed, failing_on
 from addin.cli.terminal import print_written
 from addin.contract.version import product_version
 from addin.reading.one_file import file_problem
@@ -123,7 +131,7 @@ def batch(
 
     def find() -> list[Input]:
         try:
-            return find_inputs(what, out, [book, book.with_suffix(".csv")], json=json is not None)
+            return find_inputs(what, out, summary_files(book), json=json is not None)
         except InputsRefused as wrong:
             if watch:
                 return []
@@ -156,37 +164,47 @@ def batch(
             raise typer.BadParameter(
                 f"--vary needs exactly one base case and cannot run with --watch; {_named(inputs)}."
             )
-        raise typer.Exit(
-            _varied(
-                inputs[0].path, vary, out, _workers(jobs, scheduler), resume, stop, overrides, csv
-            )
-        )
+        programme = ProgrammeSettings(resume, overrides, csv)
+        workers = _workers(jobs, scheduler)
+        raise typer.Exit(_varied(inputs[0].path, vary, out, workers, programme, stop))
     if csv:
         raise typer.BadParameter("--csv needs --vary; a batch of files writes summary.csv.")
-    settings = {
-        "resume": resume,
-        "ignore_lock": ignore_lock,
-        "may_be_open": watch,
-        "overrides": overrides,
-        "json": json,
-    }
     workers = _workers(jobs, scheduler)
     began = time.monotonic()
-    try:
-        with _opened(out, workers, stop, **settings) as work:
-            if inputs:
-                work.send = _way(work, inputs[0], send)
-            ended = _processed(work, inputs, stop)
-            records = _rows(work, inputs)
-            written = _summarised(book, records, overrides)
-            if watch and not ended:
-                _say(work, records, ended, began, written)
-                _watched(work, find_later, inputs, book, stop)
-                raise typer.Exit(status.DONE)
-    except (FolderRefused, Stopped) as wrong:
-        raise failed(str(wrong)) from wrong
+    with (
+        failing_on(FolderRefused, Stopped),
+        _progress() as listener,
+        OutFolder(out, json) as folder,
+        Batch(
+            folder,
+            workers,
+            ignore_lock=ignore_lock,
+            may_be_open=watch,
+            resume=resume,
+            stop=stop,
+            listener=listener,
+            overrides=overrides,
+            json=json,
+        ) as work,
+        stop.listening(_tell),
+    ):
+        for sentence in work.refused:
+            _tell(sentence)
+        if inputs:
+            work.send = _way(work, inputs[0], send)
+        ended = _processed(work, inputs, stop)
+        records = _rows(work, inputs)
+        written = _summarised(book, records, overrides)
+        if watch and not ended:
+            _say(work, records, ended, began, written)
+            _watched(work, find_later, inputs, book, stop)
+            raise typer.Exit(status.DONE)
     _say(work, records, ended, began, written)
     raise typer.Exit(_status(records, ended, stop, strict, bool(written)))
+
+
+def _tell(sentence: str) -> None:
+    typer.echo(sentence, err=True)
 
 
 def _workers(jobs: int | None, scheduler: str | None) -> Workers:
@@ -198,10 +216,8 @@ def _workers(jobs: int | None, scheduler: str | None) -> Workers:
             "--jobs applies to this machine only; a cluster uses its own workers."
         )
 
-    try:
+    with failing_on(ClusterRefused):
         return FileCluster(scheduler)
-    except ClusterRefused as wrong:
-        raise failed(str(wrong)) from wrong
 
 
 def _way(work: Batch, first: Input, send: str) -> str:
@@ -226,10 +242,8 @@ def _varied(
     table: Path,
     out: Path,
     workers: Workers,
-    resume: bool,
+    settings: ProgrammeSettings,
     stop: Stop,
-    overrides: Mapping[str, Any],
-    as_csv: bool,
 ) -> int:
     """A programme of cases; its exit status."""
     try:
@@ -240,7 +254,7 @@ def _varied(
         raise typer.BadParameter(
             f"Results would overwrite the table {table}. Name another folder with --out."
         )
-    if (place := next(in_the_way(out, as_csv), None)) is not None:
+    if (place := next(in_the_way(out, settings.as_csv), None)) is not None:
         raise typer.BadParameter(
             f"{place} exists and was not written by torsionbook: results of --vary would replace "
             "it. Rename it, or name another folder with --out."
@@ -248,25 +262,18 @@ def _varied(
     began = time.monotonic()
     try:
         with (
+            failing_on(FolderRefused, Stopped),
             _progress() as listener,
             OutFolder(out) as folder,
-            stop.listening(lambda sentence: typer.echo(sentence, err=True)),
+            stop.listening(_tell),
         ):
             done = run_programme(
-                base,
-                table,
-                folder,
-                workers,
-                ProgrammeSettings(resume, overrides, as_csv),
-                stop=stop,
-                listener=listener,
+                base, table, folder, workers, settings, stop=stop, listener=listener
             )
     except TableRefused as wrong:
         for sentence in wrong.sentences:
             typer.echo(f"{table}: {sentence}", err=True)
         return WRONG_INPUT
-    except (FolderRefused, Stopped) as wrong:
-        raise failed(str(wrong)) from wrong
     except Abandoned:
         typer.echo(f"Interrupted. {_AGAIN}", err=True)
         return INTERRUPTED
@@ -319,26 +326,12 @@ def _summary_file(summary: Path | None, out: Path, *, written: bool) -> Path:
     if book.suffix.lower() != ".xlsx":
         raise typer.BadParameter(f"--summary is '{book}'; it must end in .xlsx.")
 
-    for place, is_ours in ((book, is_summary), (book.with_suffix(".csv"), is_summary_csv)):
+    for place, is_ours in zip(summary_files(book), (is_summary, is_summary_csv), strict=True):
         if written and place.exists() and not is_ours(place):
             raise typer.BadParameter(
                 f"{place} exists and is not a batch summary. Choose another name for --summary."
             )
     return book
-
-
-@contextmanager
-def _opened(out: Path, workers: Any, stop: Stop, **settings: Any) -> Iterator[Batch]:
-    """A batch that listens to Ctrl-C and shows how far it is."""
-    with (
-        _progress() as listener,
-        OutFolder(out, settings.get("json")) as folder,
-        Batch(folder, workers, stop=stop, listener=listener, **settings) as work,
-        stop.listening(lambda sentence: typer.echo(sentence, err=True)),
-    ):
-        for sentence in work.refused:
-            typer.echo(sentence, err=True)
-        yield work
 
 
 def _processed(work: Batch, inputs: Sequence[Input], stop: Stop) -> str:
@@ -399,16 +392,14 @@ def _summarised(
     book: Path, records: Sequence[Record], overrides: Mapping[str, Any]
 ) -> tuple[Path, ...]:
     """Write the summary; nothing if that is impossible, which is said."""
-    import datetime as dt
-
     counts = _counts(records)
     heading = (
         f"{len(records)} file{'' if len(records) == 1 else 's'}: {counts}. torsionbook {product_version()}, "
         f"{dt.datetime.now(dt.UTC):%Y-%m-%d %H:%M} UTC."
     )
     if overrides:
-        said = ", ".join(f"{name} = {value}" for name, value in overrides.items())
-        heading += f" Settings of the command line: {said}."
+        settings = ", ".join(f"{name} = {value}" for name, value in overrides.items())
+        heading += f" Settings of the command line: {settings}."
     try:
         return write_summary(book, records, heading)
     except OSError as wrong:
@@ -435,8 +426,8 @@ def _say(
     typer.echo(f"{files} in {_duration(seconds)}: {counts}{kept}.{shared}")
     verdicts = Counter(one.verdict for one in records if one.done)
     if verdicts:
-        told = "; ".join(f"{count} {verdict}" for verdict, count in sorted(verdicts.items()))
-        typer.echo(f"Verdicts: {told}.")
+        counted = "; ".join(f"{count} {verdict}" for verdict, count in sorted(verdicts.items()))
+        typer.echo(f"Verdicts: {counted}.")
     if ended:
         typer.echo(ended, err=True)
     print_written(written)
@@ -469,7 +460,7 @@ class _Lines(Listener):
         self.wait = _FIRST
 
     def note(self, sentence: str) -> None:
-        typer.echo(sentence, err=True)
+        _tell(sentence)
 
     def advance(self, record: Record | None) -> None:
         self.count += 1

@@ -91,8 +91,7 @@ def _inputs(console: Console, found: Differences) -> None:
         console.print(f"Inputs: no difference in {found.same_inputs} quantities.\n")
         return
     title = f"Inputs that differ ({found.same_inputs} quantities are the same)"
-    console.print(_changes(title, found.inputs))
-    console.print()
+    console.print(_changes(title, found.inputs), "")
 
 
 def _changes(title: str, changes: Sequence[Change]) -> Table:
@@ -124,8 +123,7 @@ def _by_table(console: Console, results: Sequence[Change], everything: bool) -> 
         shown = changes if everything else telling(name, changes)
         told += len(shown)
         if shown:
-            console.print(_changes(_of_table(name, changes, shown), shown))
-            console.print()
+            console.print(_changes(_of_table(name, changes, shown), shown), "")
     return len(results) - told
 
 
@@ -145,8 +143,7 @@ def _studies(console: Console, found: Differences, everything: bool) -> None:
         console.print(f"Studies: {note}", highlight=False)
     if studies.inputs:
         title = f"Study inputs that differ ({studies.same_inputs} quantities are the same)"
-        console.print(_changes(title, studies.inputs))
-        console.print()
+        console.print(_changes(title, studies.inputs), "")
     left = _by_table(console, studies.results, everything)
     console.print(f"{studies.same_results} results of studies are the same.{_further(left)}")
 

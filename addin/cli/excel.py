@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from addin.cli.options import ForceOption, IgnoreLockOption
-from addin.cli.status import WRONG_INPUT, failed
+from addin.cli.status import WRONG_INPUT, failed, failing_on
 from addin.excel.doctor import WRONG, examine
 from addin.excel.errors import ExcelError
 from addin.excel.workbook import install as put
@@ -102,7 +102,5 @@ def doctor(file: File) -> None:
 
 def _written(file: Path, target: Path | None, interpreter: str, ignore_lock: bool) -> SaveReport:
     """Write the workbook, or say why not."""
-    try:
+    with failing_on(ExcelError, PackageError, OSError, about=file):
         return put(file, target, interpreter=interpreter, ignore_lock=ignore_lock)
-    except (ExcelError, PackageError, OSError) as wrong:
-        raise failed(f"{file}: {wrong}") from wrong

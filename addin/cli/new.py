@@ -11,8 +11,8 @@ from typing import Annotated
 import typer
 
 from addin.cli.options import ForceOption, check_choice
-from addin.cli.status import failed
-from addin.cli.terminal import read_or_stop, writing
+from addin.cli.status import failing_on
+from addin.cli.terminal import read_or_stop, refuse_existing, writing
 from addin.contract.shipped import template_path
 from addin.excel.errors import ExcelError
 from addin.excel.workbook import install
@@ -76,17 +76,11 @@ def new(
     if file.suffix.lower() != chosen.suffix:
         more = " (or use --for excel)" if chosen.suffix == ".xlsx" else ""
         raise typer.BadParameter(f"'{file}' must end in {chosen.suffix}{more}.")
-    if file.exists() and not force:
-        raise failed(f"{file} exists. Choose another name, or use --force to replace it.")
-    if not file.parent.is_dir():
-        raise failed(f"The folder {file.parent} does not exist. Create it first.")
+    refuse_existing(file, force)
     filled = example if source is None else _filled(source, units, example)
 
-    try:
-        with writing(file):
-            make_workbook(file, "us" if example else units, filled, chosen, studies=studies)
-    except ExcelError as wrong:
-        raise failed(f"{file}: {wrong}") from wrong
+    with failing_on(ExcelError, about=file), writing(file):
+        make_workbook(file, "us" if example else units, filled, chosen, studies=studies)
     typer.echo(f"{file} is ready. Fill in the yellow cells, then: torsionbook recalc {file}")
 
 
@@ -95,10 +89,8 @@ def _filled(source: Path, units: str, example: str | None) -> Example:
     if example is not None:
         raise typer.BadParameter("Use either --from or --example, not both.")
     read = read_or_stop(source)
-    try:
+    with failing_on(MixedUnits, about=source):
         return example_of(read, units)
-    except MixedUnits as wrong:
-        raise failed(f"{source}: {wrong}") from wrong
 
 
 def make_workbook(

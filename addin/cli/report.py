@@ -10,7 +10,14 @@ import typer
 
 from addin.cli.options import ForceOption
 from addin.cli.status import WRONG_INPUT, failed
-from addin.cli.terminal import list_problems, print_written, progress, stages_of, writing
+from addin.cli.terminal import (
+    list_problems,
+    print_written,
+    progress,
+    refuse_existing,
+    stages_of,
+    writing,
+)
 from addin.report.make import report as make
 
 #: What each form of the report is made with; matplotlib draws the figures of both.
@@ -66,15 +73,11 @@ def report(
 
 def _refuse(name: str, path: Path, force: bool) -> None:
     """What would keep the report from being written, said before anything is calculated."""
-    missing = [one for one in PACKAGES[name] if importlib.util.find_spec(one) is None]
-    if missing:
+    if not all(map(importlib.util.find_spec, PACKAGES[name])):
         raise failed(
             "The packages for reports are not installed. Install them: "
             "pip install torsionbook[report]"
         )
     if path.is_dir():
         raise failed(f"{path} is a folder; name a file.")
-    if not path.parent.is_dir():
-        raise failed(f"The folder {path.parent} does not exist. Create it first.")
-    if path.exists() and not force:
-        raise failed(f"{path} exists. Choose another name, or use --force to replace it.")
+    refuse_existing(path, force)

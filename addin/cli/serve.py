@@ -9,7 +9,7 @@ from typing import Annotated, Any
 
 import typer
 
-from addin.cli.status import INTERNAL, failed
+from addin.cli.status import INTERNAL, failed, failing_on
 from addin.server.settings import Settings, SettingsError, check_certificate, read_keys
 
 #: Whether the optional packages of the server are there.
@@ -52,7 +52,7 @@ def serve(
             "The server's packages are not installed. Install them: pip install torsionbook[server]"
         )
     asked: dict[str, Any] = {} if workers is None else {"workers": workers}
-    try:
+    with failing_on(SettingsError):
         settings = Settings(
             host=host,
             port=port,
@@ -63,8 +63,6 @@ def serve(
             **asked,
         )
         check_certificate(settings)
-    except SettingsError as wrong:
-        raise failed(str(wrong)) from wrong
     run(settings)
 
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 import typer
 
 DONE, WRONG_INPUT, USAGE, INTERNAL = 0, 1, 2, 3
@@ -13,3 +16,12 @@ def failed(sentence: str) -> typer.Exit:
     """Print why a command fails, for the error stream; the exit is to be raised."""
     typer.echo(sentence, err=True)
     return typer.Exit(WRONG_INPUT)
+
+
+@contextmanager
+def failing_on(*kinds: type[Exception], about: object = "") -> Iterator[None]:
+    """End the command with the sentence of an exception of one of these kinds."""
+    try:
+        yield
+    except kinds as wrong:
+        raise failed(f"{about}: {wrong}" if about else str(wrong)) from wrong

@@ -20,7 +20,7 @@ from addin.cli.options import (
     SchedulerOption,
     check_choice,
 )
-from addin.cli.status import INTERRUPTED, WRONG_INPUT, failed
+from addin.cli.status import INTERRUPTED, WRONG_INPUT, failed, failing_on
 from addin.cli.terminal import (
     list_problems,
     print_table,
@@ -105,10 +105,11 @@ def _run(study: Study, file: Path, given: Mapping[str, Any]) -> None:
 
     def on_stage(stage: str) -> None:
         stop()  # a second Ctrl-C gives up between units as well
-        tell(_progress(file, stage, stop))
+        tell(f"{file.name}: {stage}" + (" (stopping)" if stop.asked else ""))
 
     try:
         with (
+            failing_on(ClusterRefused, Stopped, UnitLost, about=file),
             progress() as tell,
             nullcontext() if study.measures_time else stop.listening(tell),
             open_parallel_map(
@@ -123,8 +124,6 @@ def _run(study: Study, file: Path, given: Mapping[str, Any]) -> None:
         why = f" {ended.why}" if isinstance(ended, Cancelled) and ended.why else ""
         typer.echo(f"{file}: stopped by Ctrl-C.{why} Nothing was written.", err=True)
         raise typer.Exit(INTERRUPTED) from None
-    except (ClusterRefused, Stopped, UnitLost) as wrong:
-        raise failed(f"{file}: {wrong}") from wrong
     for sentence in outcome.warnings:
         typer.echo(f"{file}: note: {printable(sentence)}", err=True)
     if outcome.result is None:
@@ -161,7 +160,3 @@ def _show(study: Study, result: StudyResult, options: Mapping[str, Any]) -> None
             print_table(block.columns, block.rows)
     for sentence in (result.sentence, *result.remarks):
         typer.echo(printable(sentence))
-
-
-def _progress(file: Path, stage: str, stop: Stop) -> str:
-    return f"{file.name}: {stage}" + (" (stopping)" if stop.asked else "")

@@ -32,9 +32,7 @@ def refuse_clashes(
     seen: dict[Path, Path] = {}
     sources = {file.resolve() for file in files}
     for file, some in zip(files, targets, strict=True):
-        for target in some:
-            if target is None:
-                continue
+        for target in filter(None, some):
             place = target.resolve()
             if place in sources and not in_place:
                 raise typer.BadParameter(
@@ -46,41 +44,37 @@ def refuse_clashes(
                 )
 
 
-def refuse_no_place(target: Path | None) -> None:
+def refuse_no_place(target: Path) -> None:
     """Refuse a result that no file could be, before the work that would be lost.
 
     Parameters
     ----------
-    target : Path or None
-        File to be written; None is none. [path]
+    target : Path
+        File to be written. [path]
 
     Raises
     ------
     typer.BadParameter
         With the sentence.
     """
-    if target is None:
-        return
     if target.is_dir():
         raise typer.BadParameter(f"{target} is a folder; name a file in it.")
     refuse_no_folder(target.parent)
 
 
-def refuse_no_folder(folder: Path | None) -> None:
+def refuse_no_folder(folder: Path) -> None:
     """Refuse a folder for results that is a file, or lies in one, before any work.
 
     Parameters
     ----------
-    folder : Path or None
-        There or still to be made; None is none. [path]
+    folder : Path
+        There or still to be made. [path]
 
     Raises
     ------
     typer.BadParameter
         With the sentence.
     """
-    if folder is None:
-        return
     for place in (folder, *folder.parents):
         if place.exists() and not place.is_dir():
             raise typer.BadParameter(f"{place} is a file; name a folder.")
@@ -107,7 +101,7 @@ def study_targets(
     if json is not None and (json.is_dir() or json == out):
         json = json / f"{file.stem}.{command}.json"
     refuse_clashes([file], [(destination, json)], in_place)
-    for target in (destination, json):
+    for target in filter(None, (destination, json)):
         refuse_no_place(target)
     return destination, json
 
@@ -125,6 +119,14 @@ def read_or_stop(file: Path) -> CaseInput:
         list_problems(file, read.problems)
         raise typer.Exit(WRONG_INPUT)
     return read
+
+
+def refuse_existing(target: Path, force: bool) -> None:
+    """End the command if a file is there already and may not be replaced, or has no folder."""
+    if target.exists() and not force:
+        raise failed(f"{target} exists. Choose another name, or use --force to replace it.")
+    if not target.parent.is_dir():
+        raise failed(f"The folder {target.parent} does not exist. Create it first.")
 
 
 @contextmanager

@@ -7,7 +7,8 @@ from typing import Annotated
 
 import typer
 
-from addin.cli.status import WRONG_INPUT
+from addin.cli.options import check_choice
+from addin.cli.status import WRONG_INPUT, failing_on
 from addin.reading.one_file import file_problem
 from addin.verify.file import verify_file
 from addin.verify.findings import Agreement
@@ -54,8 +55,7 @@ def verify(
     Examples: `torsionbook verify train.out.xlsx`;
     `torsionbook verify train.results.json --case train.json`
     """
-    if within not in _WITHIN:
-        raise typer.BadParameter(f"--within is '{within}'; it must be {' or '.join(_WITHIN)}.")
+    check_choice("--within", within, tuple(_WITHIN))
     if trace is not None:
         _trace(files, trace)
         return
@@ -100,9 +100,6 @@ def _refuse_clashes(files: list[Path], case: Path | None, json: Path, folder: bo
 
 def _trace(files: list[Path], wanted: str) -> None:
     for file in files:
-        try:
+        with failing_on(ValueError):
             for line in traced(file, wanted):
                 typer.echo(line)
-        except ValueError as wrong:
-            typer.echo(str(wrong), err=True)
-            raise typer.Exit(WRONG_INPUT) from wrong

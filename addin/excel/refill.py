@@ -143,17 +143,16 @@ def _resize(book: Any, table: Table, results: Results) -> None:
     """A table to its new size: new rows get the formats of its first, rows given up are cleared."""
     sheet = book.sheets[table.sheet]
     live = sheet.tables[table.name]
-    first, last = _ends(live.range.address)
-    new = table.ref
-    if (first, last) == ((new.top, new.left), (new.bottom, new.right)):
+    old, new = parse_range(live.range.address.replace("$", "")), table.ref
+    if old == new:
         return
-    if first != (new.top, new.left):
+    if (old.top, old.left) != (new.top, new.left):
         raise RuntimeError(
             f"table {table.name} has another position in Excel than in the saved copy"
         )
-    old_bottom = last[0] - table.has_totals
+    old_bottom = old.bottom - table.has_totals
     if old_bottom > table.data.bottom:
-        for left, right in _written_columns(table, results):
+        for left, right in sorted(_written_columns(table, results)):
             sheet.range((table.data.bottom + 1, left), (old_bottom, right)).clear_contents()
     live.resize(sheet.range((new.top, new.left), (new.bottom, new.right)))
     if table.data.bottom > old_bottom:
@@ -164,20 +163,13 @@ def _resize(book: Any, table: Table, results: Results) -> None:
         book.app.api.CutCopyMode = False
 
 
-def _written_columns(table: Table, results: Results) -> Iterator[tuple[int, int]]:
+def _written_columns(table: Table, results: Results) -> set[tuple[int, int]]:
     """First and last column of each piece of a table that results stand in."""
-    pieces = {
+    return {
         (max(rect.left, table.ref.left), min(rect.right, table.ref.right))
         for sheet, rect, _ in results.blocks
         if sheet == table.sheet and rect.meets(table.data)
     }
-    yield from sorted(pieces)
-
-
-def _ends(address: str) -> tuple[tuple[int, int], tuple[int, int]]:
-    """``$B$4:$D$9`` → first and last cell as (row, column)."""
-    rect = parse_range(address.replace("$", ""))
-    return (rect.top, rect.left), (rect.bottom, rect.right)
 
 
 def excel_value(value: Any) -> str | bool | float | None:
@@ -229,10 +221,8 @@ def _quiet(app: Any) -> Iterator[None]:
 
 def _protected(book: Any, results: Results) -> str:
     """The first protected sheet that results go to; empty if there is none."""
-    for name in dict.fromkeys(sheet for sheet, _, _ in results.blocks):
-        if book.sheets[name].api.ProtectContents:
-            return name
-    return ""
+    names = dict.fromkeys(sheet for sheet, _, _ in results.blocks)
+    return next((name for name in names if book.sheets[name].api.ProtectContents), "")
 
 
 def _kept(files: Sequence[Path], book: Any) -> list[str]:

@@ -138,10 +138,13 @@ def installed_in(book: Workbook) -> Installed:
     """
     data = macro_project(book)
     project = None if data is None else VbaProject.read(data)
-    sources = [(project.source(name) or "") if project else "" for name in ("xlwings", MACROS)]
-    found = [mark.search(text) for mark, text in zip((_XLWINGS, _PRODUCT), sources, strict=True)]
-    versions = [one[1] if one else "" for one in found]
-    return Installed(versions[0], versions[1], settings_of(book, SETTINGS_SHEET))
+
+    def version(module: str, mark: re.Pattern[str]) -> str:
+        match = mark.search((project and project.source(module)) or "")
+        return match[1] if match else ""
+
+    settings = settings_of(book, SETTINGS_SHEET)
+    return Installed(version("xlwings", _XLWINGS), version(MACROS, _PRODUCT), settings)
 
 
 def _with_our_modules(there: bytes | None) -> bytes:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from addin.contract.problems import shortened
@@ -71,7 +72,7 @@ def read_number(cell: Cell, spec: Field, unit_place: str) -> float | None:
     CellFault
         If it is none.
     """
-    value = _plain(cell, _NUMBER, "found {}; type a number.")
+    value = _plain(cell, _NUMBER, lambda shown: f"found {shown}; type a number.")
     if value is None:
         return None
     if isinstance(value, str):
@@ -103,7 +104,9 @@ def read_text(cell: Cell, spec: Field) -> str | None:
         If it holds none.
     """
     allowed = "one of " + ", ".join(spec.choices) if spec.choices else "text"
-    value = _plain(cell, allowed, "found {}; it must be " + allowed + ". Type it as text.")
+    value = _plain(
+        cell, allowed, lambda shown: f"found {shown}; it must be {allowed}. Type it as text."
+    )
     return f"{value:.15g}" if isinstance(value, (int, float)) else value
 
 
@@ -122,11 +125,11 @@ def read_unit(cell: Cell) -> str:
     CellFault
         If it cannot be told.
     """
-    value = _plain(cell, "a unit", "found {}; type a unit.")
+    value = _plain(cell, "a unit", lambda shown: f"found {shown}; type a unit.")
     return f"{value:.15g}" if isinstance(value, (int, float)) else (value or "").strip()
 
 
-def _plain(cell: Cell, allowed: str, sentence: str) -> int | float | str | None:
+def _plain(cell: Cell, allowed: str, sentence: Callable[[str], str]) -> int | float | str | None:
     """The number or text of a cell, None for a blank; `sentence` is said of a truth value.
 
     Raises
@@ -139,7 +142,7 @@ def _plain(cell: Cell, allowed: str, sentence: str) -> int | float | str | None:
         return None
     if isinstance(value, bool):
         shown = "TRUE" if value else "FALSE"
-        raise CellFault(shown, allowed, sentence.format(shown))
+        raise CellFault(shown, allowed, sentence(shown))
     if isinstance(value, ErrorValue) or (isinstance(value, str) and re.match(r"#[A-Z/0]", value)):
         code = value.code if isinstance(value, ErrorValue) else shortened(value)
         if cell.is_formula:

@@ -1,4 +1,4 @@
-"""Ctrl-C and the system's request to end, and how many cores there are."""
+"""Ctrl-C and the system's request to end, what led to an exception, and how many cores there are."""
 
 from __future__ import annotations
 
@@ -55,12 +55,22 @@ class Stop:
         if threading.current_thread() is not threading.main_thread():
             yield
             return
-        before = {one: signal.signal(one, asked) for one in (signal.SIGINT, signal.SIGTERM)}
+        before = {
+            number: signal.signal(number, asked) for number in (signal.SIGINT, signal.SIGTERM)
+        }
         try:
             yield
         finally:
             for number, handler in before.items():
                 signal.signal(number, handler)
+
+
+def causes(error: BaseException) -> Iterator[BaseException]:
+    """An exception and those that led to it."""
+    cause: BaseException | None = error
+    while cause is not None:
+        yield cause
+        cause = cause.__cause__ or cause.__context__
 
 
 def cores() -> int:

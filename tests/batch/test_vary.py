@@ -516,6 +516,6 @@ def test_ctrl_c_after_the_last_row_interrupts_nothing(base, tmp_path, monkeypatc
                 stop.asked = 1
                 yield one
 
-    status = commands._varied(base, table, tmp_path / "out", Last(), False, stop, {}, False)
+    status = commands._varied(base, table, tmp_path / "out", Last(), ProgrammeSettings(), stop)
     assert status == 0
     assert "Interrupted" not in capsys.readouterr().err

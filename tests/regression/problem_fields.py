@@ -10,11 +10,13 @@ was run; it is made again only where a problem is meant to be another one.
 
 from __future__ import annotations
 
+import io
 import json
 import sys
 import tempfile
 from collections.abc import Iterator
 from copy import deepcopy
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -28,11 +30,22 @@ HERE = Path(__file__).resolve().parent
 TEMPLATES = HERE.parents[1] / "templates"
 #: Fields of a problem that stay; its message is not among them.
 FIELDS = ("sheet", "table", "row", "column", "found", "allowed")
+#: Sheets of results: no input is read from them, and to open and save them takes most of the time.
+RESULTS = {
+    "Summary", "Frequencies", "Margins", "Steady state", "Start-up", "Histories", "Reversals",
+    "Starts", "Effects", "Accuracy", "Audit", "Notes", "Trace", "ChartData",
+}  # fmt: skip
+
+
+@cache
+def _content() -> dict[str, Any]:
+    """All of `bad_inputs.json`."""
+    return json.loads((HERE / "bad_inputs.json").read_text(encoding="utf-8"))
 
 
 def bad_inputs(kind: str | None = None) -> Iterator[tuple[str, str, dict[str, Any]]]:
     """Kind (case, study, text or workbook), name and description of every bad input."""
-    content = json.loads((HERE / "bad_inputs.json").read_text(encoding="utf-8"))
+    content = _content()
     for one in ("case", "study", "text", "workbook") if kind is None else (kind,):
         for number, description in enumerate(content[one], start=1):
             yield one, f"{one} {number}: {description['name']}", description
@@ -40,8 +53,7 @@ def bad_inputs(kind: str | None = None) -> Iterator[tuple[str, str, dict[str, An
 
 def base_case() -> dict[str, Any]:
     """The good case that the others are changes of."""
-    content = json.loads((HERE / "bad_inputs.json").read_text(encoding="utf-8"))
-    return content["base"]
+    return _content()["base"]
 
 
 def written(kind: str, description: dict[str, Any], folder: Path) -> Path:
@@ -87,9 +99,21 @@ def changed(case: dict[str, Any], changes: list[list[Any]]) -> dict[str, Any]:
     return case
 
 
+@cache
+def _inputs_of(template: str) -> bytes:
+    """A shipped workbook without its sheets of results."""
+    book = openpyxl.load_workbook(TEMPLATES / template)
+    for sheet in book.worksheets:
+        if sheet.title in RESULTS:
+            book.remove(sheet)
+    target = io.BytesIO()
+    book.save(target)
+    return target.getvalue()
+
+
 def _workbook(description: dict[str, Any]) -> openpyxl.Workbook:
-    """A shipped workbook with cells, units (@), headers, names, tables or sheets changed."""
-    book = openpyxl.load_workbook(TEMPLATES / description["template"])
+    """The inputs of a shipped workbook with cells, units (@), headers, names, tables or sheets changed."""
+    book = openpyxl.load_workbook(io.BytesIO(_inputs_of(description["template"])))
     for place, value in description["cells"].items():
         cell = _cell(book, place)
         if isinstance(value, dict):

@@ -450,7 +450,7 @@ def test_files_are_read_in_the_pool_within_limits(client, monkeypatch):
     source = TEMPLATES / "example_proposed.xlsx"
     assert client.post("/api/v1/model", content=source.read_bytes()).status_code == 200
     assert sent == ["read"]
-    monkeypatch.setattr(tasks, "_limits", lambda: FileLimits(total_size=10_000))
+    monkeypatch.setattr(tasks, "LIMITS", FileLimits(total_size=10_000))
     problems, *_, case, _ = tasks._read(str(source), lambda stage: None)
     assert case is None
     assert "too large" in problems[0].message or "MB" in problems[0].message
