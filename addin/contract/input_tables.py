@@ -232,7 +232,7 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
         columns=(
             text("Name", "Name of the excitation."),
             number("Order", "ratio", "Multiple of a station's speed."),
-            text("Of station", "Whose speed.", kind="station", blank="the motor shaft"),
+            text("Of station", "Station to whose speed the order refers.", kind="station", blank="the motor shaft"),
             number(
                 "Frequency", "frequency", "Fixed frequency, instead of an order.",
             ),

@@ -140,7 +140,7 @@ def _energies(subject: Subject, count: int) -> Section:
             f"bearing of {k}": v for k, v in mode.get("bearing_strain_energy", {}).items()
         }
         kinetic = dict(mode["kinetic_energy"]) | {
-            f"{k} sideways": v for k, v in mode.get("sideways_kinetic_energy", {}).items()
+            f"{k} lateral": v for k, v in mode.get("sideways_kinetic_energy", {}).items()
         }
         names = [clean(n["element"]) for n in mode["nodes"]]
         nodes = "; ".join(names[:_NODES]) or "none"

@@ -2,7 +2,7 @@
 
 ∂ln f/∂ln k = ½ × the share of the strain energy in k, ∂ln f/∂ln J = −½ × the share of the kinetic
 energy in J. Of a station whose inertia a rigid mesh merges with others, or to which half of a shaft's
-own inertia is added, only the part that is stated under its name counts. Bearings and sideways masses
+own inertia is added, only the part that is stated under its name counts. Bearings and lateral masses
 of gears have shares like any other.
 
 Where modes are as good as equal an eigenvector is any mixture of theirs, and its energies are no
@@ -31,15 +31,15 @@ from engine.model.train import Train
 AS_GOOD_AS_EQUAL = 1e-6
 #: Neighbouring modes closer than this exchange their shapes within changes of a few per cent. [1]
 NEAR = 0.02
-#: Bearings and sideways masses of gears, beside the quantities of `engine.case.study_inputs`.
-BEARING_STIFFNESS, MASS = "bearing stiffness", "sideways mass"
+#: Bearings and lateral masses of gears, beside the quantities of `engine.case.study_inputs`.
+BEARING_STIFFNESS, MASS = "bearing stiffness", "lateral mass"
 
 
 @dataclass(frozen=True, eq=False)
 class FrequencyDerivative:
     """What one quantity does to all elastic frequencies."""
 
-    quantity: str  #: ``stiffness``, ``inertia``, ``bearing stiffness`` or ``sideways mass``.
+    quantity: str  #: ``stiffness``, ``inertia``, ``bearing stiffness`` or ``lateral mass``.
     name: str  #: Element or station.
     value: Floats  #: ∂ln f/∂ln of the quantity. [1] Shape (n_elastic,).
 

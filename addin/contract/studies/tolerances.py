@@ -159,7 +159,7 @@ _RESULTS: tuple[TableSpec, ...] = (
         row_name=("Factor",), changes_shown=("Share",),
         json_only=(text("dimension", "Dimension of the results, which are in the SI unit of that dimension."),),
         columns=(
-            text("Factor", "What scatters.", trace=_AS_TYPED),
+            text("Factor", "Uncertain quantity.", trace=_AS_TYPED),
             number(
                 "Deviation", "fraction",
                 "Standard deviation of the factor, relative to the value in the case.",
@@ -290,7 +290,7 @@ _RESULTS: tuple[TableSpec, ...] = (
         help="The strongest factors.",
         short_caption=True,
         columns=(
-            text("Factor", "What scatters.", trace=_AS_TYPED),
+            text("Factor", "Uncertain quantity.", trace=_AS_TYPED),
             number(
                 "At P10", "fraction", "Change of the result with this factor at its P10.",
                 "As in ToleranceDrivers", _SAMPLE, of_row=("ToleranceDrivers.Change at P10",),
@@ -424,7 +424,7 @@ def _details() -> Shape:
         "samples": COUNT,
     }
     content = {
-        "samples": described("Asked for.", COUNT),
+        "samples": described("Number of samples requested.", COUNT),
         "seed": COUNT,
         "method": {"enum": ["lhs", "sobol"]},
         "replan": FLAG,
