@@ -1,6 +1,6 @@
 """The folder of results: one batch at a time, results put in place in one step.
 
-A result is made in a staging folder of the batch, told in the journal, and only then put in place.
+A result is made in a staging folder of the batch, recorded in the journal, and only then put in place.
 Whenever the program is ended, a result is either recorded and complete, in its place or beside it,
 or it is not recorded and its parts are thrown away by the next batch.
 """

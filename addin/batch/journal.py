@@ -1,7 +1,7 @@
 """Records on the disk: each line whole or not there, whatever ends the program.
 
 A line is one JSON object with the check sum of its text. It is flushed to the disk before the results
-it tells of are put in place. A last line that was cut off is passed over and overwritten; so is one
+it records are put in place. A last line that was cut off is passed over and overwritten; so is one
 that the disk returned otherwise than it was written.
 """
 

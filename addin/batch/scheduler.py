@@ -118,7 +118,7 @@ class Batch:
     # ---- what is done already --------------------------------------------------------------------
 
     def _is_done(self, one: Input) -> bool:
-        """Whether the record of a file still tells the truth."""
+        """Whether the record of a file still holds."""
         record = self.records.get(one.name)
         if record is None or not record.settled or record.version != self._version:
             return False

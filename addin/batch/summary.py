@@ -1,4 +1,4 @@
-"""The records of a batch as workbook and CSV: a row a file, and a sheet of all errors.
+"""The records of a batch as workbook and CSV: one row per file, and a sheet of all errors.
 
 In the workbook every text is a text cell, whatever it begins with. A CSV has no types: a text that a
 spreadsheet program would take for a formula gets an apostrophe in front, which tells it that it is

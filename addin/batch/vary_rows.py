@@ -1,4 +1,4 @@
-"""Rows of a programme: values put into the base case, calculated, and told as one line of results. Runs in any process."""
+"""Rows of a programme: values put into the base case, calculated, and returned as one line of results. Runs in any process."""
 
 from __future__ import annotations
 
@@ -128,7 +128,7 @@ def _put(
 
 
 def _in_case(column: Varied, data: CaseData) -> float | None:
-    """The input of a case in the unit of its column; None where that unit hangs on the case, too."""
+    """The input of a case in the unit of its column; None where that unit depends on the case, too."""
     table, row, _ = column.place
     holder: Any = data if row is None else getattr(data, TABLES[table][0])[row - 1]
     value = getattr(holder, column.spec.attribute)

@@ -132,7 +132,7 @@ def audit_rows(
 
 
 def _time_spent(spent: Iterable[tuple[str, float]]) -> Iterator[tuple[str, str]]:
-    """Time of each analysis; one that was made in several steps is told once."""
+    """Time of each analysis; one that was made in several steps is listed once."""
     total: dict[str, float] = {}
     for name, seconds in spent:
         total[name] = total.get(name, 0.0) + seconds

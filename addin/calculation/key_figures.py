@@ -37,7 +37,7 @@ class KeyFigures:
     reversals_where: str | None  #: Its element; None without reversals.
     starts: float | None  #: Allowable starts; None where unlimited or not judged. [1]
     starts_unlimited: bool  #: Shafts are judged and none is damaged.
-    starts_not_judged: bool  #: Shafts are judged, but the start did not come to its end.
+    starts_not_judged: bool  #: Shafts are judged, but the start was not completed.
     starts_where: str | None  #: Governing shaft.
     outcome: str  #: How the start ended, or ``calculated``.
     verdict: str  #: The overall verdict.

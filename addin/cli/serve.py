@@ -19,7 +19,7 @@ if INSTALLED:
 
     from addin.server.app import create_app
 
-#: How long calculations may go on once the server is told to end. [s]
+#: How long calculations may go on once the server is asked to stop. [s]
 GRACE = 3
 
 
@@ -76,7 +76,7 @@ def run(settings: Any) -> None:
 
     class Server(uvicorn.Server):
         def handle_exit(self, sig: int, frame: Any) -> None:
-            """What does not end in time is told so while its connection is still there."""
+            """Answer calls that do not end in time while their connection is still there."""
             timer = threading.Timer(GRACE, give_up)
             timer.daemon = True
             timer.start()

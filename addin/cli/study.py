@@ -104,7 +104,7 @@ def _run(study: Study, file: Path, given: Mapping[str, Any]) -> None:
     stop = Stop()
 
     def on_stage(stage: str) -> None:
-        stop()  # a second Ctrl-C gives up between units as well
+        stop()  # a second Ctrl-C cancels between units as well
         tell(f"{file.name}: {stage}" + (" (stopping)" if stop.asked else ""))
 
     try:

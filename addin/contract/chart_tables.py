@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-#: How many speeds the train drawing tells apart, mode shapes and excitation lines are drawn.
+#: How many speeds the train drawing distinguishes, mode shapes and excitation lines are drawn.
 GROUPS, SHAPES, LINES, CROSSINGS, HISTORIES = 4, 5, 12, 6, 6
 #: Methods whose error against time is drawn.
 METHODS = ("exponential", "newmark")

@@ -246,7 +246,7 @@ class TableSpec:
 
     @property
     def workbook_columns(self) -> tuple[Field, ...]:
-        """All columns of the table as it stands in the workbook."""
+        """All columns of the table as it is in the workbook."""
         repeated = () if self.repeated is None else range(1, SHAPE_COLUMNS + 1)
         return (*self.columns, *(self.repeated_column(k) for k in repeated), *self.extra_columns)
 

@@ -13,7 +13,7 @@ Record = TypeVar("Record")
 
 
 def path_of(module: ModuleType) -> str:
-    """The file of a module as it stands in the source tree."""
+    """The file of a module as it is in the source tree."""
     return module.__name__.replace(".", "/") + ".py"
 
 

@@ -43,7 +43,7 @@ class Sheet:
     largest: int = 100  #: Scale of a print in pieces at the most. [%]
     side: float = 0.4  #: Margin left and right of a printed page. [in]
     intro: str = ""  #: One sentence below the strip.
-    #: Of a study: sheet of the plain run behind which it stands; empty = behind all of those.
+    #: Of a study: sheet of the nominal run after which it is placed; empty = after all of those.
     behind: str = ""
 
     @property

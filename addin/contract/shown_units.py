@@ -60,7 +60,7 @@ def shown_units(
     Parameters
     ----------
     names : mapping of (table, column) to str
-        Units as they stand above the headers. [units]
+        Units above the headers. [units]
     rated_torque : float or None
         Base of torques in pu or %. [N m]
 

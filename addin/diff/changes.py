@@ -92,7 +92,7 @@ class StudyDifferences:
 
     @property
     def anything(self) -> bool:
-        """Whether there is anything to be told."""
+        """Whether there is anything to report."""
         return bool(self.notes or self.inputs or self.results)
 
 

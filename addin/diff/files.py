@@ -1,4 +1,4 @@
-"""One of the two files: its inputs and its results, as they stand or calculated again."""
+"""One of the two files: its inputs and its results, as recorded or calculated again."""
 
 from __future__ import annotations
 

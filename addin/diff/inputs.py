@@ -70,7 +70,7 @@ def compare_inputs(
 
 
 def _rows(data: CaseData, spec: TableSpec) -> list[dict[str, Any]]:
-    """Rows of a table by header; a share of the torque transmitted is told as words."""
+    """Rows of a table by header; a share of the torque transmitted is given as text."""
     rows = []
     for row in getattr(data, TABLES[spec.name][0]):
         values = {one.name: getattr(row, one.attribute) for one in spec.columns}

@@ -206,7 +206,7 @@ def compare_verdicts(
 
 
 def _guessed(*rows: Mapping[str, Any]) -> str:
-    """Dimension of a judged number from the words of a workbook; empty when nothing tells it."""
+    """Dimension of a judged number from the words of a workbook; empty when unknown."""
     for row in rows:
         for column in ("Result", "Limit"):
             value = row.get(column)

@@ -2,7 +2,7 @@
 
 ::
 
-    ExcelError                   anything that is told to a person, in a sentence
+    ExcelError                   anything that is reported to a person, in a sentence
     ├── CompoundFileError        the container of a VBA project is damaged or of an unknown kind
     ├── VbaCompressionError      compressed VBA source is damaged, or data that cannot be stored
     ├── VbaProjectError          the VBA project is damaged, or holds what may not be replaced

@@ -27,7 +27,7 @@ from addin.xlsx.references import Rect, parse_range
 TITLE = "torsionbook"
 #: Most cells handed to Excel at once; between two portions the status bar moves on.
 PORTION = 20_000
-#: Problems told in the message box.
+#: Problems listed in the message box.
 MOST_TOLD = 10
 _PASTE_FORMATS = -4122
 
@@ -140,7 +140,7 @@ def _rows(
 
 
 def _resize(book: Any, table: Table, results: Results) -> None:
-    """A table to its new size: new rows get the formats of its first, rows given up are cleared."""
+    """A table to its new size: new rows get the formats of its first, rows no longer used are cleared."""
     sheet = book.sheets[table.sheet]
     live = sheet.tables[table.name]
     old, new = parse_range(live.range.address.replace("$", "")), table.ref

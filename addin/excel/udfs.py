@@ -3,7 +3,7 @@
 The only module of the installation that imports xlwings. Excel hands cells over COM: doubles, texts, flags, dates, None for
 a blank; error cells come as their text, since xlwings would make blanks of them. A classic function
 cannot return one of Excel's error values: where there is no answer the cell shows the sentence
-that says why, so formulas that hang on it test with ISNUMBER, not with ISERROR. Blank cells of an
+that says why, so formulas that depend on it test with ISNUMBER, not with ISERROR. Blank cells of an
 answer are empty texts, which Excel shows as nothing.
 
 On other systems than Windows the module can be imported, and xlwings' decorators do nothing.

@@ -1,6 +1,6 @@
 """The VBA of a workbook with functions: xlwings' modules, the wrappers, our macros.
 
-Four modules: ``xlwings`` and ``Dictionary`` as they stand in the installed xlwings wheel,
+Four modules: ``xlwings`` and ``Dictionary`` as they are in the installed xlwings wheel,
 ``xlwings_udfs`` with one wrapper per function, and ``Torsionbook`` with the macro `Recalculate` and
 the help of the function wizard. The wrappers are, to the letter, what xlwings itself would write
 on the user's machine, so its own import may replace them at any time; a test compares.

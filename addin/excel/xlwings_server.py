@@ -9,7 +9,7 @@ to the same programs without a licence. Who runs xlwings Server for other things
 The functions are called ``=TV.FREQUENCIES(...)`` as with our own server. Starts calculate in a
 thread, so that the server answers others meanwhile. xlwings Server hands over a blank cell as 0
 (its documentation says so), which these functions cannot tell from a typed 0: a blank number inside a
-table is then told as an implausible 0, not as blank. Without a licence key xlwings refuses the import.
+table is then reported as an implausible 0, not as blank. Without a licence key xlwings refuses the import.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 One object a case, ``"format": 1``: scalars are keys, tables are lists of row objects, blank means
 absent. A number is in SI, a string carries its unit. All problems are collected in the form in
-which those of a workbook are told.
+which those of a workbook are reported.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ from engine.case.data import TABLES, CaseData
 from engine.errors import Problem
 
 _LARGEST_FILE = 20 * 2**20
-#: Unknown and repeated keys that are told one by one. [count]
+#: Unknown and repeated keys that are listed one by one. [count]
 _MOST_KEYS = 50
 
 

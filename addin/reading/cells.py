@@ -113,7 +113,7 @@ def read_text(cell: Cell, spec: Field) -> str | None:
 def read_unit(cell: Cell) -> str:
     """The unit in a cell; the number 1 is a unit too.
 
-    A unit that cannot be told is no blank one: a ratio would be taken for what is per cent.
+    A unit that cannot be read does not count as blank: per cent would be read as a ratio.
 
     Returns
     -------

@@ -201,7 +201,7 @@ def _word_unit(name: str, scale: UnitScale) -> DisplayUnit:
 
 
 def _ratings(case: TypedCase) -> Any:
-    """Ratings of a case as far as they can be read; its own problems are told elsewhere."""
+    """Ratings of a case as far as they can be read; its own problems are reported elsewhere."""
     data: CaseData = to_case_data(
         TypedCase(dict(case.scalars), {"Stations": case.tables.get("Stations", [])}), Findings()
     )

@@ -3,7 +3,7 @@
 Cells are found by defined names and Excel tables, never by address: the unit of a scalar stands in
 the cell to its right, the unit of a column right above its header. Nothing stops at the first
 problem: cells that cannot be read are noted here, the physics is checked by `engine.case.checks.find_problems`,
-and both are told together.
+and both are reported together.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Results as they stand in a workbook, in SI: what an earlier calculation or study has written."""
+"""Results as recorded in a workbook, in SI: what an earlier calculation or study has written."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class RecordedAccuracy:
 
 
 def recorded_rows(workbook: Workbook, spec: TableSpec, units: ShownUnits) -> list[dict[str, Any]]:
-    """Rows of a result table as they stand.
+    """Rows of a result table as recorded.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Studies as they stand in a workbook, in SI, and whether they are those of its inputs."""
+"""Studies as recorded in a workbook, in SI, and whether they are those of its inputs."""
 
 from __future__ import annotations
 

@@ -162,7 +162,7 @@ def held_paragraphs(section: Section) -> int:
 
 
 def fitted(sections: Sequence[Section]) -> tuple[Section, ...]:
-    """Sections whose tables all fit: one that is too wide is parted, its first column repeated."""
+    """Sections whose tables all fit: one that is too wide is split, its first column repeated."""
 
     made = []
     for section in sections:

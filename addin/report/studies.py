@@ -1,6 +1,6 @@
 """Studies that stand in the workbook: tuning, tolerances, sensitivities, starts and ledger, calibration.
 
-They are printed as they stand, not calculated again, and only where they are studies of the inputs
+They are printed as recorded, not calculated again, and only where they are studies of the inputs
 that the report is of; others are named as out of date.
 """
 

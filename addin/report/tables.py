@@ -127,7 +127,7 @@ def standing_table(
     columns: Sequence[str],
     note: str = "",
 ) -> Table:
-    """Rows of a result table as they stand in a workbook, words in place of numbers as they are.
+    """Rows of a result table as recorded in a workbook, words in place of numbers as they are.
 
     Parameters
     ----------

@@ -16,7 +16,7 @@ T = TypeVar("T")
 
 
 async def read_body(request: Request, limit: int, seconds: float = 20.0) -> bytes:
-    """The body of a request, given up as soon as it is too large or comes too slowly.
+    """The body of a request; reading stops as soon as it is too large or comes too slowly.
 
     Parameters
     ----------

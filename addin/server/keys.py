@@ -10,7 +10,7 @@ from addin.server.settings import Settings
 
 
 def is_key(settings: Settings, given: str | None) -> bool:
-    """Whether a key is one of ours; compared in a time that tells nothing."""
+    """Whether a key is one of ours; compared in constant time."""
     if not settings.keys:
         return True
     sent = (given or "").encode("utf-8", "surrogatepass")

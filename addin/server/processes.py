@@ -13,7 +13,7 @@ from addin.worksheet.registry import FunctionError
 LOG = logging.getLogger("torsionbook.server")
 #: A process that has used more memory than this is replaced after its task. [B]
 MOST_MEMORY = 1_200_000_000
-#: What is told when the server ends.
+#: The message when the server ends.
 STOPPING = "The server is being stopped. Try again in a minute."
 
 

@@ -173,7 +173,7 @@ def check_certificate(settings: Settings) -> None:
 
 
 def read_keys(path: Path) -> frozenset[str]:
-    """API keys of a file: one a line, what follows # is a remark.
+    """API keys of a file: one per line, text after # is a remark.
 
     Raises
     ------
@@ -198,5 +198,5 @@ def read_keys(path: Path) -> frozenset[str]:
     return frozenset(keys)
 
 
-#: What is told of an error of ours; the rest is in the log.
+#: The message on an error inside torsionbook; the rest is in the log.
 OURS = "This is an error inside torsionbook. See the server log and please report it."

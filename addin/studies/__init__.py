@@ -1,4 +1,4 @@
-"""Studies: the plain run again and again, to answer where the modes should lie.
+"""Studies: many runs of one case, to answer where the modes should lie.
 
 Each study has a module of its own beside these, which joins its part of the engine to its tables and
 its command. Everything is in SI here; sheets have the units that stand above their columns.

@@ -81,7 +81,7 @@ def study_one(
     Raises
     ------
     addin.workers.parallel_map.Cancelled
-        After Ctrl-C, where what was calculated is not enough to be told; nothing is written.
+        After Ctrl-C, where what was calculated is not enough for a result; nothing is written.
     """
     on_stage("reading")
     read = read_checked(source)

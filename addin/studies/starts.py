@@ -76,7 +76,7 @@ def _cut_short(calculated: int, planned: int, has_duty: bool) -> CutShort:
 
 
 def _terminal(study: StudyResult, options: Mapping[str, Any]) -> Iterator[TerminalTable]:
-    """The start matrix, a row a start."""
+    """The start matrix, one row per start."""
     headers = ("Time (s)", "Peak (× rated)", "Allowable starts", "Governing")
     rows = []
     for row in study.result[0].rows:

@@ -21,7 +21,7 @@ from engine.errors import Problem
 
 @dataclass(frozen=True)
 class CutShort:
-    """How far a study came before Ctrl-C, where a part of it may be told."""
+    """How far a study came before Ctrl-C, where a part of it may be reported."""
 
     calculated: int  #: Of what the sentence names.
     planned: int  #: Likewise.
@@ -42,7 +42,7 @@ class StudyResult:
     details: Mapping[str, Any] = field(default_factory=dict)
     #: Rows of tables that the workbook alone has: maps, and numbers behind charts. [SI]
     charts: Mapping[str, Sequence[Mapping[str, Any]]] = field(default_factory=dict)
-    cut_short: CutShort | None = None  #: How far it came, if it did not come to its end.
+    cut_short: CutShort | None = None  #: How far it came, if it was not completed.
     remarks: tuple[str, ...] = ()  #: Lines for the terminal below the sentence.
     #: What the engineer typed in, for the terminal; see `StudyInputs`. [units]
     units: Mapping[tuple[str, str], DisplayUnit] = field(default_factory=dict)

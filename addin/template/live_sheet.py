@@ -1,7 +1,7 @@
 """Sheet `Live`: frequencies, margins and shaft stiffness by worksheet functions, as inputs are typed.
 
 No start is calculated here: two cells check the inputs and make a model of them, array formulas of
-fixed size show its modes and margins, and a row a shaft shows its stiffness from geometry. Formulas
+fixed size show its modes and margins, and one row per shaft shows its stiffness from geometry. Formulas
 are the same in every variant but for the spelling of the functions.
 """
 
@@ -61,7 +61,7 @@ class LiveAnswers:
     handle: str = ""  #: The model; empty while the inputs have errors, and all else with it.
     modes: Sequence[Sequence[Any]] = ()  #: Cells of the two array formulas. [shown units]
     margins: Sequence[Sequence[Any]] = ()  #: Likewise. [shown units]
-    #: Element, geometry, stiffness from geometry and as typed, a row a shaft. [shown units]
+    #: Element, geometry, stiffness from geometry and as typed, one row per shaft. [shown units]
     shafts: Sequence[Sequence[Any]] = ()
 
 
@@ -319,7 +319,7 @@ class LiveSheets(ReferenceSheets):
     # ---- shafts ----------------------------------------------------------------------------------
 
     def _shafts(self) -> None:
-        """Stiffness from geometry beside the stiffness typed, a row an element of sheet Train."""
+        """Stiffness from geometry beside the stiffness typed, one row per element of sheet Train."""
         self._worded_caption(
             self._page,
             _MARGINS - 1,

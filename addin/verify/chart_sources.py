@@ -76,7 +76,7 @@ def compare_copies(workbook: Workbook, charts: Sequence[DrawnChart]) -> Iterator
 
 
 def _series(workbook: Workbook, chart: DrawnChart) -> list[Series]:
-    """The series of a chart as it stands."""
+    """The series of a chart as it is in the file."""
     return [
         (
             _first_cell(_only(one.name)) or plain(one.name.words),

@@ -217,7 +217,7 @@ def _verdict_astray(workbook: Workbook) -> Iterator[Finding]:
             if any(area.has(row, column) for area in areas):
                 continue
             if name and (name.sheet, name.rect) == (sheet, Rect(row, column, row, column)):
-                continue  # told as a formula typed over
+                continue  # reported as a formula typed over
             sentence = (
                 f"the verdict '{shortened(shown, 60)}' is typed here, not calculated by a formula"
             )

@@ -32,7 +32,7 @@ _NESTED = ("outcome", "startup", "modes", "damped_eigenvalues", "plans", "sensit
 
 
 def read_results_json(path: Path) -> dict[str, Any]:
-    """A result JSON as it stands.
+    """A result JSON as recorded.
 
     Raises
     ------

@@ -29,7 +29,7 @@ def compare_units(workbook: Workbook, same_version: bool) -> Iterator[Finding]:
     Yields
     ------
     Finding
-        One a cell. A live formula of ours that shows an old unit is told with the formulas.
+        One a cell. A live formula of ours that shows an old unit is reported with the formulas.
     """
     for own in own_formulas(workbook):
         unit = _UNITS.get(own.what, "")

@@ -1,4 +1,4 @@
-"""The rows of a result table as they stand against the rows that would be written."""
+"""The rows of a result table as recorded against the rows that would be written."""
 
 from __future__ import annotations
 

@@ -48,7 +48,7 @@ from engine.case.data import case_digest
 
 _RESULTS = (*RESULT_TABLES, *WORKBOOK_TABLES)
 _NO_FACT = ("", "", None)
-#: Facts that tell of the run and not of the inputs, or are told by a finding of their own.
+#: Facts about the run and not the inputs, or reported by a finding of their own.
 _OWN_FACTS = frozenset({"run_Software", "run_Date", "run_SHA256", "run_Stamp"})
 _STUDY_FACTS = frozenset({"run_AccuracySentence", "run_AccuracyReference", "run_AccuracyInputs"})
 
@@ -174,7 +174,7 @@ def _on_digest(workbook: Workbook, recorded: Provenance, inputs: str) -> Iterato
 
 
 def _on_studies(read: WorkbookInput) -> Iterator[Finding]:
-    """Studies are not made again; whether each is one of the inputs and rows in the file is told."""
+    """Studies are not made again; whether each is one of the inputs and rows in the file is reported."""
     units, _ = read_shown_units(read.workbook, read.data.ratings.rated_torque)
     facts = _facts(read.workbook, "StudyFacts")
     for study in recorded_studies(read, units):
@@ -409,7 +409,7 @@ def _of_unjudged(workbook: Workbook, fresh: Workbook | None, reason: str) -> Ite
 
 
 def _with_own_values(workbook: Workbook, written: list[TableData]) -> Iterator[TableData]:
-    """What is written, with dates, versions and wall times as they stand: no formula is old by them."""
+    """What is written, with dates, versions and wall times as recorded: no formula counts as old because of them."""
     study, facts = _has_study(workbook), _facts(workbook)
     for data in written:
         if data.name == "RunFacts":
@@ -428,7 +428,7 @@ def _with_own_values(workbook: Workbook, written: list[TableData]) -> Iterator[T
 
 
 def _with_standing(workbook: Workbook, data: TableData, column: str) -> TableData:
-    """Rows with the values of one column as they stand."""
+    """Rows with the values of one column as recorded."""
     columns = list(data.columns or ())
     if column not in columns:
         return data

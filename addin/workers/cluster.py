@@ -35,7 +35,7 @@ class Cluster(Workers):
     patience : float
         How long it is waited for. [s]
     when_lost : str
-        What a user is told where the scheduler is gone in the middle. [sentences]
+        The message where the scheduler is lost during the work. [sentences]
 
     Raises
     ------

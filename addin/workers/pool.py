@@ -201,7 +201,7 @@ class Job:
 
     @property
     def cancelled(self) -> bool:
-        """Whether it was given up."""
+        """Whether it was cancelled."""
         return self._cancelled.is_set()
 
     @property

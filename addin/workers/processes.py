@@ -17,7 +17,7 @@ from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from pathlib import Path
 
-#: How long a process that is told to end may take. [s]
+#: How long a process that is asked to end may take. [s]
 LAST_WORDS = 2.0
 #: How often a process whose program seems gone looks whether it is. [s]
 LOOK = 0.2

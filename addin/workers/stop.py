@@ -11,7 +11,7 @@ from types import FrameType
 
 
 class Abandoned(Exception):
-    """The second Ctrl-C: running files are given up."""
+    """The second Ctrl-C: running files are cancelled."""
 
 
 class Stopped(Exception):
@@ -21,7 +21,7 @@ class Stopped(Exception):
 class Stop:
     """Ctrl-C and the system's request to end, counted.
 
-    Once: what runs is finished. Twice: it is given up, without half a result.
+    Once: what runs is finished. Twice: it is cancelled, without half a result.
     """
 
     def __init__(self) -> None:

@@ -45,7 +45,7 @@ from engine.errors import Problem
 HEADER_ROWS = 3
 #: Likeness from which a text beside a value is taken for a misspelt name, not for a note. [1]
 _NEARLY = 0.85
-#: Problems told in one cell.
+#: Problems listed in one cell.
 MOST_TOLD = 5
 
 
@@ -261,7 +261,7 @@ class _Reading:
             )
 
     def _misspelt(self, spec: TableSpec, header: list[Cell], columns: dict[int, Field]) -> set[str]:
-        """Columns that an unknown header may stand for: that they are blank is not told as well."""
+        """Columns that an unknown header may stand for: that they are blank is not reported as well."""
         missing = [c.name for c in spec.columns if c not in columns.values()]
         known = {_folded(c.name) for c in (*spec.columns, *spec.extra_columns)}
         unknown = [c for c in header if isinstance(c, str) and _folded(c) not in known]

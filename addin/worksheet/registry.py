@@ -78,7 +78,7 @@ class Function:
     scalar: bool = False  #: Whether the answer is one cell.
     long: bool = False  #: Whether it may have to calculate a start.
     example: str = ""  #: A formula.
-    #: Columns of its table, 0 where they hang on the model; None for an answer that is no table. A
+    #: Columns of its table, 0 where they depend on the model; None for an answer that is no table. A
     #: table takes `ROW_COUNT` as its last argument, which `answer` does not see.
     columns: int | None = None
 
@@ -334,7 +334,7 @@ def call(name: str, raw: Sequence[Any]) -> list[list[Value]]:
 
 
 def _fixed(function: Function, values: Sequence[Any], count: int) -> list[list[Value]]:
-    """The table in as many rows as asked for; that it has none is told in its first cell."""
+    """The table in as many rows as asked for; that it has none is said in its first cell."""
     most = MOST_CELLS // max(function.columns or 1, 1)
     if count > most:
         raise FunctionError(f"{ROW_COUNT.name}: found {count}; give at most {most}.", "#NUM!")

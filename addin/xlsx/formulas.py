@@ -59,7 +59,7 @@ MAX_DEPTH = 256
 _MOST_TRIES = 50
 _MOST_TRIED = 20_000
 
-# Results that tell of the data rather than of a calculator's shortcomings.
+# Results that are due to the data rather than to a calculator's shortcomings.
 _HONEST_ERRORS = frozenset(["#DIV/0!", "#N/A", "#NUM!"])
 # Two programs evaluate the same formula alike to the last digit or two; a larger difference is a disagreement.
 _SAME_VALUE = 1e-14

@@ -134,7 +134,7 @@ def parse_cell(name: str) -> tuple[int, int]:
 
 @lru_cache(maxsize=16_384)
 def whole_number(text: str | None, largest: int = MAX_ROW) -> int | None:
-    """A number of the file as it stands in an attribute; None for anything but ASCII digits up to a limit."""
+    """A number of the file as it is in an attribute; None for anything but ASCII digits up to a limit."""
     if text is None or not (text.isascii() and text.isdigit()) or len(text) > 9:
         return None
     number = int(text)

@@ -256,7 +256,7 @@ class SheetPart:
         Returns
         -------
         list of str
-            XML of the cells of each row, as it stands in the part when its namespace has no prefix.
+            XML of the cells of each row, as it is in the part when its namespace has no prefix.
         """
         self._forget_formulas(rect)
         column_styles = self._column_styles(rect) if styles is None else styles

@@ -46,7 +46,7 @@ def retarget_sparklines(around_cells: Iterable[Element], sheet: str, old: Rect, 
 
 
 def read_range(text: str, what: str) -> Rect:
-    """A range as it stands in the file; one that is none is refused, naming whose it is."""
+    """A range as it is in the file; an invalid one is refused, naming whose it is."""
     try:
         return parse_range(text)
     except ValueError as problem:

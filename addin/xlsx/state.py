@@ -243,7 +243,7 @@ class WorkbookState:
         self.note_changed(sheet, rect)
 
     def forget_written(self, sheet: str, rect: Rect) -> None:
-        """Expect no longer to find what was written into rows that are given up now."""
+        """Expect no longer to find what was written into rows that are removed now."""
         written = self.written.get(sheet, [])
         written[:] = [block for block in written if not block.rect.meets(rect)]
 

@@ -333,7 +333,7 @@ class Workbook(WorkbookState):
         return any(self.changed.touch(*area) for found in areas for area in found or ())
 
     def _misread_cells(self, parts: Mapping[str, bytes]) -> list[str]:
-        """Cells that read back otherwise than written, from the parts as they stand in the new file."""
+        """Cells that read back otherwise than written, from the parts of the new file."""
         wrong: list[str] = []
         for name, written in self.written.items():
             part = self._sheets[name].part

@@ -6,7 +6,7 @@ module                responsibility
 `contact_systems`     A train with clearances as pieces: linear systems that share one basis
 `event_simulation`    one event-driven simulation: from the arrays of a start to sampled histories
                       and a log of events
-`contacts`            what a run with clearances tells about teeth and bearings: impacts, speeds,
+`contacts`            teeth and bearings in a run with clearances: impacts, speeds,
                       forces
 `event_start`         starts with clearances, lateral motion of gears, field application and
                       trip: the event runs

@@ -178,7 +178,7 @@ def shared_basis(
 
 
 def _flight(train: Train, flank: Flank) -> Floats:
-    """Rigid rotation of what hangs on the To side once the flank is free, per degree of freedom."""
+    """Rigid rotation of the part beyond the To side once the flank is free, per degree of freedom."""
     cut = np.ones(train.n_rows, dtype=np.bool_)
     cut[flank.drive_row] = False
     group = _groups(train.incidence[cut])

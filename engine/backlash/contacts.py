@@ -1,4 +1,4 @@
-"""What a run with clearances tells about teeth and bearings: impacts, speeds, forces."""
+"""Teeth and bearings in a run with clearances: impacts, speeds, forces."""
 
 from __future__ import annotations
 

@@ -79,15 +79,15 @@ VISIBLE = 0.4
 #: compared, too. Where both runs are together up to the largest one (what comes later has no part in it),
 #: this share of their change from h to h/2 is taken for the error at h/2: that of third order,
 #: 1/(2³ − 1). Events and pulsation are of fourth order (1/15; tests/numerics/test_event_step.py),
-#: ringing passed over is of second, but below a tenth of the tolerance at h/2. Where they part
+#: ringing passed over is of second, but below a tenth of the tolerance at h/2. Where the runs diverge
 #: before it, no order holds, and all of the change is taken.
 SAME_CONTACTS_SHARE = 1.0 / 7.0
 #: Two runs are together as long as they have the same changes of contact in the same order, each within
 #: this share of the coarser step. (Teeth that chatter have the same order in runs that have long
-#: parted; together, they are within some hundredths of it.)
+#: diverged; in runs that are together, changes are within some hundredths of the step.)
 TOGETHER = 0.1
-#: Once runs have parted, what each does is one of many equally right courses. Where one of them comes as near
-#: as this to a largest torque that both had before, a third is asked whether it goes beyond.
+#: Once runs have diverged, each is one sample of possible courses. Where one of them comes as near as
+#: this to a largest torque that both had before, a third run shows whether it may be exceeded.
 OVERTAKING = 0.75
 #: Extremes of one sign below this share of an element's largest torque are not asked for.
 SMALL_EXTREME = 0.1
@@ -410,7 +410,7 @@ def _last_extreme(coarse: _Run, fine: _Run, output: Ints) -> float:
 
 
 def _may_be_overtaken(coarse: _Run, fine: _Run, output: Ints, parted: float) -> bool:
-    """Whether a torque after the runs parted comes near the largest one, which is before that."""
+    """Whether a torque after the runs diverged comes near the largest one, which is before that."""
     for i in output[output >= 0]:
         for sign in (1.0, -1.0):
             for when, value in (coarse.turning[i], fine.turning[i]):
@@ -449,7 +449,7 @@ def _spread(fine: _Run, other: _Run, output: Ints) -> float:
 
 
 def _beyond(runs: tuple[_Run, ...], output: Ints, parted: float) -> float:
-    """How far another course after the runs parted may go beyond the largest torques, relative to them.
+    """How far another course after the runs diverged may go beyond the largest torques, relative to them.
 
     Three runs are three samples of the largest torque after that; another may exceed the largest of them by
     their range. (Below `OVERTAKING` they are not looked at, as in `_may_be_overtaken`.)

@@ -17,7 +17,7 @@ module             responsibility
                    forgotten row
 `practice_limits`  what the literature says of torque reversal, with its sources
 `result_words`     words that stand in results, beside numbers or in their place
-`study_inputs`     what the engineer wants tried: couplings, scatter, kinds of starts,
+`study_inputs`     inputs of the studies: couplings, scatter, start conditions,
                    measurements
 =================  ===============================================================================
 """

@@ -1,7 +1,7 @@
 """One effect that a start may call for, and which of them a start simulates.
 
 An effect is on, off, or left to the plan. Each is one record `Effect` in `engine.case.effects`;
-`StartEffects` tells the start which of them to simulate.
+`StartEffects` holds which of them the start simulates.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ class EffectInputs:
 class Effect:
     """An effect that a start may call for: one file in `engine.case.effects`.
 
-    The file of the same name in `engine.plan.effects` says what the evidence tells of it.
+    The file of the same name in `engine.plan.effects` decides from the evidence whether it is simulated.
     """
 
     name: str  #: As inputs and results call it.

@@ -1,8 +1,8 @@
-"""What the engineer wants tried: couplings, scatter, kinds of starts, measurements.
+"""Inputs of the studies: couplings, scatter, start conditions, measurements.
 
 A case says what the train is, a study what is asked of it. One row class stands for one input
 table of the study sheets; the field names are their JSON keys. Frozen, in SI; None was left blank.
-Study inputs do not enter the digest of the case, as no result of the plain run depends on them.
+Study inputs do not enter the digest of the case, as no result of the nominal run depends on them.
 """
 
 from __future__ import annotations
@@ -87,9 +87,9 @@ class ScatterRow:
 
 @dataclass(frozen=True)
 class StartConditionRow:
-    """One row of `StartConditions`: a kind of start, and how often it happens."""
+    """One row of `StartConditions`: a start condition, and how often it happens."""
 
-    condition: str | None = None  #: Name of the kind of start, unique.
+    condition: str | None = None  #: Name of the start condition, unique.
     #: Over the voltage of the torque curves; blank = as in the case. [1]
     voltage: float | None = None
     #: Of all elastic modes, hot or cold; blank = as in the case. [1]

@@ -125,7 +125,7 @@ def add_bodies(
         back = {node: -t.orientation * factor for node, factor in entries.items()}
         for gear, sign in ((t.driver, 1.0), (t.driven, -1.0)):
             if gear not in bodies:
-                continue  # held fast
+                continue  # fixed laterally
             body, axis = bodies[gear], axes[gear]
             for node, direction in ((body.node_x, axis), (body.node_y, _turned(axis))):
                 drive_part = _component(t.normals.drive, direction)

@@ -227,7 +227,7 @@ def natural_modes(
 
     Segments take equal times of a wave to pass. Their error falls with the square of their
     number; Richardson's estimate from a train and its halved segments is compared with the
-    tolerance, and tells how much finer the next pair must be.
+    tolerance, and gives how much finer the next pair must be.
 
     Parameters
     ----------

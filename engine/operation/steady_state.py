@@ -352,8 +352,8 @@ class SteadyStateRow:
 class SteadyState:
     """Vibratory torques and stresses in continuous operation."""
 
-    #: For each margin that is not kept a row an element at the resonance; then for each excitation
-    #: a row an element, swept over the operating range. Where no load is known, the default
+    #: For each margin that is not kept one row per element at the resonance; then for each excitation
+    #: one row per element, swept over the operating range. Where no load is known, the default
     #: excitation acts at the motor alone and nothing passes on it. [rows]
     rows: tuple[SteadyStateRow, ...]
     stress_basis: str  #: ``peak-to-peak`` or ``zero-to-peak``: what is compared with UTS/25.
@@ -368,7 +368,7 @@ def steady_state(
 ) -> SteadyState:
     """Response to every excitation: over the operating range, and at resonances not kept clear.
 
-    Where an excitation has several places it acts at one at a time; each element tells the place
+    Where an excitation has several places it acts at one at a time; each element reports the place
     (and the frequency of a sweep) that is worst for it.
 
     Parameters

@@ -57,7 +57,7 @@ class ElementMinimum:
 
 @dataclass(frozen=True)
 class StartEvidence:
-    """What a calculated start tells."""
+    """Evidence from a calculated start."""
 
     minima: tuple[ElementMinimum, ...]  #: Of every mesh and geared coupling. [N m]
     truncation_error: float  #: What the modes left out may change. [1]
@@ -343,7 +343,7 @@ def reversing_minima(start: StartEvidence, tolerance: float) -> list[ElementMini
     Parameters
     ----------
     start : StartEvidence
-        What a start tells. [N m]
+        Evidence from a start. [N m]
     tolerance : float
         Relative change of an answer that may be neglected. [1]
 

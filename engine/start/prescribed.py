@@ -1,7 +1,7 @@
 """A case without a motor: the train under the torques of table `TorqueTime` alone.
 
 The solution is exact at the samples (`engine.start.time_response`); the sample spacing only has to be
-fine enough for the cubic between samples to catch the peaks, which the change on halving it tells.
+fine enough for the cubic between samples to catch the peaks, as the change on halving it shows.
 """
 
 from __future__ import annotations

@@ -94,7 +94,7 @@ def torque_reversals(
 ) -> tuple[Reversal, ...]:
     """Reversals of every mesh, geared coupling and element with a reversal limit, in the order of Elements.
 
-    `contacts` tells what happened at the clearances of that start.
+    `contacts` holds what happened at the clearances of that start.
     """
     wanted = reversing_elements(case)
     turning = start.turning_of_element()
@@ -156,7 +156,7 @@ def _reversal(
 def _verdict(
     element: ElementRow, minimum: float, hysteresis: float, contact: ContactRecord | None
 ) -> tuple[Judgement, str]:
-    """The maker's limit judges; without one a reversal is told, not judged."""
+    """The maker's limit judges; without one a reversal is reported, not judged."""
     reverses = minimum < -hysteresis
     parts = contact is not None and contact.impacts > 0
     sentence = f"{element.element}: torque {'reverses' if reverses else 'stays positive'}"

@@ -36,7 +36,7 @@ COMPARED_CYCLES = 50
 def is_counted(start: Start | None) -> bool:
     """Whether the damage of a start says how many are allowed; see `COUNTED_STARTS`.
 
-    False where it did not come to its end; without a start there is nothing to speak against it.
+    False where it was not completed; True without a start.
     """
     return start is None or start.outcome.outcome in COUNTED_STARTS
 

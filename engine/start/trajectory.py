@@ -214,7 +214,7 @@ class SingleRun:
 
     @classmethod
     def until(cls, trajectory: Trajectory, end: float) -> SingleRun:
-        """A simulation up to its end; the trajectory gives up its own copy of turning points.
+        """A simulation up to its end; the trajectory releases its own copy of turning points.
 
         Parameters
         ----------

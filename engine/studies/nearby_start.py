@@ -2,9 +2,9 @@
 
 Scatter and derivatives ask for thousands of starts of trains that differ a little from one that was
 calculated in full. Nothing is decided anew for them: segments of shafts, plan, step and modes wanted
-are those of the plain run (a `NearbyStartPlan`). A linear start is simulated once, at the coarser of the two
-steps of the plain run, so its step error is the error that the plain run states; a start with events
-is calculated as in the plain run, with its own refinement.
+are those of the nominal run (a `NearbyStartPlan`). A linear start is simulated once, at the coarser of the two
+steps of the nominal run, so its step error is the error that the nominal run states; a start with events
+is calculated as in the nominal run, with its own refinement.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ FEWEST_MODES, MOST_MODES = 3, 12
 
 @dataclass(frozen=True)
 class FixedDiscretisation:
-    """What even the length of steps depends on, held fast so that small differences can be taken."""
+    """What even the length of steps depends on, fixed so that small differences can be taken."""
 
     #: Until when which frequencies are followed by finer steps. [s, rad/s]
     windows: tuple[tuple[float, float], ...]
@@ -62,7 +62,7 @@ class FixedDiscretisation:
 
 @dataclass(frozen=True)
 class NearbyStartPlan:
-    """What the plain run has decided for all trains near to its own."""
+    """What the nominal run has decided for all trains near to its own."""
 
     segments: tuple[tuple[str, int], ...]  #: Segments of each shaft that has inertia of its own.
     lateral: bool  #: Whether the reported modes include gears on their bearings.
@@ -71,14 +71,14 @@ class NearbyStartPlan:
     start_lateral: bool  #: Whether gears move laterally in the start.
     effects: StartEffects  #: What the start simulates.
     step: float  #: Step of a linear start. [s]
-    step_error: float  #: Its relative error of peak torques, from the plain run. [1]
+    step_error: float  #: Its relative error of peak torques, from the nominal run. [1]
     starts_error: float | None  #: Its relative error of the starts, likewise; None = no starts. [1]
     always_count: bool  #: Whether cycles are counted even below the endurance limit.
     n_modes: int  #: Elastic modes whose frequencies are wanted.
     #: Mode and excitation of each margin that is wanted. [count, name]
     margins: tuple[tuple[int, str], ...]
     gaps: tuple[str, ...]  #: Elements with a clearance that the plan does not simulate.
-    #: What is held fast for small differences; None = each start decides for itself. [mixed]
+    #: What is fixed for small differences; None = each start decides for itself. [mixed]
     held: FixedDiscretisation | None = None
 
 
@@ -140,7 +140,7 @@ def unit_stress(case: CaseData) -> Floats:
 
 
 def recipe_of(case: CaseData, results: Results) -> NearbyStartPlan:
-    """What a plain run has decided for all trains near to its own.
+    """What a nominal run has decided for all trains near to its own.
 
     Parameters
     ----------
@@ -202,12 +202,12 @@ def near_train(case: CaseData, recipe: NearbyStartPlan) -> NearTrain:
     case : CaseData
         The case, changed. [SI]
     recipe : NearbyStartPlan
-        What the plain run decided. [mixed]
+        What the nominal run decided. [mixed]
 
     Returns
     -------
     NearTrain
-        With an unchanged case the numbers of the plain run, bit for bit. [SI]
+        With an unchanged case the numbers of the nominal run, bit for bit. [SI]
     """
     model = _model(case, recipe, recipe.lateral)
     excitations = {x.name: x for x in excitations_of(case, model.train)}
@@ -236,7 +236,7 @@ def near_start(
     case : CaseData
         The case, changed. [SI]
     recipe : NearbyStartPlan
-        What the plain run decided; its start is not ``none``. [mixed]
+        What the nominal run decided; its start is not ``none``. [mixed]
     near : NearTrain
         Its modes. [SI]
     refined : float, optional
@@ -273,7 +273,7 @@ def near_start(
 
 
 def _held(prepared: PreparedStart, held: FixedDiscretisation) -> PreparedStart:
-    """The same start with its steps held fast."""
+    """The same start with its steps fixed."""
     if tuple(prepared.model.keep.tolist()) != held.keep:
         raise ModelError(
             "The set of significant modes changes with the small input change, so two starts "
@@ -301,7 +301,7 @@ def read_start(
     case : CaseData
         Its case. [SI]
     recipe : NearbyStartPlan
-        What the plain run decided. [mixed]
+        What the nominal run decided. [mixed]
     model : ModalTrain
         The train it was calculated with. [SI]
     outcome : StartOutcome

@@ -15,7 +15,7 @@ _AS_TYPED = Trace("Name, as typed", "docs/tolerances.md")
 
 
 def _changes(head: str, answer: str, plain: str) -> tuple[Field, ...]:
-    """What + 1 % does to one answer of the plain run: by the derivative, and in runs at either end."""
+    """What + 1 % does to one answer of the nominal run: by the derivative, and in runs at either end."""
     derivative = Trace(
         "1 % × ∂ln/∂ln, from differences at ± 0.02 % and ± 0.01 % (Richardson)", _TANGENT, (plain,)
     )

@@ -53,7 +53,7 @@ _AS_TYPED = Trace("Name, as typed", "docs/tolerances.md")
 
 
 def _percentiles(plain: str, dimension: str, head: str = "", us: str = "") -> tuple[Field, ...]:
-    """P10, P50, P90 of one answer of the plain run, each with the ends of its interval; words where starts may be unlimited."""
+    """P10, P50, P90 of one answer of the nominal run, each with the ends of its interval; words where starts may be unlimited."""
     columns = []
     for p in (10, 50, 90):
         value = Trace(f"Value that {p} % of the samples do not exceed", _SAMPLE, (plain,), _SCATTER)

@@ -51,7 +51,7 @@ _ROWS = ("Tuning.Element", "Tuning.Quantity", "Tuning.Values", "Catalogue.Name")
 
 
 def _as(result: str, equation: str = "") -> Trace:
-    """A number that the plain run of the combination gives."""
+    """A number from the run of the combination."""
     return Trace(equation or f"{result} of the run of this combination", _RUN, of_case=(result, *_ROWS))  # fmt: skip
 
 

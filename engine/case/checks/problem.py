@@ -15,7 +15,7 @@ Row = TypeVar("Row")
 
 
 def number_text(value: object, unit: str = "") -> str:
-    """A value as it stands in a sentence."""
+    """A value as shown in a sentence."""
     text = f"{value:.6g}" if isinstance(value, (int, float)) else f"'{value}'"
     return f"{text} {unit}".rstrip()
 

@@ -2,7 +2,7 @@
 
 The start is calculated at fixed settings without refinement, by the exponential step and by the
 paper's average acceleration (Newmark), and compared with the exponential step at a quarter of its
-finest step: at fourth order 256 times finer. A second reference at twice that step tells how far
+finest step: at fourth order 256 times finer. A second reference at twice that step shows how far
 the first can be trusted. A start with clearances or other events is calculated to a range of wanted
 tolerances instead, against one a hundred times finer; Newmark has no events and is then studied on
 the linear train. Prescribed torques without clearances are exact at their samples: there is nothing

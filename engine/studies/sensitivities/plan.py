@@ -30,7 +30,7 @@ Parameter = tuple[str, str]
 #: one. They are small, because the phase in which the pulsation meets a mode turns by some hundred
 #: times as many radians.
 WIDE, NARROW = 2e-4, 1e-4
-#: The change whose effect is told beside the derivative, since a peak may swing within it. [1]
+#: The change whose effect is given beside the derivative, since a peak may swing within it. [1]
 WHOLE = 0.01
 
 
@@ -39,7 +39,7 @@ class DerivativePlan:
     """What will be differentiated."""
 
     case: CaseData  #: The case. [SI]
-    nominal: Results  #: Its plain run. [SI]
+    nominal: Results  #: Its nominal run. [SI]
     recipe: NearbyStartPlan  #: How changed trains are calculated. [mixed]
     parameters: tuple[Parameter, ...]  #: Quantity and name of each.
     reason: str  #: Why no start is differentiated; empty where one is.
@@ -66,7 +66,7 @@ def plan_derivatives(case: CaseData, *, nominal: Results | None = None) -> Deriv
     case : CaseData
         A checked case. [SI]
     nominal : Results, optional
-        Its plain run; calculated if not at hand. [SI]
+        Its nominal run; calculated if not at hand. [SI]
 
     Returns
     -------
@@ -86,7 +86,7 @@ def plan_derivatives(case: CaseData, *, nominal: Results | None = None) -> Deriv
         held = FixedDiscretisation(
             prepared.model.windows, tuple(prepared.model.keep.tolist()), prepared.maximum_time
         )
-        # half the step of the plain run: derivatives carry its error in the phase many times over
+        # half the step of the nominal run: derivatives carry its error in the phase many times over
         recipe = replace(recipe, step=0.5 * nominal.start.step, held=held)
     parameters = tuple((q, name) for q in SCATTERED for name in names_with(case, q))
     return DerivativePlan(case, nominal, recipe, parameters, _why_no_start(nominal, recipe))

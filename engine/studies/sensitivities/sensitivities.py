@@ -3,8 +3,8 @@
 Frequencies: from the energies of the modes (`engine.model.frequency_derivatives`).
 
 Starts: every quantity is changed by ± 0.02 % and ± 0.01 %, one at a time, all steps of the calculation
-held fast. Richardson's extrapolation of the two central differences is the derivative, the difference
-of the two its error. What ± 1 % really does is told beside it: a peak depends on the phase in which
+fixed. Richardson's extrapolation of the two central differences is the derivative, the difference
+of the two its error. The result of runs at ± 1 % is given beside it: a peak depends on the phase in which
 the pulsation meets a mode, which a change of inertia or torque turns by more than a whole cycle per
 cent, so a derivative may hold for a small part of that only. A linear start is differentiated a second, independent way, by its tangent
 (`engine.studies.sensitivities.linear_start`), and the two are compared. The allowable starts follow from the turning points:
@@ -177,7 +177,7 @@ def _weight(row: DerivativeRow) -> float:
 
 
 def _governing(plan: DerivativePlan) -> tuple[int | None, int | None]:
-    """Element whose peak is told, and its place among the judged shafts."""
+    """Element whose peak is reported, and its place among the judged shafts."""
     nominal, case = plan.nominal, plan.case
     if plan.reason or nominal.start is None:
         return None, None
@@ -201,7 +201,7 @@ def _is_limited(plan: DerivativePlan, shaft: int) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class _Answer:
-    """What is told of each quantity: derivatives of one answer, a number each quantity."""
+    """Results for each quantity: derivatives of one answer, one number per quantity."""
 
     name: str  #: ``peak`` or ``starts``.
     own: Floats  #: By differences. [1] Shape (n_parameters,).

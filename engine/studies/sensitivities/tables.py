@@ -41,7 +41,7 @@ def derivative_rows(derivatives: Derivatives) -> list[dict[str, Any]]:
 def frequency_rows(derivatives: Derivatives) -> list[dict[str, Any]]:
     """Derivatives of the frequencies under their JSON keys, the strongest in the start first.
 
-    The energies tell of every mode, so the rows go on to the tenth, where there are as many.
+    The energies are known for every mode, so the rows go on to the tenth, where there are as many.
 
     Parameters
     ----------

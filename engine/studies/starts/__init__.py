@@ -3,7 +3,7 @@
 ==================  ==============================================================================
 module              responsibility
 ==================  ==============================================================================
-`conditions`        kinds of starts as they are typed in `StartConditions`: their checks, and the
+`conditions`        start conditions as they are typed in `StartConditions`: their checks, and the
                     case each makes
 `condition_result`  one start of a matrix, calculated: outcome, largest torque, damage and starts
                     of each judged shaft

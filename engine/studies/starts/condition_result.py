@@ -33,7 +33,7 @@ class ConditionShaft:
     #: [1]
     damage_low: float
     damage_high: float  #: Likewise. [1]
-    #: Of this kind alone, 1/damage; None = unlimited or not judged. [1]
+    #: Of this start condition alone, 1/damage; None = unlimited or not judged. [1]
     allowable_starts: float | None
     unlimited: bool  #: No damage.
     judged: bool  #: Whether the damage says how many such starts are allowed.
@@ -66,7 +66,7 @@ class ConditionResult:
     shafts: tuple[ConditionShaft, ...] = ()  #: Every judged shaft. [rows]
     #: Judged shaft with the fewest starts, else with the largest stress.
     governing: str | None = None
-    #: Of this kind alone, of the governing shaft; None = unlimited or not judged. [1]
+    #: Of this start condition alone, of the governing shaft; None = unlimited or not judged. [1]
     allowable_starts: float | None = None
     unlimited: bool = False  #: Shafts are judged and none is damaged.
     judged: bool = False  #: Whether there is a number of allowable starts, or unlimited.

@@ -1,4 +1,4 @@
-"""Kinds of starts as they are typed in `StartConditions`: their checks, and the case each makes."""
+"""Start conditions as they are typed in `StartConditions`: their checks, and the case each makes."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ _COLUMN_OF = {
 
 @dataclass(frozen=True)
 class StartCondition:
-    """One kind of start, blanks filled from the case."""
+    """One start condition, blanks filled from the case."""
 
     name: str  #: Unique in the matrix.
     voltage: float = 1.0  #: Over the voltage of the torque curves. [1]
@@ -141,7 +141,7 @@ def _of_the_changed_case(case: CaseData, cells: Cells, row: StartConditionRow) -
     for problem in find_problems(condition_case(case, condition_of_row(case, cells.row, row))):
         column = _COLUMN_OF.get(problem.table) or _COLUMN_OF.get(problem.column)
         if column is None:
-            continue  # wrong with the case itself, which is told elsewhere
+            continue  # wrong with the case itself, which is reported elsewhere
         sentence = problem.message
         if problem.table == "ModeDamping":
             sentence = (
@@ -187,7 +187,7 @@ def condition_of_row(case: CaseData, number: int | None, row: StartConditionRow)
 
 
 def condition_case(case: CaseData, condition: StartCondition) -> CaseData:
-    """The case as a kind of start changes it.
+    """The case as a start condition changes it.
 
     A damping ratio stands in the place of DampingRatio, and `ModeDamping` is scaled in the same
     proportion: hot or cold oil changes all modes alike. Where the case states no DampingRatio there
@@ -199,7 +199,7 @@ def condition_case(case: CaseData, condition: StartCondition) -> CaseData:
     case : CaseData
         The case. [SI]
     condition : StartCondition
-        The kind of start. [SI]
+        The start condition. [SI]
 
     Returns
     -------

@@ -1,13 +1,13 @@
 """Damage ledger: what a duty has used of each shaft's life, and what is left.
 
-Palmgren-Miner over kinds of starts: Σ nᵢ qᵢ, with qᵢ the damage of one start of kind i from the start
+Palmgren-Miner over start conditions: Σ nᵢ qᵢ, with qᵢ the damage of one start under condition i from the start
 matrix, nᵢ how many. The order of starts is ignored, as the rule does; residual stress and the
 sequence effect of large starts before small ones are not in it.
 
 A shaft may be used up to 1/StartsFactor. That is the same as dividing allowable starts by the factor
-before they are judged (contract): with one kind of start alone, (1/F − n q)/q = (1/q)/F − n.
+before they are judged (contract): with one start condition alone, (1/F − n q)/q = (1/q)/F − n.
 
-A kind of start that has a duty and is not judged (it did not come to its end, or was not calculated)
+A start condition that has a duty and is not judged (it was not completed, or was not calculated)
 leaves a gap that no other number fills: the shaft is then not judged, with the reason.
 """
 
@@ -39,7 +39,7 @@ class LedgerRow:
     remaining_years: float | None
     years_low: float | None  #: Its interval; None = unlimited. [year]
     years_high: float | None  #: Likewise. [year]
-    #: There is a duty a year, something is left, and no kind of start of it damages.
+    #: There is a duty per year, life is left, and no start condition of the duty causes damage.
     unlimited: bool
     governing: str | None  #: Kind of start that takes most a year, else took most so far.
     verdict: Judgement  #: ``pass``: something is left; ``fail``: nothing is; ``not judged``.
@@ -73,7 +73,7 @@ class DamageLedger:
     """The ledger of a train."""
 
     rows: tuple[LedgerRow, ...]  #: One a judged shaft. [rows]
-    remaining: tuple[RemainingStarts, ...]  #: One a judged shaft and kind of start. [rows]
+    remaining: tuple[RemainingStarts, ...]  #: One per judged shaft and start condition. [rows]
     verdict: Judgement  #: The worst of the shafts.
     sentence: str  #: What it comes to.
     assumption: str  #: The rule behind it.
@@ -100,7 +100,7 @@ def damage_ledger(matrix: StartMatrix) -> DamageLedger:
     Parameters
     ----------
     matrix : StartMatrix
-        Its kinds of starts with their damage and duty. [SI]
+        Its start conditions with their damage and duty. [SI]
 
     Returns
     -------
@@ -128,7 +128,7 @@ def _shaft(result: ConditionResult, name: str) -> ConditionShaft | None:
 
 
 def _sum(results: Sequence[ConditionResult], name: str, number: str, damage: str) -> float:
-    """Σ number × damage over the kinds of starts that have a number; exact whatever their order."""
+    """Σ number × damage over the start conditions that have a number; exact whatever their order."""
     terms = []
     for r in results:
         shaft, times = _shaft(r, name), getattr(r.condition, number)
@@ -198,7 +198,7 @@ def remaining_life(left: float, taken: float) -> float | None:
 
 
 def _why_not(result: ConditionResult, name: str) -> str:
-    """Why a kind of start has no damage that can be counted; empty where it has."""
+    """Why a start condition has no damage that can be counted; empty where it has."""
     shaft = _shaft(result, name)
     if shaft is not None and shaft.judged:
         return ""
@@ -342,7 +342,7 @@ def ledger_rows(ledger: DamageLedger) -> list[dict[str, object]]:
 
 
 def remaining_rows(ledger: DamageLedger) -> list[dict[str, object]]:
-    """Rows of `RemainingStarts`, one a judged shaft and kind of start.
+    """Rows of `RemainingStarts`, one per judged shaft and start condition.
 
     Parameters
     ----------

@@ -1,6 +1,6 @@
 """Starts at every voltage, hot and cold, loaded and unloaded, whole and aborted.
 
-Each kind of start is the case with four things changed: voltage, damping ratio (`ModeDamping` in
+Each start condition is the case with four things changed: voltage, damping ratio (`ModeDamping` in
 proportion), load torque, trip speed. Each goes through the whole `engine.run.run`, effects planned
 anew, so that a row of the matrix says what the same case would say alone.
 """
@@ -176,7 +176,7 @@ def _sentence(rows: Sequence[ConditionResult], shafts: Sequence[str]) -> str:
 
 
 def start_rows(matrix: StartMatrix) -> list[dict[str, object]]:
-    """Rows of `StartMatrix`, one a kind of start.
+    """Rows of `StartMatrix`, one per start condition.
 
     Parameters
     ----------

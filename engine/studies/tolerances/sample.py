@@ -48,12 +48,12 @@ Mask = NDArray[np.bool_]
 
 #: Most samples.
 MOST_SAMPLES = 1_000_000
-#: One in so many linear starts is calculated at half the step, too: the error that the plain run states
+#: One in so many linear starts is calculated at half the step, too: the error that the nominal run states
 #: for its step is that of its own train, and a train far from it may err more.
 CHECKED_EVERY = 50
 #: Torques below this share of the train's largest do not count for what the step changes.
 _NEGLIGIBLE = 1e-3
-#: Arrays of `Evaluated`, a row a sample: yes or no, and numbers.
+#: Arrays of `Evaluated`, one row per sample: yes or no, and numbers.
 MASKS = ("known", "counted", "reversed", "sensitive", "checked")
 NUMBERS = ("frequency", "margin", "torque", "starts", "by_step")
 #: Samples of one unit of work, of starts without events; one with events takes a second and more.
@@ -76,7 +76,7 @@ class TolerancePlan:
     """Everything that is decided before the first sample."""
 
     case: CaseData  #: The case as stated. [SI]
-    nominal: Results  #: Its plain run. [SI]
+    nominal: Results  #: Its nominal run. [SI]
     settings: ToleranceSettings  #: How the sample is drawn. [mixed]
     factors: tuple[Factor, ...]  #: What scatters. [1]
     #: Factors of every sample, then of the runs with one factor at its P10 or P90. [1] Shape
@@ -186,7 +186,7 @@ def plan_tolerances(
     settings : ToleranceSettings, optional
         How the sample is drawn; default 1000 samples of a Latin hypercube. [mixed]
     nominal : Results, optional
-        The plain run of the case; calculated if not at hand. [SI]
+        The nominal run of the case; calculated if not at hand. [SI]
 
     Returns
     -------

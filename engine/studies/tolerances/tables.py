@@ -62,7 +62,7 @@ def tolerance_tables(tolerances: Tolerances) -> Mapping[str, list[Row]]:
 
 
 def tolerance_details(tolerances: Tolerances) -> Mapping[str, Any]:
-    """What only the JSON tells: settings, sentences, every interval.
+    """What only the JSON contains: settings, sentences, every interval.
 
     Parameters
     ----------

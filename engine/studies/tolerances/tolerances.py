@@ -57,7 +57,7 @@ class PercentileRow:
     #: nominal) or ``allowable starts``.
     quantity: str
     of: str  #: Mode, mode and excitation, or element; ``train`` for the worst of all shafts.
-    #: Answer of the plain run; infinite = unlimited, None = not judged. [as the quantity]
+    #: Answer of the nominal run; infinite = unlimited, None = not judged. [as the quantity]
     nominal: float | None
     percentiles: tuple[Percentile, ...]  #: P10, P50, P90. [as the quantity]
     unlimited: float  #: Share of the samples without any damage. [1]
@@ -71,7 +71,7 @@ class ProbabilityRow:
     check: str  #: ``margin``, ``all margins``, ``start completed`` or ``starts``.
     of: str  #: Mode and excitation, or shaft.
     required: float | None  #: Demand. [1]
-    nominal: float | None  #: What the plain run has. [1]
+    nominal: float | None  #: What the nominal run has. [1]
     probability: float  #: Share of the samples that meet it. [1]
     low: float  #: Its interval. [1]
     high: float  #: Likewise. [1]
@@ -113,7 +113,7 @@ class Tolerances:
     explained: float | None
     converged: bool  #: Whether the sample was large enough.
     sentences: tuple[str, ...]  #: What a reader must know, the judgement on convergence first.
-    #: Samples whose start did not come to its end: they are in no percentile of it.
+    #: Samples whose start was not completed: they are in no percentile of it.
     unfinished: int
     lost: int  #: Samples that could not be calculated: they are in no number.
     #: Allowable starts of the train in every judged sample; infinite = unlimited. [1] Shape (n,).
@@ -259,7 +259,7 @@ def _start_rows(plan: TolerancePlan, sample: Evaluated, whole: Mask) -> Iterator
 
 
 def _nominal_starts(plan: TolerancePlan) -> dict[str, float]:
-    """Allowable starts of the plain run; infinite = unlimited, none where it is not judged."""
+    """Allowable starts of the nominal run; infinite = unlimited, none where it is not judged."""
     starts = plan.nominal.starts
     if starts is None or not is_counted(plan.nominal.start):
         return {}
@@ -347,7 +347,7 @@ def _settling(
 
 
 def _worst_stress(plan: TolerancePlan) -> int:
-    """Element with the largest nominal stress in the plain run."""
+    """Element with the largest nominal stress in the nominal run."""
     assert plan.nominal.start is not None
     peaks = {p.element: p.size for p in plan.nominal.start.peaks}
     unit = unit_stress(plan.case)

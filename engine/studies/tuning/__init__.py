@@ -5,7 +5,7 @@ module          responsibility
 ==============  ==================================================================================
 `options`       what may be chosen: options of the rows of `Tuning` and `Catalogue`, and the case
                 that they make
-`checks`        checks of the rows of `Tuning` and `Catalogue`: what is wrong is told all at once,
+`checks`        checks of the rows of `Tuning` and `Catalogue`: what is wrong is reported all at once,
                 with what to do
 `combinations`  what is to be tried: every combination of the options, and the unchanged case
 `evaluate`      one combination of a tuning study, calculated: what a designer compares couplings

@@ -1,4 +1,4 @@
-"""Checks of the rows of `Tuning` and `Catalogue`: what is wrong is told all at once, with what to do."""
+"""Checks of the rows of `Tuning` and `Catalogue`: what is wrong is reported all at once, with what to do."""
 
 from __future__ import annotations
 

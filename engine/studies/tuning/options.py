@@ -31,7 +31,7 @@ from engine.studies.variation import Change, nominal_value, varied_case
 COUPLING = "coupling"
 #: Values of a range where `Steps` is blank. [count]
 DEFAULT_STEPS = 11
-#: SI units of the tuned quantities as they stand in a sentence; backlash is m or rad.
+#: SI units of the tuned quantities as shown in a sentence; backlash is m or rad.
 UNITS = {STIFFNESS: "N m/rad", DAMPING: "N m s/rad", INERTIA: "kg m²", DIAMETER: "m", BACKLASH: ""}
 #: Columns of `Catalogue` that hold a limit of the maker.
 _LIMITS = ("rated_torque", "peak_torque_limit", "vibratory_limit")

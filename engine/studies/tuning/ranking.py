@@ -5,7 +5,7 @@ their limits places the modes where the start hurts least (the paper, "Philosoph
 location"). So, one after the other:
 
 1. cases that can be calculated before those that cannot;
-2. starts that come to their end before those that stall or run out of time;
+2. completed starts before those that stall or run out of time;
 3. fewer broken limits (verdicts that fail, and rated torques that are exceeded);
 4. separation margins kept by themselves, before those accepted by forced response;
 5. more allowable starts, unlimited before any number; where no start is counted, the smaller peak
@@ -30,7 +30,7 @@ from engine.studies.tuning.options import Variable
 #: The check of separation margins, as `engine.results.verdicts` names it.
 MARGIN_CHECK = "Separation margin"
 _MEGAPASCAL, _NEWTON_METRE = DisplayUnit("MPa", 1e6), DisplayUnit("N m", 1.0)
-#: Changes smaller than this share are told as "as is". [1]
+#: Changes smaller than this share are reported as "as is". [1]
 SAME = 0.005
 #: Margins kept by themselves, accepted, not kept; a case without excitations keeps them.
 _MARGIN_TIERS: dict[str, int] = {
@@ -65,7 +65,7 @@ def merit(tried: EvaluatedCombination) -> Merit:
         starts = -math.inf
     else:
         # a negative number of starts, or a positive torque: a study counts starts or it does not,
-        # except where a start did not come to its end, which rule 2 has set apart
+        # except where a start was not completed, which rule 2 has set apart
         starts = peak if a.starts is None else -a.starts
     tier = _MARGIN_TIERS.get(a.margin_verdict, 2)
     return (0.0, float(not a.whole), float(len(a.broken)), float(tier), starts, -margin, peak)
