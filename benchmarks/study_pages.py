@@ -61,7 +61,7 @@ def _what(found: Study) -> str:
     own = len({a.number for a in found.independent})
     return (
         f"Made by `python -m benchmarks.tolerance_study --write-docs`. {n} random trains, each from "
-        f"its number alone; {found.events} of their starts have events (teeth that part). Tolerance "
+        f"its number alone; {found.events} of their starts have events (teeth that separate). Tolerance "
         "of peaks 1e-3 and of starts 2e-2, in every tenth train 1e-2 and 1e-1, in another tenth "
         f"1e-4 and 2e-3. {own} trains are also integrated by a Runge-Kutta method of order eight "
         "in twists and speeds that shares no code with the engine."

@@ -1,7 +1,7 @@
 """Ten thousand starts of a tolerance sample: `python -m benchmarks.tolerances`.
 
 The paper's two designs with every stiffness, inertia, damping, torque and the S-N line scattered. First
-one process: a sample beside the plain run it is measured against, in turn. Then the whole study
+one process: a sample beside the nominal run it is measured against, in turn. Then the whole study
 through the processes of `torsionbook tolerances`, with the wall time a user waits.
 """
 
@@ -54,7 +54,7 @@ ROWS = (
 
 @dataclass(frozen=True)
 class Cost:
-    """Processor time of a sample and of a plain run. [s]"""
+    """Processor time of a sample and of a nominal run. [s]"""
 
     design: str
     sample: float
@@ -63,7 +63,7 @@ class Cost:
 
 
 def costs(rounds: int) -> Iterator[Cost]:
-    """A sample beside the plain run, in turn, in this process."""
+    """A sample beside the nominal run, in turn, in this process."""
     for design in DESIGNS:
         case = sample_case(design)
         unit = units_of(plan_tolerances(case, ROWS, ToleranceSettings(30)), 20)[0]
@@ -132,7 +132,7 @@ def measured(samples: int, rounds: int, jobs: int) -> list[Section]:
     """Everything, as tables."""
     one = Table(
         "Processor time of a start [ms], in one process",
-        ("Design", "a sample", "the plain run", "plain run over sample (least to largest)"),
+        ("Design", "a sample", "the nominal run", "nominal run over sample (least to largest)"),
         tuple(
             (
                 c.design,
@@ -173,7 +173,7 @@ def measured(samples: int, rounds: int, jobs: int) -> list[Section]:
     words = (
         f"Made by `python -m benchmarks.tolerances --write-docs` on {platform.system()}, Python "
         f"{platform.python_version()}. 26 factors, Latin hypercube. Wall time includes the start of "
-        "the processes and everything from the plain run to the result; processor time is that of the "
+        "the processes and everything from the nominal run to the result; processor time is that of the "
         "samples and the parent, which other work on the machine hardly changes. "
         f"{rounds} rounds in turn for the first table; medians."
     )

@@ -232,7 +232,8 @@ def _way(work: Batch, first: Input, send: str) -> str:
     work.workers.sends_bytes = not shared
     if send == "auto":
         typer.echo(
-            f"Files reach the cluster {'by a shared folder' if shared else 'as bytes'}.", err=True
+            f"Files reach the cluster {'through a shared folder' if shared else 'as bytes'}.",
+            err=True,
         )
     return "files" if shared else "bytes"
 
@@ -314,7 +315,7 @@ def _check_json_folder(json: Path, vary: Path | None) -> None:
     except OSError as wrong:
         why = wrong.strerror or wrong
         raise failed(
-            f"The folder {json} cannot be made ({why}). Name another with --json."
+            f"The folder {json} cannot be created ({why}). Name another with --json."
         ) from wrong
     if not os.access(json, os.W_OK):
         raise failed(f"{json} is not writable. Name another folder with --json.")

@@ -151,7 +151,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             ),
             number(
                 "Share", "fraction", "Share of the mode's strain energy in that element.",
-                "k (Bφ)² of that element over the sum of all",
+                "k (Bφ)² of that element / sum of all elements",
                 "docs/nomenclature.md, strain-energy share", of_case=MODAL, format=shown.ONE_DECIMAL, pane=Pane.MINOR,
             ),
         ),
@@ -172,7 +172,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
         columns=(text("Station", "Station.", kind="station", trace=named("Stations.Station")),),
         repeated=number(
             "Mode", "ratio", "Twist of the station in this mode.",
-            "φ of the station in its running direction, over the largest of the mode", SVD,
+            "φ of the station in its running direction, divided by the largest of the mode", SVD,
             of_case=MODAL,
         ),
     ),
@@ -610,7 +610,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             number(
                 "Recontact speed angular", "angular approach speed",
                 "Recontact speed as relative angular speed, referred to the From side.",
-                "The recontact speed over r_b cos β_b, at the From side", CLEARANCE,
+                "The recontact speed / (r_b cos β_b), at the From side", CLEARANCE,
                 of_row=("TorqueReversals.Recontact speed",), of_case=START, format=shown.APPROACH,
                 error=ReportedError.PEAKS, pane=Pane.WORKBOOK,
             ),
@@ -815,7 +815,7 @@ WORKBOOK_TABLES: tuple[TableSpec, ...] = (
             *(
                 number(
                     f"Share {mode}", "count", f"Its share of the strain or kinetic energy of mode {mode}.",
-                    "k (Bφ)² of the element, J φ² of the station, over the sum of all; nearly equal "
+                    "k (Bφ)² of the element or J φ² of the station / sum of all; nearly equal "
                     "modes are summed",
                     "docs/nomenclature.md, strain-energy share; Lancaster, Numer. Math. 6 (1964) 377",
                     of_case=MODAL, format=shown.FOUR_DECIMALS,

@@ -127,8 +127,8 @@ _BY_GROUP: Mapping[str, tuple[Field, ...]] = {
         number(
             "Voltage",
             "fraction",
-            "Voltage during the start in % of the voltage of the torque curves; torques go with its "
-            "square.",
+            "Voltage during the start in % of the voltage of the torque curves; torques are "
+            "proportional to its square.",
             blank="100 %",
         ),
     ),

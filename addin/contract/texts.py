@@ -118,7 +118,7 @@ NOTES: Mapping[str, tuple[tuple[str, str], ...]] = {
         ),
         (
             "Verdicts",
-            "pass; accepted by forced response: the margin fails and every judged stress stays "
+            "pass; accepted by forced response: the margin is not kept and every judged stress stays "
             "within UTS/25; fail. An undamped mode at resonance has an unbounded response: fail.",
         ),
     ),

@@ -279,7 +279,7 @@ def _startup() -> Shape:
     pull_in = {
         "field_time": described("When the field was applied. [s]", NUMBER),
         "field_slip": described("Slip at field application. [1]", NUMBER),
-        "synchronised": described("In step at the end of the run.", FLAG),
+        "synchronised": described("Whether the motor is in step at the end of the run.", FLAG),
         "pole_slips": described("Full turns of the load angle.", COUNT),
         "pull_in_time": described("Time from which the motor stays synchronised. [s]", NUMBER),
         "load_angle": described("Mean load angle at the end. [rad]", NUMBER),

@@ -346,7 +346,9 @@ class Calls:
     def _too_late(self, has_begun: bool) -> str:
         seconds = f"{self._limits.short_time:g} s"
         if has_begun:
-            return f"The calls of this request took longer than {seconds}. Ask for fewer at a time."
+            return (
+                f"The calls of this request took longer than {seconds}. Send fewer calls at a time."
+            )
         return f"The server was busy: this call waited {seconds}. Try again in a minute."
 
 

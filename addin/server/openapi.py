@@ -111,7 +111,7 @@ def _get(summary: str, media: str, schema: str | None = None) -> dict[str, Any]:
 
 def _post(summary: str, body: Shape, answer: Shape, *, is_file: bool) -> dict[str, Any]:
     """A request with a body; that of a file may be wrong in itself, and may have a name."""
-    wrong = {"422": _answer("Everything wrong with the input.", "Problems")} if is_file else {}
+    wrong = {"422": _answer("All errors of the input.", "Problems")} if is_file else {}
     responses = {"200": answer, **wrong, **_errors(400, 401, 403, 408, 413, 415, 421, 503)}
     content = {"required": True, "content": body}
     parameters = {"parameters": [_NAME]} if is_file else {}

@@ -111,7 +111,7 @@ def test_results_are_those_of_this_machine(dask, tmp_path):
         done = torsionbook("batch", "in", "--out", out, *words, cwd=tmp_path)
         assert done.returncode == 0, done.stderr
         if out == "auto":
-            assert "by a shared folder" in done.stderr
+            assert "through a shared folder" in done.stderr
     shown = [
         read_journal(tmp_path / out / OWN / "journal.jsonl")["t.xlsx"].results
         for out in ("here", "files", "bytes", "auto")

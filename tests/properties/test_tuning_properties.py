@@ -1,4 +1,4 @@
-"""What must hold of every tuning study: one point is the plain run, no order of rows matters."""
+"""What must hold of every tuning study: one point is the unchanged case, no order of rows matters."""
 
 from __future__ import annotations
 

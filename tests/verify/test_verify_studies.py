@@ -89,7 +89,7 @@ def test_rows_in_another_unit_are_the_same_rows(book: Path) -> None:
 
 
 def test_a_workbook_with_a_study_alone_is_told_of_it(book: Path) -> None:
-    """Before the plain run there are no results to compare, but a study may be out of date."""
+    """Before recalculation there are no results to compare, but a study may be out of date."""
     fresh = book.with_name("fresh.xlsx")
     said("new", fresh, "--studies", "--from", book)
     said("tune", fresh, "--in-place", "--jobs", "1")

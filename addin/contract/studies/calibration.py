@@ -175,7 +175,7 @@ _RESULTS: tuple[TableSpec, ...] = (
             ),
             number(
                 "Before", "frequency", "Calculated from the case.",
-                "Singular value of √k·B·1/√m over 2π", "docs/method.md", of_case=_TRAIN,
+                "Singular value of √k·B·1/√m, divided by 2π", "docs/method.md", of_case=_TRAIN,
             ),
             number(
                 "Prior deviation", "fraction", "Standard deviation from the uncertain quantities.",
@@ -320,7 +320,7 @@ _RESULTS: tuple[TableSpec, ...] = (
                 format=shown.TWO_DECIMALS,
             ),
             number(
-                "Prior deviation", "fraction", "Standard deviation by table Scatter.",
+                "Prior deviation", "fraction", "Standard deviation from table Scatter.",
                 "Spread (normal), /√3 (uniform), /√6 (triangular); (to − from)/√12", _METHOD,
                 of_row=_PRIOR,
             ),

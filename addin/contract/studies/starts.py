@@ -372,7 +372,7 @@ _SHEETS: tuple[Sheet, ...] = (
     ),
 )  # fmt: skip
 
-_VOLTAGE = Axis("Voltage [% of that of the curves]", number="0", crossing="min")
+_VOLTAGE = Axis("Voltage [% of the voltage of the torque curves]", number="0", crossing="min")
 
 
 def _by_voltage(quantity: str) -> tuple[Series, ...]:

@@ -257,7 +257,7 @@ _RESULTS: tuple[TableSpec, ...] = (
         short_caption=True,
         columns=(
             number(
-                "Probability", "fraction", "Share of the samples at or below.", "1 %, 2 %, …",
+                "Probability", "fraction", "Share of the samples at or below the values of this row.", "1 %, 2 %, …",
                 _SAMPLE, of_case=_SCATTER,
             ),
             number(

@@ -45,11 +45,11 @@ def tv_calibrate(
     units: str | None,
     headers: bool | None,
 ) -> Rows:
-    """The least change of all stiffnesses that explains measured natural frequencies.
+    """The smallest change of all stiffnesses that explains measured natural frequencies.
 
-    Each frequency is taken for the mode that it fits best, one to one. A frequency that no mode can
-    have is refused. Sheet Calibration (`torsionbook calibrate`) tells more, and knows inertias,
-    modes that are named and peak torques.
+    Each frequency is assigned to the mode that it fits best, one to one. A frequency that no mode can
+    have is refused. `torsionbook calibrate` also takes inertias, stated modes and peak torques, and
+    its sheet Calibration shows more.
     """
     found = MODELS.of(model)
     typed = [float(v) for line in frequencies for v in line if v is not None]

@@ -12,7 +12,7 @@ ORDER = 80
 
 @shows_table("TV_EFFECTS", "Effects", run_of)
 def tv_effects(run: Any) -> Any:
-    """Which effects the calculation simulates, with the number that decided each."""
+    """Effects that the calculation simulates or leaves out, each with its deciding number."""
     return run.tables.get("Effects")
 
 

@@ -68,9 +68,9 @@ def tv_sn_life(
 ) -> Rows:
     """Cycles to failure at a stress, on the S-N line in torsion; below endurance 'unlimited'.
 
-    Above the first S-N point the first slope is extended, as in the count of allowable starts: the
-    life is a number, but no tested one, and such starts are not judged. Remarks `TRUE` says so
-    beside each life. Above UTS there is no life: the stress is refused.
+    Above the first S-N point the line is extrapolated, as for allowable starts: the life is a number,
+    but not test data, and such starts are not judged. With Remarks `TRUE` a remark beside each life
+    says so. A stress above UTS is refused.
     """
     found = MODELS.of(model)
     case = found.case
@@ -133,10 +133,10 @@ def _extended(curve: Any, stress: float) -> str | None:
     example="=TV_LIFE(0.002, 24, 60, 2)",
 )
 def tv_life(damage: Rows, per_year: Rows, so_far: Rows | None, factor: float | None) -> Rows:
-    """Damage ledger of a duty: used, damage a year, what is left, and years that it lasts.
+    """Damage ledger of a duty: damage so far, damage per year, damage left, and remaining years.
 
-    Palmgren-Miner: damage of all starts is added up, their order is ignored; a shaft is used up at
-    1 / Starts factor. One shaft a call; years are `unlimited` where nothing is taken.
+    Palmgren-Miner: damage of all starts is summed regardless of order; the life of a shaft ends at
+    damage 1 / Starts factor. One shaft per call; years are `unlimited` without damage per year.
     """
     one, yearly = _column("Damage", damage), _column("Per year", per_year)
     blank = so_far is None or all(value is None for line in so_far for value in line)

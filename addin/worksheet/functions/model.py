@@ -35,7 +35,7 @@ TABLES = (
 def tv_model(stations: Block, elements: Block, case: Block | None, *others: Block | None) -> str:
     """Check a case and give its handle, which the other functions take.
 
-    Equal cases have equal handles. What is wrong with the tables is said in its place.
+    Equal cases have equal handles. If the tables have errors, the cell shows them instead.
     """
     blocks = {"Stations": stations, "Elements": elements}
     if case is not None:

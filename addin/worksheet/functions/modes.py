@@ -14,7 +14,7 @@ ORDER = 20
 
 @shows_table("TV_FREQUENCIES", "NaturalFrequencies", at_speed_tables, example='=%s(A1, "SI")')
 def tv_frequencies(tables: Mapping[str, Any]) -> Any:
-    """Natural frequencies with damping, start-up crossing and the element that strains most.
+    """Natural frequencies with damping, start-up crossing and element of largest strain energy.
 
     Rigid-body modes come first with frequency 0.
     """

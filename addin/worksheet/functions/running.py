@@ -30,7 +30,7 @@ def tv_margins(tables: Mapping[str, Any]) -> Any:
     columns=("Excitation", "From", "To", "Lowest", "Highest", "Modes inside"),
 )
 def tv_bands(tables: Mapping[str, Any]) -> Any:
-    """Where no mode may lie: the band of frequencies round every excitation, and the modes inside.
+    """Forbidden bands: frequencies round every excitation where no mode may lie, and the modes inside.
 
     From and To are the required margin solved for the frequency: f_min (1 - m) and f_max (1 + m).
     """

@@ -162,8 +162,8 @@ def tv_tune(
 ) -> Rows:
     """Every combination of a small table Tuning as a full start, ranked, with the reason of each.
 
-    At most 100 combinations and 30 s: beyond that `torsionbook tune` does it. Order, numbers and words
-    are those of the command and of sheet Tuning results, which has more columns, maps and crossings.
+    At most 100 combinations and 30 s: for more use `torsionbook tune`. Order, numbers and texts are
+    those of the command and of sheet Tuning results, which has more columns, maps and crossings.
     """
     found = MODELS.of(model)
     inputs = _read(found, {"Tuning": tuning, "Catalogue": catalogue})
@@ -225,10 +225,10 @@ def tv_tolerances(
     units: str | None,
     headers: bool | None,
 ) -> Rows:
-    """P10, P50 and P90 of what the scatter of the inputs makes of starts, frequencies, margins, peaks.
+    """P10, P50 and P90 of starts, frequencies, margins or peaks, from the scatter of the inputs.
 
     A Latin hypercube of at most 500 samples, in at most 30 s: `torsionbook tolerances` takes any
-    number, and says whether they were enough. The same samples and seed give the same numbers there.
+    number, and shows whether it converged. The same samples and seed give the same numbers there.
     """
     asked = name_in_case("Quantity", quantity or "starts", list(ANSWERS))
     found, plain = run_of(model)
@@ -271,10 +271,10 @@ def tv_tolerances(
     example="=TV_SENSITIVITIES(A1)",
 )
 def tv_sensitivities(model: str, of: str | None, units: str | None, headers: bool | None) -> Rows:
-    """How frequencies, or the peak stress and starts, follow every stiffness, inertia and the rest.
+    """Sensitivity of frequencies, or of peak stress and starts, to every stiffness, inertia and so on.
 
-    Frequencies: the relative change over that of the quantity, ± half its share of the energy. Start:
-    what + 1 % of each quantity does, by the derivative and in runs at ± 1 %, in at most 30 s.
+    Frequencies: relative change / relative change of the quantity, ± half its share of the energy.
+    Start: effect of + 1 % of each quantity, by the derivative and in runs at ± 1 %, in at most 30 s.
     """
     asked = name_in_case("Of", of or "frequencies", list(FOLLOWING))
     found, plain = run_of(model)

@@ -8,7 +8,7 @@ BREAKER_CLOSING = Effect(
     order=40,
     number=(
         "Largest torque it could add at a resonance, divided by the motor torque at standstill "
-        "(several motors: sum of their transients, divided by the smallest motor torque); on above "
+        "(several motors: sum of their transients, divided by the least motor torque); on above "
         "tolerance"
     ),
     bound="the number",

@@ -436,7 +436,7 @@ def _known(uncertainty: float | None, deviation: float, reduction: float) -> tup
         return False, f"not measured, {sure}"
     if deviation > KNOWN_FREQUENCY:
         return False, f"measured, but {sure} only"
-    return False, f"measured to ±{100.0 * uncertainty:.2g} % only; it is {sure} by Scatter alone"
+    return False, f"measured to ±{100.0 * uncertainty:.2g} % only; {sure} from table Scatter alone"
 
 
 def _tail(chi_square: float, degrees: int) -> float:
@@ -530,5 +530,5 @@ def _sentence(
             "measurements."
         )
     else:
-        sentences.append("Not every measurement is explained; see their notes.")
+        sentences.append("Some measurements are not explained; see their notes.")
     return " ".join(sentences)

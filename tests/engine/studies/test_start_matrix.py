@@ -1,4 +1,4 @@
-"""The start matrix: each row is the plain run of the changed case, and says what it changed."""
+"""The start matrix: each row is the nominal run of the changed case, and says what it changed."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def test_blank_table_is_the_standard_matrix(case: Case) -> None:
 
 
 def test_aborted_just_past_each_crossing(case: Case) -> None:
-    """Speeds from the crossings of the plain run, and the peak of Cornu's spiral from scipy."""
+    """Speeds from the crossings of the nominal run, and the peak of Cornu's spiral from scipy."""
     u = np.linspace(0.5, 2.0, 150_001)
     S, C = fresnel(u)
     late = float(u[np.argmax(np.hypot(C + 0.5, S + 0.5))]) / math.sqrt(2.0)
@@ -136,7 +136,7 @@ def test_a_row_of_blanks_is_the_plain_run(case: Case) -> None:
 
 
 def test_the_interval_of_the_damage_holds_both_errors(case: Case) -> None:
-    """That of the history, as the plain run states it, and the change between two steps."""
+    """That of the history, as the nominal run states it, and the change between two steps."""
     plain = run(case)
     assert plain.starts is not None
     (stated,) = plain.starts.shafts

@@ -492,7 +492,7 @@ def test_intervals_of_a_part_of_a_sample_hold_as_often_as_they_say(method: str) 
 
 
 def test_what_half_the_step_changes_covers_the_error_of_wide_scatter(case: Case) -> None:
-    """Stiffness from a twentieth to twenty times as stated: the plain run's error says nothing of that."""
+    """Stiffness from a twentieth to twenty times as stated: the nominal run's error says nothing of that."""
     rows = [ScatterRow(quantity="stiffness", from_=0.05, to=20.0)]
     plan = plan_tolerances(case, rows, ToleranceSettings(30, 3))
     unit = units_of(plan, 1)[0]

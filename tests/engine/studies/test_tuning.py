@@ -192,7 +192,7 @@ def test_a_start_that_does_not_end_ranks_below_those_that_do() -> None:
 
 
 def test_allowable_starts_are_those_of_table_allowable_starts_whatever_the_factor() -> None:
-    """StartsFactor divides what is judged, here as in the plain run."""
+    """StartsFactor divides what is judged, here as in the unchanged case."""
     studies = StudyInputs((TuningRow(HIGH, "stiffness", values=(1.0, 1.2)),))
     (one, two) = (tune(judged(starts_factor=f), studies) for f in (1.0, 50.0))
     plain = run(judged(starts_factor=50.0)).starts
