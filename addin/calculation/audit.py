@@ -41,7 +41,7 @@ EQUATIONS: tuple[tuple[str, str], ...] = (
     ("Shaft stiffness", "k = G π (D⁴ − d⁴) / (32 L) (strength of materials)"),
     (
         "Natural frequencies",
-        "singular values of √k·B/√m, B the incidence matrix with speed ratios; K = Bᵀ k B "
+        "singular values of √k·B/√J, B the incidence matrix with speed ratios; K = Bᵀ k B "
         f"({SINGULAR_VALUES.cited})",
     ),
     (

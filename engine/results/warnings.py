@@ -115,7 +115,7 @@ def _why_not_met(start: Start) -> str:
     if start.is_sensitive or start.sensitivity is None:  # said elsewhere, or a plain start
         return ""
     return (
-        " A finer step exceeds the number of steps allowed in one calculation. Raise TolerancePeak, or "
+        " A finer step would need more steps than one calculation allows. Raise TolerancePeak, or "
         "check the damping of high modes that tooth impacts excite."
     )
 

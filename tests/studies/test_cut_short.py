@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable, Sequence
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +30,7 @@ from addin.studies.study import Study
 from addin.studies.tolerances import TOLERANCES
 from addin.studies.tuning import TUNING
 from addin.workers.parallel_map import Cancelled, map_until_cancelled, pool_map, serial_map
+from addin.workers.stop import Stop
 from tests.batch.batch_helpers import Here
 from tests.dask_cluster import ROOT
 from tests.sample_case import sample_case
@@ -316,14 +318,15 @@ def test_a_second_ctrl_c_gives_up_whatever_is_done(
     """Before the first unit, and after the last."""
     source = written(tmp_path, sample_case("proposed"), scatter=SCATTER)
     told: list[str] = []
+    stop = Stop()
 
-    def tell_and_interrupt(file: Path, at: str, stop: Any) -> str:
-        told.append(at)
-        if at == stage:
+    def tell_and_interrupt(line: str) -> None:
+        told.append(line.removeprefix("case.json: "))
+        if told[-1] == stage:
             stop.asked = 2
-        return at
 
-    monkeypatch.setattr(studies_commands, "_progress", tell_and_interrupt)
+    monkeypatch.setattr(studies_commands, "Stop", lambda: stop)
+    monkeypatch.setattr(studies_commands, "progress", lambda: nullcontext(tell_and_interrupt))
     words = ["tolerances", str(source), "--samples", "64", "--jobs", "1", "--json",
              str(tmp_path / "t.json")]  # fmt: skip
     done = RUN.invoke(app, words)

@@ -175,7 +175,7 @@ _RESULTS: tuple[TableSpec, ...] = (
             ),
             number(
                 "Before", "frequency", "Calculated from the case.",
-                "Singular value of √k·B·1/√m, divided by 2π", "docs/method.md", of_case=_TRAIN,
+                "Singular value of √k·B/√J, divided by 2π", "docs/method.md", of_case=_TRAIN,
             ),
             number(
                 "Prior deviation", "fraction", "Standard deviation from the uncertain quantities.",

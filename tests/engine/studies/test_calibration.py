@@ -568,7 +568,7 @@ def test_margin_required_overrules_and_wide_margins_need_no_basis(frequencies: n
     stiff = chain(1e9, 1e9)
     wide = calibrate(stiff, asked(M(None, float(elastic(stiff)[0]))))
     assert not wide.basis_justified
-    assert "every margin keeps the 20%" in wide.basis_reason
+    assert "every margin meets the 20%" in wide.basis_reason
 
 
 # --- tables ---------------------------------------------------------------------------------------
