@@ -16,7 +16,7 @@ import time
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT / "tests" / "batch"))
+sys.path[:0] = [str(ROOT / "tests" / "batch"), str(ROOT / "tests")]
 
 from benchmarks import report  # noqa: E402
 from benchmarks.report import Section, Table  # noqa: E402

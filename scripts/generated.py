@@ -73,8 +73,8 @@ def _content(path: Path) -> object:
 
 
 def stale_files(root: Path, fresh: Path) -> list[str]:
-    """What differs from the records in a checkout; `fresh` is a folder to build in. [names]"""
-    written = write_generated(fresh)
+    """What of a checkout differs from the files just written to another folder. [names]"""
+    written = sorted(path.relative_to(fresh) for path in fresh.rglob("*") if path.is_file())
     stale = []
     for name in written:
         path = root / name

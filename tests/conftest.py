@@ -301,3 +301,11 @@ def studied(tmp_path_factory: pytest.TempPathFactory) -> Path:
     from tests.shared_files import calculate_studies, made_once
 
     return made_once(tmp_path_factory, "studied", calculate_studies) / "train.xlsx"
+
+
+@pytest.fixture(scope="session")
+def derived(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder with every file that is derived from the records, made anew."""
+    from tests.shared_files import made_once, write_derived
+
+    return made_once(tmp_path_factory, "derived", write_derived)

@@ -22,11 +22,11 @@ def wait_until(happens: Callable[[], object], seconds: float = 60.0) -> None:
 
 
 class Dask:
-    """A scheduler and workers; `path` is where their tasks are imported from, besides the checkout."""
+    """A scheduler and workers; `paths` is where their tasks are imported from, besides the checkout."""
 
-    def __init__(self, place: Path, path: Path | None = None) -> None:
+    def __init__(self, place: Path, *paths: Path) -> None:
         self.place = place
-        self.path = os.pathsep.join(map(str, (ROOT, *([] if path is None else [path]))))
+        self.path = os.pathsep.join(map(str, (ROOT, *paths)))
         place.mkdir()
         self.processes: list[subprocess.Popen[bytes]] = []
         self.log = open(place / "log", "wb")

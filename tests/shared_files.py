@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import json
 import os
 import shutil
@@ -106,3 +107,14 @@ def calculate_studies(folder: Path) -> None:
     ):
         done = CliRunner().invoke(app, list(words))
         assert done.exit_code == 0, done.output
+
+
+def write_derived(folder: Path) -> None:
+    """Every file that `make generated` writes: pages, schemas, the list of sentences, templates."""
+    place = Path(__file__).resolve().parents[1] / "scripts" / "generated.py"
+    spec = importlib.util.spec_from_file_location("generated", place)
+    assert spec is not None
+    assert spec.loader is not None
+    script = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(script)
+    script.write_generated(folder)

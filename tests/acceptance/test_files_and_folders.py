@@ -2,23 +2,12 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+from command_line import torsionbook
 
-ROOT = Path(__file__).resolve().parents[2]
 CASE = '{"format": 1, "stations": [{"station": "a", "inertia": 1}]}'
-
-
-def torsionbook(*words: str, cwd: Path) -> subprocess.CompletedProcess[str]:
-    """Run the command line as a user does."""
-    return subprocess.run(
-        [sys.executable, "-c", "from addin.cli import main; main()", *words],
-        cwd=cwd, capture_output=True, text=True, encoding="utf-8", timeout=120,
-        env={**__import__("os").environ, "PYTHONPATH": str(ROOT), "PYTHONIOENCODING": "utf-8"},
-    )  # fmt: skip
 
 
 @pytest.mark.first_ones(1)

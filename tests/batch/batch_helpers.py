@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
 from collections import deque
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -14,8 +11,6 @@ from addin.contract.shipped import template_path
 from addin.workers.pool import Task, Workers
 from addin.xlsx import open_workbook
 from addin.xlsx.references import cell_name
-
-ROOT = Path(__file__).resolve().parents[2]
 
 
 def make_train(path: Path, number: float = 0, *, example: str = "proposed", **names: Any) -> Path:
@@ -59,24 +54,3 @@ class Here(Workers):
 
     def close(self) -> None:
         self.waiting.clear()
-
-
-def environment() -> dict[str, str]:
-    return {**os.environ, "PYTHONPATH": str(ROOT), "PYTHONIOENCODING": "utf-8", "COLUMNS": "140"}
-
-
-def command(*words: object) -> list[str]:
-    return [sys.executable, "-m", "addin.cli", *map(str, words)]
-
-
-def torsionbook(*words: object, cwd: Path) -> subprocess.CompletedProcess[str]:
-    """Run the command line as a user does."""
-    return subprocess.run(
-        command(*words),
-        cwd=cwd,
-        capture_output=True,
-        text=True,
-        encoding="utf-8",
-        env=environment(),
-        timeout=600,
-    )

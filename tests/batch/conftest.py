@@ -26,6 +26,15 @@ def trains(made: Path, tmp_path: Path) -> Path:
 
 
 @pytest.fixture
+def pair(made: Path, tmp_path: Path) -> Path:
+    """Two of them that differ."""
+    (tmp_path / "trains").mkdir()
+    for name in ("train 8.xlsx", "train 9.xlsx"):
+        shutil.copy2(made / name, tmp_path / "trains")
+    return tmp_path / "trains"
+
+
+@pytest.fixture
 def few(made: Path, tmp_path: Path) -> Path:
     """Two of them and the twin."""
     (tmp_path / "trains").mkdir()

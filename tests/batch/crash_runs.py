@@ -22,7 +22,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import pandas as pd
-from batch_helpers import command, environment, make_train, spoil
+from batch_helpers import make_train, spoil
+from command_line import command, environment
 
 from addin.batch.folder import OWN
 from addin.batch.journal import read_journal

@@ -12,7 +12,8 @@ from pathlib import Path
 import openpyxl
 import pandas as pd
 import pytest
-from batch_helpers import command, environment, make_train, spoil, torsionbook
+from batch_helpers import make_train, spoil
+from command_line import command, environment, torsionbook
 
 from addin.batch import cluster_files
 from addin.batch.cluster_files import FileCluster
@@ -25,7 +26,8 @@ from tests.dask_cluster import Dask, wait_until
 
 @pytest.fixture(scope="module")
 def dask(tmp_path_factory) -> Iterator[Dask]:
-    running = Dask(tmp_path_factory.mktemp("dask") / "cluster", Path(__file__).parent)
+    place = Path(__file__).parent
+    running = Dask(tmp_path_factory.mktemp("dask") / "cluster", place, place.parent)
     yield running
     running.stop()
 
@@ -142,7 +144,7 @@ def test_a_folder_that_workers_do_not_see_is_found_out(dask, tmp_path, monkeypat
 @pytest.mark.slow
 def test_a_task_that_kills_every_worker_is_given_up_and_named(tmp_path):
     """On a cluster of its own, whose workers it ends."""
-    own = Dask(tmp_path / "cluster", Path(__file__).parent)
+    own = Dask(tmp_path / "cluster", Path(__file__).parent, Path(__file__).parents[1])
     try:
         with joined(own) as work:
             work.add(Task(die, None, tag="bad"))

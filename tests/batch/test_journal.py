@@ -7,7 +7,7 @@ import sys
 from contextlib import closing
 
 import pytest
-from batch_helpers import environment
+from command_line import environment
 
 from addin.batch.folder import OWN, FolderRefused, OutFolder, digest_of
 from addin.batch.journal import Journal, read_journal

@@ -5,7 +5,8 @@ from __future__ import annotations
 import json
 
 import pytest
-from batch_helpers import make_train, torsionbook
+from batch_helpers import make_train
+from command_line import torsionbook
 from typer.testing import CliRunner
 
 from addin.batch.folder import OWN

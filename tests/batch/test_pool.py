@@ -8,7 +8,7 @@ import time
 from pathlib import Path
 
 import pytest
-from batch_helpers import environment
+from command_line import environment
 
 from addin.workers.pool import Crashed, Pool, Task
 
@@ -99,8 +99,8 @@ def test_processes_end_when_the_batch_is_killed(tmp_path):
         "    list(pool.answers(lambda: False))\n"
     )
     (tmp_path / "script.py").write_text(script)
-    here = {**environment()}
-    here["PYTHONPATH"] += os.pathsep + str(Path(__file__).parent)
+    here, place = environment(), Path(__file__).parent
+    here["PYTHONPATH"] = os.pathsep.join((here["PYTHONPATH"], str(place), str(place.parent)))
     batch = subprocess.Popen(
         [sys.executable, str(tmp_path / "script.py")], stdout=subprocess.PIPE, env=here
     )

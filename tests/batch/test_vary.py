@@ -14,7 +14,8 @@ from pathlib import Path
 import pandas as pd
 import pyarrow.parquet as pq
 import pytest
-from batch_helpers import Here, command, environment, make_train, torsionbook
+from batch_helpers import Here, make_train
+from command_line import command, environment, torsionbook
 
 from addin.batch import vary, vary_rows
 from addin.batch.folder import OWN, OutFolder

@@ -9,7 +9,8 @@ from pathlib import Path
 
 import openpyxl
 import pytest
-from batch_helpers import Here, command, environment, make_train
+from batch_helpers import Here, make_train
+from command_line import command, environment
 
 from addin.batch.folder import OutFolder
 from addin.batch.inputs import Input, find_inputs

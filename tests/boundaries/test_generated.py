@@ -1,6 +1,7 @@
 """Derived files are those of the records."""
 
 import importlib.util
+import shutil
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -14,21 +15,19 @@ def generated_script(name="generated"):
     return module
 
 
-def test_every_derived_file_is_that_of_the_records(tmp_path):
+def test_every_derived_file_is_that_of_the_records(derived):
     script = generated_script()
-    stale = script.stale_files(ROOT, tmp_path)
+    stale = script.stale_files(ROOT, derived)
     assert not stale, f"stale: {', '.join(stale)}; run: {script.COMMAND}"
 
 
-def test_a_stale_file_is_named(tmp_path):
-    script = generated_script()
-    root, fresh = tmp_path / "root", tmp_path / "fresh"
-    for folder in (root, fresh):
-        folder.mkdir()
-    script.write_generated(root)
+def test_a_stale_file_is_named(tmp_path, derived):
+    script, root = generated_script(), tmp_path / "root"
+    shutil.copytree(derived, root)
+    assert script.stale_files(root, derived) == []
     (root / "docs" / "results.md").write_text("old", encoding="utf-8")
     (root / "addin/reference/schemas" / "gone.schema.json").write_text("{}", encoding="utf-8")
-    assert script.stale_files(root, fresh) == [
+    assert script.stale_files(root, derived) == [
         "docs/results.md",
         "addin/reference/schemas/gone.schema.json (of no record)",
     ]

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 from pathlib import Path
 
 import jsonschema
@@ -12,6 +10,7 @@ import numpy as np
 import openpyxl
 import pandas as pd
 import pytest
+from command_line import torsionbook, torsionbook_process
 
 from addin.calculation.stages import COMPILING, is_compiling
 from addin.cli.terminal import progress
@@ -24,27 +23,6 @@ from addin.xlsx.references import cell_name
 from engine.case.effects import EFFECTS
 from engine.results.times import COMPILING_EVENTS
 
-ROOT = Path(__file__).resolve().parents[2]
-
-
-def torsionbook(*words: object, cwd: Path) -> subprocess.CompletedProcess[str]:
-    """Run the command line as a user does."""
-    return subprocess.run(
-        [sys.executable, "-m", "addin.cli", *map(str, words)],
-        cwd=cwd,
-        capture_output=True,
-        text=True,
-        encoding="utf-8",
-        env=_environment(),
-        timeout=300,
-    )
-
-
-def _environment() -> dict[str, str]:
-    import os
-
-    return {**os.environ, "PYTHONPATH": str(ROOT), "PYTHONIOENCODING": "utf-8", "COLUMNS": "140"}
-
 
 @pytest.fixture(scope="module")
 def example(tmp_path_factory) -> Path:
@@ -52,7 +30,7 @@ def example(tmp_path_factory) -> Path:
     folder = tmp_path_factory.mktemp("example")
     made = torsionbook("new", "train.xlsx", "--example", "proposed", cwd=folder)
     assert made.returncode == 0, made.stderr
-    done = torsionbook("recalc", "train.xlsx", "--json", "train.json", cwd=folder)
+    done = torsionbook_process("recalc", "train.xlsx", "--json", "train.json", cwd=folder)
     assert done.returncode == 0, done.stderr
     (folder / "stdout.txt").write_text(done.stdout, encoding="utf-8")
     return folder
@@ -299,10 +277,10 @@ def test_two_runs_with_a_fixed_date_are_byte_identical_but_for_the_times_spent(e
 def test_the_first_compilation_says_what_it_is_doing(tmp_path, monkeypatch):
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "kernels"))
     (tmp_path / "train.xlsx").write_bytes(template_path("example_modified.xlsx").read_bytes())
-    first = torsionbook("recalc", "train.xlsx", cwd=tmp_path)
+    first = torsionbook_process("recalc", "train.xlsx", cwd=tmp_path)
     assert first.returncode == 0, first.stderr
     assert "compiling the numerical routines, only once on this machine" in first.stderr
-    second = torsionbook("recalc", "train.xlsx", cwd=tmp_path)
+    second = torsionbook_process("recalc", "train.xlsx", cwd=tmp_path)
     assert second.returncode == 0, second.stderr
     assert "compiling" not in second.stderr
 

@@ -2,12 +2,11 @@
 
 import json
 import os
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
-from spoiled import ROOT, Packed, archive, honest
+from command_line import torsionbook, torsionbook_process
+from spoiled import Packed, archive, honest
 from starlette.testclient import TestClient
 
 from addin.server.app import create_app
@@ -21,13 +20,6 @@ BOMB = archive(
     ]
 )
 WORDS = "as in an attack file"
-
-
-def torsionbook(*words: str | bytes, cwd: Path) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [sys.executable, "-m", "addin.cli", *words], cwd=cwd, capture_output=True, text=True,
-        encoding="utf-8", timeout=300, env={**os.environ, "PYTHONPATH": str(ROOT), "PYTHONIOENCODING": "utf-8"},
-    )  # fmt: skip
 
 
 @pytest.mark.parametrize(
@@ -45,7 +37,7 @@ def test_the_command_line(tmp_path: Path, words: list[str]) -> None:
 def test_a_file_name_that_is_no_text(tmp_path: Path) -> None:
     name = b"-tr\xffin\n.xlsx"
     (tmp_path / os.fsdecode(name)).write_bytes(BOMB)
-    said = torsionbook("check", "--", name, cwd=tmp_path)
+    said = torsionbook_process("check", "--", os.fsdecode(name), cwd=tmp_path)
     assert said.returncode == 1, said.stderr
     assert WORDS in said.stderr
 

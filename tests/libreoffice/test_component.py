@@ -23,14 +23,15 @@ class Helper:
         self.added = made, name, services
 
 
-@pytest.fixture
-def load(tmp_path, monkeypatch):
+@pytest.fixture(scope="module")
+def load(tmp_path_factory):
     """Unpacks an extension with a command and loads its component."""
     loaded = []
 
     def loads(command):
+        folder = tmp_path_factory.mktemp("extension")
         with zipfile.ZipFile(io.BytesIO(extension(command))) as archive:
-            archive.extractall(tmp_path)
+            archive.extractall(folder)
         made = {
             "unohelper": {"Base": type("Base", (), {}), "ImplementationHelper": Helper},
             "com": {},
@@ -41,11 +42,12 @@ def load(tmp_path, monkeypatch):
             "org.torsionbook": {},
             "org.torsionbook.calc": {"XFunctions": type("XFunctions", (), {})},
         }
-        for name, content in made.items():
-            monkeypatch.setitem(sys.modules, name, module(name, **content))
-        spec = importlib.util.spec_from_file_location("component", tmp_path / "component.py")
+        spec = importlib.util.spec_from_file_location("component", folder / "component.py")
         component = importlib.util.module_from_spec(spec)
-        spec.loader.exec_module(component)
+        with pytest.MonkeyPatch.context() as while_it_is_loaded:
+            for name, content in made.items():
+                while_it_is_loaded.setitem(sys.modules, name, module(name, **content))
+            spec.loader.exec_module(component)
         loaded.append(component)
         return component
 
@@ -55,8 +57,14 @@ def load(tmp_path, monkeypatch):
             component.Functions.worker._end()
 
 
-def test_calls_go_to_one_process_and_come_back_as_doubles(load):
-    component = load(worker_command())
+@pytest.fixture(scope="module")
+def answering(load):
+    """A component whose process is started once for several tests."""
+    return load(worker_command())
+
+
+def test_calls_go_to_one_process_and_come_back_as_doubles(answering):
+    component = answering
     functions, more = component.Functions(None), component.Functions(None)
     raw = (200.1, None, 500.7, 79300.3)
     assert functions.tv_stiffness(*raw, None) == call("TV_STIFFNESS", list(raw))[0][0]
@@ -69,15 +77,15 @@ def test_calls_go_to_one_process_and_come_back_as_doubles(load):
     assert component.Functions.worker.process.pid == first
 
 
-def test_errors_are_texts(load):
-    functions = load(worker_command()).Functions(None)
+def test_errors_are_texts(answering):
+    functions = answering.Functions(None)
     assert functions.tv_stiffness(200.0, 250.0, 1.0, 1.0).startswith("ID: found 250")
     ((told,),) = functions.tv_peaks("tv:0")
     assert "not in the memory of this session" in told
 
 
-def test_a_process_that_died_is_started_anew(load):
-    component = load(worker_command())
+def test_a_process_that_died_is_started_anew(answering):
+    component = answering
     functions = component.Functions(None)
     functions.tv_convert(1.0, "m", "mm")
     dead = component.Functions.worker.process

@@ -129,7 +129,8 @@ def test_requests_of_another_form_are_answered_and_the_next_one_is_served():
         assert "An error occurred inside" not in worker._answer_to(one.encode())["error"]
 
 
-@pytest.mark.parametrize("name", ["addin.libreoffice.worker", "addin.calc.worker"])
+@pytest.mark.first_ones(1)
+@pytest.mark.parametrize("name", ["addin.calc.worker", "addin.libreoffice.worker"])
 def test_it_is_started_by_the_name_of_today_and_by_that_of_installed_extensions(name):
     request = packed({"function": "TV_CONVERT", "arguments": [1.0, "m", "mm"]})
     done = subprocess.run(

@@ -292,22 +292,28 @@ def test_https_beyond_this_machine_with_certificate_and_keys(tmp_path, key_file,
         assert Client(address, key=KEY).call("TV_CONVERT", 1, "m", "mm") == [[1000.0]]
 
 
-@pytest.mark.parametrize("swapped", [True, False])
-def test_files_that_are_no_certificate_and_key_are_told(tmp_path, swapped):
+@pytest.mark.first_ones(2)
+@pytest.mark.parametrize(
+    ("swapped", "by_the_command"), [(True, True), (False, False), (False, True)]
+)
+def test_files_that_are_no_certificate_and_key_are_told(tmp_path, swapped, by_the_command):
     cert, key = certificate(tmp_path)
     if swapped:
         words, told = [key, cert], "swap them"
     else:
         (tmp_path / "other").mkdir()
         words, told = [cert, certificate(tmp_path / "other")[1]], "does not match the certificate"
-    done = subprocess.run(
-        [sys.executable, "-m", "addin.cli", "serve", "--port", "0",
-         "--cert", str(words[0]), "--key", str(words[1])],
-        cwd=ROOT, capture_output=True, text=True, timeout=60, check=False,
-    )  # fmt: skip
-    assert done.returncode == 1
-    assert told in done.stderr
-    assert "Traceback" not in done.stderr
+    with pytest.raises(SettingsError, match=told):
+        check_certificate(Settings(certificate=words[0], certificate_key=words[1]))
+    if by_the_command:
+        done = subprocess.run(
+            [sys.executable, "-m", "addin.cli", "serve", "--port", "0",
+             "--cert", str(words[0]), "--key", str(words[1])],
+            cwd=ROOT, capture_output=True, text=True, timeout=60, check=False,
+        )  # fmt: skip
+        assert done.returncode == 1
+        assert told in done.stderr
+        assert "Traceback" not in done.stderr
     text = tmp_path / "text.pem"
     text.write_text("nothing")
     for wrong in ((text, key), (cert, text), (text, text)):
@@ -362,7 +368,7 @@ def test_key_files_that_cannot_be_used(tmp_path, text):
 # --- the pool -------------------------------------------------------------------------------------
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def pool():
     work = Work(processes=1, waiting=2, time_limit=20.0)
     yield work

@@ -5,7 +5,6 @@ import time
 
 import jsonschema
 import pytest
-from servers import outside
 from websockets.sync.client import connect
 
 from addin.reading.case_json import case_to_json
@@ -23,12 +22,6 @@ TABLES = {
 }  # fmt: skip
 CASE = case_to_json(sample_case("proposed")) | TABLES
 STUDIES = {study.command: study for study in every_study()}
-
-
-@pytest.fixture(scope="module")
-def server():
-    with outside() as address:
-        yield address
 
 
 def stream_of(address):
@@ -50,8 +43,8 @@ def until_the_end(line, identity):
     ("command", "settings"),
     [("tolerances", {"samples": 60, "seed": 3}), ("tune", {}), ("starts", {}), ("calibrate", {})],
 )
-def test_a_study_is_that_of_the_command_line(server, tmp_path, command, settings):
-    with stream_of(server) as line:
+def test_a_study_is_that_of_the_command_line(served, tmp_path, command, settings):
+    with stream_of(served) as line:
         line.send(json.dumps({"id": 1, "study": command, "case": CASE, "settings": settings}))
         *stages, last = until_the_end(line, 1)
     assert "reading" in [one["stage"] for one in stages]
@@ -63,8 +56,8 @@ def test_a_study_is_that_of_the_command_line(server, tmp_path, command, settings
     jsonschema.validate(last["value"], study_schema(study.spec))
 
 
-def test_a_study_that_is_cancelled_frees_its_process(server):
-    with stream_of(server) as line:
+def test_a_study_that_is_cancelled_frees_its_process(served):
+    with stream_of(served) as line:
         asked = {"study": "tolerances", "case": CASE, "settings": {"samples": 100_000}}
         line.send(json.dumps({"id": 1, **asked}))
         while " runs" not in json.loads(line.recv(timeout=120)).get("stage", ""):
@@ -77,14 +70,14 @@ def test_a_study_that_is_cancelled_frees_its_process(server):
 
 
 @pytest.mark.slow
-def test_a_client_that_leaves_gives_its_study_up(server):
-    with stream_of(server) as line:
+def test_a_client_that_leaves_gives_its_study_up(served):
+    with stream_of(served) as line:
         asked = {"study": "tolerances", "case": CASE, "settings": {"samples": 100_000}}
         line.send(json.dumps({"id": 1, **asked}))
         while " runs" not in json.loads(line.recv(timeout=120)).get("stage", ""):
             pass
     time.sleep(0.2)
-    with stream_of(server) as line:
+    with stream_of(served) as line:
         line.send(json.dumps({"id": 2, "study": "tune", "case": CASE}))
         assert "value" in until_the_end(line, 2)[-1]
 
@@ -104,15 +97,15 @@ def test_a_client_that_leaves_gives_its_study_up(server):
         ({"study": ["tune"], "case": CASE}, "Unknown study"),
     ],
 )
-def test_wrong_requests_get_their_sentence(server, asked, says):
-    with stream_of(server) as line:
+def test_wrong_requests_get_their_sentence(served, asked, says):
+    with stream_of(served) as line:
         line.send(json.dumps({"id": 1, **asked}))
         assert says in until_the_end(line, 1)[-1]["error"]["message"]
 
 
-def test_wrong_rows_are_told_one_by_one(server):
+def test_wrong_rows_are_told_one_by_one(served):
     rows = [{"quantity": "stiffness", "spread": 0.4}, {"name": "Nobody", "quantity": "inertia", "spread": 0.1}]  # fmt: skip
-    with stream_of(server) as line:
+    with stream_of(served) as line:
         line.send(json.dumps({"id": 1, "study": "tolerances", "case": CASE | {"scatter": rows}}))
         last = until_the_end(line, 1)[-1]
     assert len(last["errors"]) == 2

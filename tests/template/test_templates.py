@@ -43,10 +43,8 @@ NAMES = sorted(TEMPLATES)
 
 
 @pytest.fixture(scope="module")
-def rebuilt(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("templates")
-    build_all(folder)
-    return folder
+def rebuilt(derived: Path) -> Path:
+    return derived / "templates"
 
 
 def parts(path: Path) -> dict[str, bytes]:
