@@ -14,12 +14,7 @@ from typing import Any
 import numpy as np
 
 from addin.calculation.calculation import RunView
-from addin.charts.effects import (
-    event_rows,
-    pull_in_rows,
-    reversal_blocks,
-    waiting_labels,
-)
+from addin.charts.effects import event_rows, pull_in_rows, reversal_blocks, waiting_labels
 from addin.charts.rows import Cell, Floats, Rows, decimate, plain, side_by_side
 from addin.contract.chart_tables import (
     CHART_TABLES,

@@ -13,19 +13,6 @@ METHODS = ("exponential", "newmark")
 EVENTS = 2
 #: Forces drawn together: of the teeth, and of the bearings of two gears.
 FORCES = 3
-#: Rows of `ChartLabels` that the charts of this module need.
-EFFECT_LABELS: tuple[str, ...] = (
-    "Reversal title",
-    "Reversal axis",
-    "Blow title",
-    "Blow axis",
-    "Force title",
-    "Force axis",
-    *(f"Force {k + 1}" for k in range(FORCES)),
-    "Pull-in title",
-    "Pull-in axis",
-    *(f"Event {k + 1}" for k in range(EVENTS)),
-)
 
 
 @dataclass(frozen=True)
@@ -58,7 +45,16 @@ LABELS: tuple[str, ...] = (
     *_numbered(("History caption",), HISTORIES),
     "One start",
     "S-N line",
-    *EFFECT_LABELS,
+    "Reversal title",
+    "Reversal axis",
+    "Blow title",
+    "Blow axis",
+    "Force title",
+    "Force axis",
+    *_numbered(("Force",), FORCES),
+    "Pull-in title",
+    "Pull-in axis",
+    *_numbered(("Event",), EVENTS),
     "Accuracy title",
     "Accuracy axis",
 )

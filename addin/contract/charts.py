@@ -26,6 +26,9 @@ class Label:
     """Words that only a calculation knows: a row of table `ChartLabels`."""
 
     key: str  #: Its key there.
+    #: Of a title: pattern of the words that a calculation of this or an earlier version gives it;
+    #: other words in their place are the engineer's own.
+    words: str = ""
 
 
 @dataclass(frozen=True)
@@ -176,22 +179,26 @@ def _interference() -> ChartSpec:
 
 def _history(k: int) -> ChartSpec:
     """The paper's Figures 1, 7 and 8: torque, tooth load or stress against time."""
-    title = Label(f"History title {k}")
+    title = Label(
+        f"History title {k}",
+        r".*: (tangential tooth load|nominal shear stress|torque)|History \d .*|unused.*",
+    )
+    axis = Label(f"History axis {k}", r"(Tooth load|Nominal shear stress|Torque)( \[.*\])?")
     return ChartSpec(
         f"history {k}", "curves", title,
         Axis("Time [s]", least=0, number="General", low=True),
-        Axis(Label(f"History axis {k}"), number="#,##0"),
+        Axis(axis, number="#,##0"),
         (_curve("ChartHistory", f"Time {k}", f"Value {k}", title, "navy", 0.75),),
         height=45.0,
     )  # fmt: skip
 
 
-def _closely(name: str, table: str, key: str, number: str) -> ChartSpec:
+def _closely(name: str, table: str, key: str, number: str, words: str) -> ChartSpec:
     """Torque of the worst mesh around its deepest moment: teeth separate where it stays at zero."""
-    title = Label(f"{key} title")
+    title, axis = Label(f"{key} title", words), Label(f"{key} axis", r"Torque( \[.*\])?")
     return ChartSpec(
         name, "curves", title,
-        Axis("Time [s]", number=number, low=True), Axis(Label(f"{key} axis"), number="#,##0"),
+        Axis("Time [s]", number=number, low=True), Axis(axis, number="#,##0"),
         (_curve(table, "Time", "Torque", title, "navy", 1.25),),
         height=52.0,
     )  # fmt: skip
@@ -201,9 +208,9 @@ def _accuracy() -> ChartSpec:
     """Error against wall time on logarithmic axes: what ten times better costs."""
     table = "ChartAccuracy"
     return ChartSpec(
-        "accuracy", "marked curves", Label("Accuracy title"),
+        "accuracy", "marked curves", Label("Accuracy title", r"Error against wall time.*"),
         Axis("Wall time [ms]", log=True, number="General", crossing="min"),
-        Axis(Label("Accuracy axis"), log=True, number="General", crossing="min", low=True),
+        Axis(Label("Accuracy axis", r"Error \[%\]"), log=True, number="General", crossing="min", low=True),
         tuple(
             Series(
                 table, f"{method} {error} time", f"{method} {error}",
@@ -258,9 +265,11 @@ _SPECS = (
     ),
     # stress against life, and how often a start (and all starts) reaches a stress
     ChartSpec(
-        "sn", "curves", Label("S-N title"),
+        "sn", "curves", Label("S-N title", r"S-N line.*"),
         Axis("Cycles", 0.1, 1e9, log=True, number="0E+0", crossing=0.1),
-        Axis(Label("S-N axis"), log=True, number="#,##0", crossing="min"),
+        Axis(
+            Label("S-N axis", r"Stress amplitude with SCF.*"), log=True, number="#,##0", crossing="min",
+        ),
         (
             _curve("ChartSN", "Line cycles", "Line", Label("S-N line"), "navy", 2.25),
             _curve("ChartSN", "Start cycles", "One start", Label("One start"), "teal", 1.75),
@@ -282,12 +291,25 @@ _SPECS = (
     ),
     _interference(),
     *(_history(k) for k in range(1, HISTORIES + 1)),
-    _closely("reversal", "ChartReversal", "Reversal", "0.00"),
-    _closely("blow", "ChartBlow", "Blow", "0.000"),
+    _closely(
+        "reversal", "ChartReversal", "Reversal", "0.00",
+        r".*: torque around its (minimum|least value).*|Torque around the deepest reversal.*",
+    ),
+    _closely(
+        "blow", "ChartBlow", "Blow", "0.000",
+        r"Torque (around its minimum, enlarged|at its deepest moment).*"
+        r"|.*: (torque at its (minimum|least value)|teeth (part|separate)).*",
+    ),
     # the impact in forces: of the teeth, and of the bearings that give way under it
     ChartSpec(
-        "forces", "curves", Label("Force title"),
-        Axis("Time [s]", number="0.000", low=True), Axis(Label("Force axis"), number="#,##0"),
+        "forces", "curves",
+        Label(
+            "Force title",
+            r"Tooth and bearing forces.*"
+            r"|.*: (forces at (minimum torque|its deepest moment)|no forces (shown|drawn)).*",
+        ),
+        Axis("Time [s]", number="0.000", low=True),
+        Axis(Label("Force axis", r"Force( \[.*\])?"), number="#,##0"),
         tuple(
             _curve("ChartForces", f"Time {k}", f"Force {k}", Label(f"Force {k}"), colour, 1.25)
             for k, colour in zip(range(1, FORCES + 1), ("navy", "rust", "teal"), strict=True)
@@ -297,8 +319,8 @@ _SPECS = (
     ),
     # load angle and slip while the motor pulls into step and swings, or slips poles
     ChartSpec(
-        "pull-in", "curves", Label("Pull-in title"),
-        Axis("Time [s]", number="0.0", low=True), Axis(Label("Pull-in axis"), number="0"),
+        "pull-in", "curves", Label("Pull-in title", r"Load angle and slip.*"),
+        Axis("Time [s]", number="0.0", low=True), Axis(Label("Pull-in axis", r"Load angle.*"), number="0"),
         (
             _curve("ChartPullIn", "Angle time", "Load angle", "Load angle", "navy", 1.5),
             Series("ChartPullIn", "Slip time", "Slip", "Slip", "rust", 1.5, second_axis=True),

@@ -245,10 +245,15 @@ class TableSpec:
         return (*self.columns, *repeated, *self.extra_columns)
 
     @property
+    def written_columns(self) -> tuple[Field, ...]:
+        """Columns in the workbook that the product writes; the others are formulas."""
+        repeated = () if self.repeated is None else range(1, SHAPE_COLUMNS + 1)
+        return (*self.columns, *(self.repeated_column(k) for k in repeated))
+
+    @property
     def workbook_columns(self) -> tuple[Field, ...]:
         """All columns of the table as it is in the workbook."""
-        repeated = () if self.repeated is None else range(1, SHAPE_COLUMNS + 1)
-        return (*self.columns, *(self.repeated_column(k) for k in repeated), *self.extra_columns)
+        return (*self.written_columns, *self.extra_columns)
 
     def below(self, row: int) -> int:
         """First row below the room of the table, whose caption stands in a row, counted from 1."""

@@ -13,32 +13,6 @@ from addin.contract.result_tables import RESULT_TABLES, WORKBOOK_TABLES
 from addin.contract.scalars import SCALAR_SHEET, SCALAR_TABLE, SCALARS, TEMPLATE_VERSION
 from addin.contract.studies.registry import STUDIES
 
-__all__ = [
-    "DIMENSIONS",
-    "Dimension",
-    "EVERY_INPUT",
-    "EVERY_TABLE",
-    "Field",
-    "INPUT_TABLES",
-    "RESULT_TABLES",
-    "SCALARS",
-    "SCALAR_SHEET",
-    "SCALAR_TABLE",
-    "STUDY_INPUT_TABLES",
-    "STUDY_RESULT_TABLES",
-    "TEMPLATE_VERSION",
-    "TableSpec",
-    "WORKBOOK_TABLES",
-    "caption",
-    "find_column",
-    "find_table",
-    "input_table",
-    "json_key",
-    "result_table",
-    "scalar",
-    "table",
-]
-
 complete(INPUT_TABLES, "addin/contract/input_tables.py", results=False)
 complete((*RESULT_TABLES, *WORKBOOK_TABLES), "addin/contract/result_tables.py", results=True)
 

@@ -10,6 +10,7 @@ from addin.contract.tables import INPUT_TABLES, SCALAR_TABLE, SCALARS, Field, Ta
 from addin.diff.changes import Change, Value
 from addin.diff.rows import NAMED, Row, RowComparison, changed
 from addin.diff.units import Units
+from addin.verify.compare import is_number
 from engine.case.data import ADMINISTRATIVE, TABLES, CaseData
 
 #: Share of the stated cells that must be the same for a row under another name to be the same row. [1]
@@ -105,7 +106,23 @@ def compare_table(
         Quantities that are the same. [count]
     """
     translated = [_translated(spec, row, renamed) for row in first]
-    return _InputRows(spec, spec.columns, units).compare(first, translated, second)
+
+    def words(field: Field, value: Any) -> str:
+        if not is_number(value):
+            return str(value)
+        unit, factor = units.of_field(spec.name, field)
+        return f"{value / factor:.6g} {'' if unit == '1' else unit}".rstrip()
+
+    def name(row: Row) -> str:
+        columns = (spec.column(column) for column in spec.row_name)
+        stated = ((column, row[column.name]) for column in columns)
+        return ", ".join(words(column, value) for column, value in stated if value is not None)
+
+    def same(field: Field, before: Value, after: Value) -> bool:
+        return _same(before, after)
+
+    rows = RowComparison(spec, spec.columns, units, same, name, words)
+    return rows.compare(first, translated, second)
 
 
 def _translated(spec: TableSpec, row: Row, renamed: Renamed) -> dict[str, Any]:
@@ -161,24 +178,3 @@ def _same(before: Value, after: Value) -> bool:
     if isinstance(before, int | float) and isinstance(after, int | float):
         return f"{before:.11e}" == f"{after:.11e}"
     return before == after
-
-
-class _InputRows(RowComparison):
-    """Rows of an input table: equal to the digits of the digest, numbers in the unit shown."""
-
-    def same(self, field: Field, before: Value, after: Value) -> bool:
-        return _same(before, after)
-
-    def name(self, row: Row) -> str:
-        columns = (self.spec.column(name) for name in self.spec.row_name)
-        return ", ".join(
-            self.words(column, row[column.name])
-            for column in columns
-            if row[column.name] is not None
-        )
-
-    def words(self, field: Field, value: Any) -> str:
-        if isinstance(value, str) or not field.is_number:
-            return str(value)
-        unit, factor = self.units.of_field(self.spec.name, field)
-        return f"{value / factor:.6g} {'' if unit == '1' else unit}".rstrip()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from types import MappingProxyType
+from functools import partial
 from typing import Any
 
 from addin.contract.audit_items import DIGEST_ITEM
@@ -88,49 +88,35 @@ def compare_rows(
     same : int
         Quantities that are the same. [count]
     """
-    fields = [
-        field
-        for field in spec.workbook_columns
-        if field not in spec.extra_columns and (spec.name, field.name) not in _LEFT_OUT
-    ]
+    fields = [f for f in spec.written_columns if (spec.name, f.name) not in _LEFT_OUT]
     old = [_translated(fields, row, renamed) for row in first if _counts(spec, row)]
     new = [row for row in second if _counts(spec, row)]
     scales = {field.name: _scale(field.name, (*old, *new)) for field in fields}
-    return _ResultRows(spec, fields, units, scales).compare(old, old, new)
 
-
-class _ResultRows(RowComparison):
-    """Rows of a result table: equal but for rounding; a mode is called a mode."""
-
-    def __init__(
-        self,
-        spec: TableSpec,
-        fields: Sequence[Field],
-        units: Units,
-        scales: Mapping[str, float] = MappingProxyType({}),
-    ) -> None:
-        super().__init__(spec, fields, units)
-        self._scales = scales
-
-    def same(self, field: Field, before: Any, after: Any) -> bool:
+    def same(field: Field, before: Any, after: Any) -> bool:
         if is_number(before) and is_number(after):
-            return bool(abs(after - before) <= _ROUNDING * self._scales[field.name])
+            return bool(abs(after - before) <= _ROUNDING * scales[field.name])
         return bool((before or None) == (after or None))
 
-    def name(self, row: Mapping[str, Any]) -> str:
-        shown = []
-        for column in self.spec.row_name:
-            value = row.get(column)
-            if value is not None:
-                word = "mode " if column == "Mode" else "at " if column == "Applied at" else ""
-                shown.append(f"{word}{value:g}" if is_number(value) else f"{word}{value}")
-        return ", ".join(shown)
-
-    def words(self, field: Field, value: Any) -> str:
+    def words(field: Field, value: Any) -> str:
         if not is_number(value):
             return str(value)
-        unit, factor = self.units.of_field(self.spec.name, field)
+        unit, factor = units.of_field(spec.name, field)
         return f"{value / factor:.6g} {unit}".rstrip()
+
+    rows = RowComparison(spec, fields, units, same, partial(_row_words, spec), words)
+    return rows.compare(old, old, new)
+
+
+def _row_words(spec: TableSpec, row: Mapping[str, Any]) -> str:
+    """What a row is called; a mode is called a mode."""
+    shown = []
+    for column in spec.row_name:
+        value = row.get(column)
+        if value is not None:
+            word = "mode " if column == "Mode" else "at " if column == "Applied at" else ""
+            shown.append(f"{word}{value:g}" if is_number(value) else f"{word}{value}")
+    return ", ".join(shown)
 
 
 def _counts(spec: TableSpec, row: Mapping[str, Any]) -> bool:
@@ -200,7 +186,7 @@ def compare_verdicts(
                 continue
             before, after = rows[i].get("Verdict"), others[j].get("Verdict")
             if before != after:
-                row = _ResultRows(spec, (), units).name(others[j])
+                row = _row_words(spec, others[j])
                 changes.append(VerdictChange(name, row, str(before or ""), str(after or "")))
     return changes
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from addin.contract.tables import Field, TableSpec
@@ -18,33 +19,16 @@ NAMED = {"Stations": "station", "Materials": "material", "Elements": "element",
          "Excitations": "excitation"}  # fmt: skip
 
 
+@dataclass(frozen=True)
 class RowComparison:
-    """The rows of a table; inputs and results say themselves what is equal, and how it is called.
+    """The rows of a table; inputs and results say what is equal, and how it is called."""
 
-    Parameters
-    ----------
-    spec : TableSpec
-        The table.
-    fields : sequence of Field
-        Columns that are compared.
-    units : Units
-        Units to show.
-    """
-
-    def __init__(self, spec: TableSpec, fields: Sequence[Field], units: Units) -> None:
-        self.spec, self.fields, self.units = spec, fields, units
-
-    def same(self, field: Field, before: Any, after: Any) -> bool:
-        """Whether two values of a column are equal."""
-        raise NotImplementedError
-
-    def name(self, row: Row) -> str:
-        """What a row is called."""
-        raise NotImplementedError
-
-    def words(self, field: Field, value: Any) -> str:
-        """A value with its unit."""
-        raise NotImplementedError
+    spec: TableSpec  #: The table.
+    fields: Sequence[Field]  #: Columns that are compared.
+    units: Units  #: Units to show.
+    same: Callable[[Field, Any, Any], bool]  #: Whether two values of a column are equal.
+    name: Callable[[Row], str]  #: What a row is called.
+    words: Callable[[Field, Any], str]  #: A value with its unit.
 
     def compare(
         self, first: Sequence[Row], translated: Sequence[Row], second: Sequence[Row]

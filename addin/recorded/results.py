@@ -57,7 +57,7 @@ def shown_rows(workbook: Workbook, spec: TableSpec) -> list[dict[str, Any]]:
     table = workbook.tables.get(spec.name)
     if table is None:
         return []
-    names = [field.name for field in written_columns(spec)]
+    names = [field.name for field in spec.written_columns]
     places = {n: table.columns_at[n.casefold()] for n in names if n.casefold() in table.columns_at}
     sheet = workbook.sheet_part(table.sheet)
     rows = []
@@ -71,11 +71,6 @@ def shown_rows(workbook: Workbook, spec: TableSpec) -> list[dict[str, Any]]:
             }
         )
     return [row for row in rows if row]
-
-
-def written_columns(spec: TableSpec) -> list[Field]:
-    """Columns of a result table that the product writes; the others are formulas."""
-    return [field for field in spec.workbook_columns if field not in spec.extra_columns]
 
 
 def factor_of(spec: TableSpec, field: Field, units: ShownUnits) -> float:

@@ -15,7 +15,7 @@ from typing import Any
 from addin.contract.digests import DIGITS
 from addin.contract.shown_units import ShownUnits
 from addin.contract.tables import TableSpec
-from addin.recorded.results import factor_of, shown_rows, written_columns
+from addin.recorded.results import factor_of, shown_rows
 from addin.xlsx import Workbook
 
 _DIGITS = 12
@@ -51,7 +51,7 @@ def table_digest(workbook: Workbook, spec: TableSpec, units: ShownUnits) -> str:
         return ""
     worth = {
         field.name: twelve_digits(factor_of(spec, field, units)) if field.is_number else None
-        for field in written_columns(spec)
+        for field in spec.written_columns
         if field.name.casefold() in table.columns_at
     }
     rows = [_canonical(row) for row in shown_rows(workbook, spec)]

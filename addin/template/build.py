@@ -25,12 +25,7 @@ from addin.contract.shown_units import shown_units
 from addin.contract.studies.registry import EVERY_CHART, with_studies
 from addin.reading.workbook import read_workbook
 from addin.template.charts import Places, make_chart
-from addin.template.examples import (
-    EXAMPLES,
-    Example,
-    example_case,
-    study_rows,
-)
+from addin.template.examples import EXAMPLES, Example, example_case, study_rows
 from addin.template.live_sheet import LIVE_SHEET, NO_ANSWERS, LiveAnswers, LiveSheets, live_answers
 from addin.template.variants import VARIANTS, Variant
 

@@ -18,7 +18,8 @@ from addin.calculation.calculation import RunView
 from addin.charts.data import accuracy_block, accuracy_title, chart_blocks
 from addin.charts.start_cycles import start_cycle_facts, start_cycle_rows
 from addin.contract import tables as fields
-from addin.contract.chart_tables import CHART_TABLES, FORCES, HISTORIES, LABELS, METHODS
+from addin.contract.chart_tables import CHART_TABLES, HISTORIES, LABELS
+from addin.contract.charts import CHARTS, Label
 from addin.contract.digests import short_digest
 from addin.contract.run_facts import RUN_FACTS
 from addin.contract.sheet import plot_name, text_height
@@ -335,7 +336,7 @@ def _result_blocks(run: RunView, units: ShownUnits) -> list[TableData]:
 def _result_block(
     spec: TableSpec, results: Sequence[Mapping[str, Any]], units: ShownUnits
 ) -> TableData:
-    columns = [f for f in spec.workbook_columns if f not in spec.extra_columns]
+    columns = spec.written_columns
     rows = [[shown_cell(spec, f, row, units) for f in columns] for row in results]
     formulas = {f.name: f.formula for f in spec.extra_columns if rows}
     return TableData(spec.name, rows, [f.name for f in columns], formulas)
@@ -399,27 +400,7 @@ def chosen_elements(workbook: Workbook) -> list[str | None]:
     return chosen
 
 
-#: Words that a calculation of this or an earlier version gives titles; other words in their place
-#: are the engineer's own.
-_HISTORY_TITLE = r".*: (tangential tooth load|nominal shear stress|torque)|History \d .*|unused.*"
-_HISTORY_AXIS = r"(Tooth load|Nominal shear stress|Torque)( \[.*\])?"
-_SN_TITLE, _SN_AXIS = r"S-N line.*", r"Stress amplitude with SCF.*"
-_REVERSAL_TITLE = (
-    r".*: torque around its (minimum|least value).*|Torque around the deepest reversal.*"
-)
-_REVERSAL_AXIS = r"Torque( \[.*\])?"
-_BLOW_TITLE = (
-    r"Torque (around its minimum, enlarged|at its deepest moment).*"
-    r"|.*: (torque at its (minimum|least value)|teeth (part|separate)).*"
-)
-_FORCE_TITLE = (
-    r"Tooth and bearing forces.*"
-    r"|.*: (forces at (minimum torque|its deepest moment)|no forces (shown|drawn)).*"
-)
-_FORCE_AXIS = r"Force( \[.*\])?"
 _ACCURACY_TITLE = "Accuracy title"
-_ACCURACY_LINES = tuple(f"{method} {error}" for method in METHODS for error in ("peak", "starts"))
-_PULL_IN_TITLE, _PULL_IN_AXIS = r"Load angle and slip.*", r"Load angle.*"
 
 
 def _title_links(workbook: Workbook, only: str = "") -> list[TitleLink]:
@@ -427,40 +408,28 @@ def _title_links(workbook: Workbook, only: str = "") -> list[TitleLink]:
     labels = workbook.tables.get("ChartLabels")
     if labels is None:
         return []
-    histories, sn = (_HISTORY_TITLE, _HISTORY_AXIS), (_SN_TITLE, _SN_AXIS)
-    of_histories = [
-        ("ChartHistory", (f"Value {k}",), f"History title {k}", f"History axis {k}", histories)
-        for k in range(1, HISTORIES + 1)
-    ]
     links = []
-    for name, columns, title, axis, words in (
-        *of_histories,
-        ("ChartSN", ("Line", "One start", "Starts required"), "S-N title", "S-N axis", sn),
-        ("ChartReversal", ("Torque",), "Reversal title", "Reversal axis",
-         (_REVERSAL_TITLE, _REVERSAL_AXIS)),
-        ("ChartBlow", ("Torque",), "Blow title", "Blow axis", (_BLOW_TITLE, _REVERSAL_AXIS)),
-        ("ChartForces", tuple(f"Force {k + 1}" for k in range(FORCES)), "Force title", "Force axis",
-         (_FORCE_TITLE, _FORCE_AXIS)),
-        ("ChartPullIn", ("Load angle", "Slip"), "Pull-in title", "Pull-in axis",
-         (_PULL_IN_TITLE, _PULL_IN_AXIS)),
-        ("ChartAccuracy", _ACCURACY_LINES, _ACCURACY_TITLE, "Accuracy axis",
-         (r"Error against wall time.*", r"Error \[%\]")),
-    ):  # fmt: skip
-        if only not in ("", title):
+    for chart in CHARTS.values():
+        title, axis = chart.title, chart.y.title
+        if not (isinstance(title, Label) and isinstance(axis, Label)):
             continue
-        table = workbook.tables.get(name)
+        if only not in ("", title.key):
+            continue
+        table = workbook.tables.get(chart.series[0].table)
+        columns = [series.y for series in chart.series]
         if table is None or not set(columns) <= set(table.columns) or table.sheet != labels.sheet:
             continue
-        if not (_has_label(labels, title) and _has_label(labels, axis)):
+        if not (_has_label(labels, title.key) and _has_label(labels, axis.key)):
             continue  # a workbook of an earlier version
         lefts = [table.ref.left + table.column_index(column) for column in columns]
         links.append(
             TitleLink(
                 table.sheet,
                 tuple(Rect(table.data.top, at, table.data.bottom, at) for at in lefts),
-                _label_cell(labels, title),
-                _label_cell(labels, axis),
-                *words,
+                _label_cell(labels, title.key),
+                _label_cell(labels, axis.key),
+                title.words,
+                axis.words,
             )
         )
     return links

@@ -38,30 +38,10 @@ module             responsibility
 
 from addin.xlsx.chart_titles import TitleLink
 from addin.xlsx.drawn_charts import Drawn, DrawnChart, drawn_charts
-from addin.xlsx.errors import (
-    ObstaclesFound,
-    PackageError,
-)
+from addin.xlsx.errors import ObstaclesFound, PackageError
 from addin.xlsx.save import SaveReport
 from addin.xlsx.table_writing import TableData
 from addin.xlsx.tables import Table
 from addin.xlsx.values import ErrorValue, Formula
 from addin.xlsx.workbook import Workbook, open_workbook
 from addin.xlsx.workbook_part import DefinedName
-
-__all__ = [
-    "DefinedName",
-    "Drawn",
-    "DrawnChart",
-    "ErrorValue",
-    "Formula",
-    "ObstaclesFound",
-    "PackageError",
-    "SaveReport",
-    "Table",
-    "TableData",
-    "TitleLink",
-    "Workbook",
-    "drawn_charts",
-    "open_workbook",
-]

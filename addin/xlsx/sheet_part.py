@@ -37,13 +37,7 @@ from addin.xlsx.values import (
     read_constant,
     row_xml,
 )
-from addin.xlsx.xml_part import (
-    MAIN,
-    Element,
-    main,
-    parse_part,
-    serialise,
-)
+from addin.xlsx.xml_part import MAIN, Element, main, parse_part, serialise
 
 _C, _F, _V, _ROW = (main(tag) for tag in ("c", "f", "v", "row"))
 # Where cells go that are still text: a cell with a name that no cell has.

@@ -12,19 +12,10 @@ from typing import Any
 from addin.xlsx.chart_titles import TitleLink
 from addin.xlsx.charts import Area
 from addin.xlsx.container import DEFAULT_LIMITS, Container, Limits
-from addin.xlsx.errors import (
-    Obstacle,
-    ObstaclesFound,
-    WorkbookMismatch,
-    WorkbookRefused,
-)
+from addin.xlsx.errors import Obstacle, ObstaclesFound, WorkbookMismatch, WorkbookRefused
 from addin.xlsx.formulas import CacheReport, refresh_formula_caches
 from addin.xlsx.locks import check_not_open
-from addin.xlsx.references import (
-    Rect,
-    cell_name,
-    parse_cell,
-)
+from addin.xlsx.references import Rect, cell_name, parse_cell
 from addin.xlsx.save import Destination, PackageChange, SaveReport, save_package
 from addin.xlsx.sheet_part import SheetPart
 from addin.xlsx.state import WorkbookState

@@ -14,8 +14,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from engine.arrays import Floats
 from engine.case.choices import RainflowResidue
 from engine.case.data import CaseData
 from engine.case.defaults import NOTABLE_REVERSAL
@@ -39,7 +39,6 @@ from engine.start.start import PreparedStart, Start, prepared_start
 from engine.start.start_fatigue import COUNTED_STARTS, judged_shafts, sn_curve_of
 from engine.start.trajectory import SingleRun
 
-Floats = NDArray[np.float64]
 Turning = tuple[Floats, Floats]
 
 #: How the start of a near train is calculated.

@@ -25,15 +25,14 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from engine.arrays import Floats
 from engine.case.checks.find_problems import find_problems
+from engine.case.checks.problem import Cells, each_row
 from engine.case.data import CaseData
 from engine.case.study_inputs import DAMPING_RATIO, SCATTERED, ScatterRow
 from engine.errors import Problem
 from engine.studies.variation import Change, names_with, refusal, varied_case
-
-Floats = NDArray[np.float64]
 
 NORMAL, UNIFORM, TRIANGULAR, FROM_TO = "normal", "uniform", "triangular", "from-to"
 #: What may stand under Distribution; the first is the default.
@@ -128,78 +127,63 @@ def scatter_problems(case: CaseData, rows: Sequence[ScatterRow]) -> list[Problem
         Empty if it can be sampled.
     """
     if not rows:
-        return [
-            Problem(
-                TABLE,
-                None,
-                "",
-                None,
-                "at least one row",
-                "Table Scatter is empty. Give at least one row with Quantity and Spread.",
-            )
-        ]
+        words = "Table Scatter is empty. Give at least one row with Quantity and Spread."
+        return [Cells(TABLE).problem("", None, "at least one row", words)]
     problems: list[Problem] = []
-    for number, row in enumerate(rows, start=1):
-        cells = (*_row_problems(case, row), *_distribution_problems(row))
-        problems += [Problem(TABLE, number, *cell) for cell in cells]
+    for cells, row in each_row(TABLE, rows):
+        problems += [*_row_problems(case, cells, row), *_distribution_problems(cells, row)]
     problems += _repeated(rows)
     return problems or list(_end_problems(case, rows))
 
 
-#: Column, what it holds, what would be allowed, and the sentence.
-_Wrong = tuple[str, object, str, str]
-
-
-def _row_problems(case: CaseData, row: ScatterRow) -> Iterator[_Wrong]:
+def _row_problems(case: CaseData, cells: Cells, row: ScatterRow) -> Iterator[Problem]:
     quantities = ", ".join(SCATTERED)
     if row.quantity is None:
-        yield "Quantity", None, quantities, f"Quantity is blank; give one of {quantities}."
+        yield cells.problem(
+            "Quantity", None, quantities, f"Quantity is blank; give one of {quantities}."
+        )
     elif row.quantity not in SCATTERED:
         words = f"Quantity is '{row.quantity}'; choose one of {quantities}."
-        yield "Quantity", row.quantity, quantities, words
+        yield cells.problem("Quantity", row.quantity, quantities, words)
     elif row.quantity == DAMPING_RATIO and row.name:
         words = f"the damping ratio applies to all modes, but Name is '{row.name}'. Clear Name."
-        yield "Name", row.name, "blank", words
+        yield cells.problem("Name", row.name, "blank", words)
     elif row.name and (reason := refusal(case, row.name, row.quantity)):
-        yield "Name", row.name, "a name that has the quantity", reason
+        yield cells.problem("Name", row.name, "a name that has the quantity", reason)
     elif not row.name and not names_with(case, row.quantity):
         words = (
             f"the case gives no {row.quantity} to scale. Delete the row, or type a value in the "
             "case first."
         )
-        yield "Quantity", row.quantity, "a quantity that the case has", words
+        yield cells.problem("Quantity", row.quantity, "a quantity that the case has", words)
     if row.together is not None and row.together not in (EACH, TOGETHER):
         words = f"Together is '{row.together}'; choose {EACH} or {TOGETHER}."
-        yield "Together", row.together, f"{EACH} or {TOGETHER}", words
+        yield cells.problem("Together", row.together, f"{EACH} or {TOGETHER}", words)
 
 
-def _distribution_problems(row: ScatterRow) -> Iterator[_Wrong]:
+def _distribution_problems(cells: Cells, row: ScatterRow) -> Iterator[Problem]:
     """Distribution, spread and ends of one row."""
     kind = _distribution(row)
     ends = (("From", row.from_), ("To", row.to))
     if kind not in DISTRIBUTIONS:
         allowed = ", ".join(DISTRIBUTIONS)
-        yield (
-            "Distribution",
-            kind,
-            allowed,
-            f"Distribution is '{kind}'; choose one of {allowed}.",
-        )
+        words = f"Distribution is '{kind}'; choose one of {allowed}."
+        yield cells.problem("Distribution", kind, allowed, words)
     elif kind == FROM_TO:
         for column, value in ends:
             if value is None or not (math.isfinite(value) and value > 0.0):
                 content = "blank" if value is None else _percent(value)
                 words = f"{column} is {content}; from-to needs two positive factors, such as 90 % and 120 %."
-                yield column, value, "above 0", words
+                yield cells.problem(column, value, "above 0", words)
         if row.from_ is not None and row.to is not None and row.from_ > row.to > 0.0:
             words = f"To is {_percent(row.to)}, below From, {_percent(row.from_)}. Swap them."
-            yield "To", row.to, "at least From", words
+            yield cells.problem("To", row.to, "at least From", words)
         if row.spread is not None:
             words = (
                 f"Spread is {_percent(row.spread)}, but From and To are also given. Clear Spread, or "
                 "choose another distribution."
             )
-            yield "Spread", row.spread, "blank with from-to", words
+            yield cells.problem("Spread", row.spread, "blank with from-to", words)
     else:
         for column, value in ends:
             if value is not None:
@@ -207,11 +191,11 @@ def _distribution_problems(row: ScatterRow) -> Iterator[_Wrong]:
                     f"{column} is {_percent(value)}, but the distribution is {kind}. Clear it, or choose "
                     "from-to."
                 )
-                yield column, value, "blank unless Distribution is from-to", words
+                yield cells.problem(column, value, "blank unless Distribution is from-to", words)
         limit = 1.0 / CUT if kind == NORMAL else 1.0
         words = _wrong_spread(row.spread, kind, limit)
         if words:
-            yield "Spread", row.spread, f"from 0 to below {limit:g}", words
+            yield cells.problem("Spread", row.spread, f"from 0 to below {limit:g}", words)
 
 
 def _wrong_spread(spread: float | None, kind: str, limit: float) -> str:
@@ -248,34 +232,26 @@ def _distribution(row: ScatterRow) -> str:
 
 def _repeated(rows: Sequence[ScatterRow]) -> Iterator[Problem]:
     """Two rows for the same name and quantity."""
-    first: dict[tuple[str, str], int] = {}
-    for number, row in enumerate(rows, start=1):
+    first: dict[tuple[str, str], int | None] = {}
+    for cells, row in each_row(TABLE, rows):
         key = (row.name or "", row.quantity or "")
         if key[1] and key in first:
             whose = f"'{row.name}'" if row.name else "a blank name"
-            yield Problem(
-                TABLE,
-                number,
-                "Name",
-                row.name,
-                "one row for each name and quantity",
-                f"{row.quantity} of {whose} has a row already, row {first[key]}. Delete one of them.",
-            )
-        first.setdefault(key, number)
+            words = f"{row.quantity} of {whose} has a row already, row {first[key]}. Delete one of them."
+            yield cells.problem("Name", row.name, "one row for each name and quantity", words)
+        first.setdefault(key, cells.row)
 
 
 def _end_problems(case: CaseData, rows: Sequence[ScatterRow]) -> Iterator[Problem]:
     """Rows whose least or largest factors make a case that would be refused if it were typed in."""
-    for number, (row, factors) in enumerate(_by_row(case, rows), start=1):
+    for cells, (row, factors) in each_row(TABLE, _by_row(case, rows)):
         for column, at in (("From", 0.0), ("To", 1.0)):
             values = [float(factor.at(at)) for factor in factors]
             problems = find_problems(varied_case(case, changes_of(factors, values)))
             if not problems:
                 continue
             from_to = _distribution(row) == FROM_TO
-            yield Problem(
-                TABLE,
-                number,
+            yield cells.problem(
                 column if from_to else "Spread",
                 (row.to if at else row.from_) if from_to else row.spread,
                 "what the table itself would take",

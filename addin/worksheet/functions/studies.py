@@ -47,11 +47,7 @@ from engine.studies.tolerances.tolerances import summarise_sample
 from engine.studies.tuning.checks import tuning_problems
 from engine.studies.tuning.combinations import in_typed_units, plan_tuning
 from engine.studies.tuning.evaluate import calculate_combination
-from engine.studies.tuning.tuning import (
-    TuningResult,
-    rank_combinations,
-    ranked_rows,
-)
+from engine.studies.tuning.tuning import TuningResult, rank_combinations, ranked_rows
 
 #: Place of these functions among all, in lists and in the documentation.
 ORDER = 100

@@ -5,14 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import pairwise
 
-from engine.case.checks.problem import (
-    MATERIAL_NAME,
-    POSITIVE,
-    Cells,
-    Limit,
-    check_names,
-    each_row,
-)
+from engine.case.checks.problem import MATERIAL_NAME, POSITIVE, Cells, Limit, check_names, each_row
 from engine.case.choices import BelowEndurance, SNBasis
 from engine.case.data import CaseData, MaterialRow
 from engine.errors import Problem

@@ -25,8 +25,8 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
+from engine.arrays import Floats
 from engine.case.choices import Method, RainflowResidue
 from engine.case.data import CaseData
 from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, DEFAULT_TOLERANCE_STARTS
@@ -43,7 +43,6 @@ from engine.start.start_fatigue import judged_shafts, sn_curve_of
 from engine.start.start_model import MAX_VALUES, StartModel, start_model
 from engine.start.trajectory import turning_of
 
-Floats = NDArray[np.float64]
 Histories = Mapping[int, tuple[Floats, Floats]]
 
 #: Settings of each method, each at half the step of the one before.

@@ -28,14 +28,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from engine.case.case import Case
 from engine.case.data import CaseData
-from engine.case.study_inputs import (
-    StudyInputs,
-    study_digest,
-)
+from engine.case.study_inputs import StudyInputs, study_digest
 from engine.operation.margins import MARGIN_BY_BASIS, SeparationMargins
 from engine.run import at_speed
 from engine.studies.calibration.inputs import CalibrationPlan, plan_calibration
@@ -62,8 +58,6 @@ from engine.studies.calibration.records import (
 )
 from engine.studies.scatter import FROM_TO, NORMAL, Factor
 from engine.studies.variation import nominal_value
-
-Floats = NDArray[np.float64]
 
 #: Share of the prior variance that measurements take away: from here on they determine a quantity,
 #: below the other they say next to nothing of it. [1]

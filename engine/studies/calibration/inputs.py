@@ -5,14 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from engine.case.checks.problem import (
-    POSITIVE,
-    Allowed,
-    Cells,
-    Limit,
-    each_row,
-    first_of_each_cell,
-)
+from engine.case.checks.problem import POSITIVE, Allowed, Cells, Limit, each_row, first_of_each_cell
 from engine.case.data import CaseData, value_of
 from engine.case.study_inputs import (
     DAMPING,

@@ -28,8 +28,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from engine.arrays import Floats, Ints
 from engine.case.data import CaseData
 from engine.case.defaults import DEFAULT_TOLERANCE_PEAK
 from engine.case.study_inputs import INERTIA, STIFFNESS
@@ -41,9 +41,6 @@ from engine.model.train import Train
 from engine.run import planned_start
 from engine.studies.scatter import NORMAL, Factor, changes_of
 from engine.studies.variation import varied_case
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 #: A measurement this many standard deviations off what the prior allows is taken for no mode. [1]
 GATE = 4.0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import asdict
 from typing import Any
 
@@ -83,28 +84,30 @@ def margin_rows(calibration: Calibration) -> list[dict[str, Any]]:
         Under their JSON keys. [Hz, 1]
     """
     number = {f.calibrated_mode: f.mode for f in calibration.frequencies}
-    before: dict[int, MarginRow] = {}
-    after: dict[int, MarginRow] = {}
-    for row in calibration.margins_before:
-        before[row.mode] = min(before.get(row.mode, row), row, key=lambda r: r.margin)
-    for row in calibration.margins_after:
-        mode = number.get(row.mode)
-        if mode is not None:
-            after[mode] = min(after.get(mode, row), row, key=lambda r: r.margin)
+    before = _least((row.mode, row) for row in calibration.margins_before)
+    after = _least(
+        (number[row.mode], row) for row in calibration.margins_after if row.mode in number
+    )
     return [
-        {
-            "mode": f.mode,
-            "frequency_before": before[f.mode].mode_frequency,
-            "excitation_before": before[f.mode].excitation,
-            "margin_before": before[f.mode].margin,
-            "required_before": before[f.mode].required,
-            "verdict_before": str(before[f.mode].verdict),
-            "frequency": after[f.mode].mode_frequency,
-            "excitation": after[f.mode].excitation,
-            "margin": after[f.mode].margin,
-            "required": after[f.mode].required,
-            "verdict": str(after[f.mode].verdict),
-        }
+        {"mode": f.mode} | _margin(before[f.mode], "_before") | _margin(after[f.mode], "")
         for f in calibration.frequencies
         if f.mode in before and f.mode in after
     ]
+
+
+def _least(rows: Iterable[tuple[int, MarginRow]]) -> dict[int, MarginRow]:
+    """The row with the least margin of each mode."""
+    least: dict[int, MarginRow] = {}
+    for mode, row in rows:
+        least[mode] = min(least.get(mode, row), row, key=lambda r: r.margin)
+    return least
+
+
+def _margin(row: MarginRow, when: str) -> dict[str, Any]:
+    return {
+        f"frequency{when}": row.mode_frequency,
+        f"excitation{when}": row.excitation,
+        f"margin{when}": row.margin,
+        f"required{when}": row.required,
+        f"verdict{when}": str(row.verdict),
+    }

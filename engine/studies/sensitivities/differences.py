@@ -7,13 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from engine.arrays import Floats
 from engine.errors import ModelError
 from engine.start.start_fatigue import judged_shafts
-from engine.studies.nearby_start import (
-    near_start,
-    near_train,
-)
-from engine.studies.sensitivities.plan import NARROW, WHOLE, WIDE, DerivativeUnit, Floats
+from engine.studies.nearby_start import near_start, near_train
+from engine.studies.sensitivities.plan import NARROW, WHOLE, WIDE, DerivativeUnit
 from engine.studies.variation import Change, varied_case
 
 

@@ -20,14 +20,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from engine.arrays import Floats
 from engine.model.modes import Modes
 from engine.model.train import Train
 from engine.start.start_model import StartModel
 from engine.stepping.exponential import polynomial_step
-
-Floats = NDArray[np.float64]
 
 #: Largest phase of the pulsation per step. [rad]
 PHASE = 0.5

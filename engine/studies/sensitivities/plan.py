@@ -4,9 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-import numpy as np
-from numpy.typing import NDArray
-
 from engine.case.data import CaseData
 from engine.case.study_inputs import SCATTERED
 from engine.results.results import Results
@@ -23,7 +20,6 @@ from engine.studies.nearby_start import (
 )
 from engine.studies.variation import names_with
 
-Floats = NDArray[np.float64]
 Parameter = tuple[str, str]
 
 #: Changes of a quantity of which the derivative is taken, in proportion: the wide pair, the narrow

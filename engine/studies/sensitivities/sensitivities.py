@@ -23,22 +23,13 @@ from typing import Any
 
 import numpy as np
 
+from engine.arrays import Floats
 from engine.case.study_inputs import INERTIA, STIFFNESS
 from engine.model.frequency_derivatives import FrequencyDerivatives, frequency_derivatives
 from engine.start.start_fatigue import judged_shafts
-from engine.studies.nearby_start import (
-    LINEAR,
-    unit_stress,
-)
+from engine.studies.nearby_start import LINEAR, unit_stress
 from engine.studies.sensitivities.differences import Differences
-from engine.studies.sensitivities.plan import (
-    NARROW,
-    WHOLE,
-    WIDE,
-    DerivativePlan,
-    Floats,
-    Parameter,
-)
+from engine.studies.sensitivities.plan import NARROW, WHOLE, WIDE, DerivativePlan, Parameter
 from engine.studies.sensitivities.tangent import TangentDerivatives
 
 #: The two ways agree if they differ by at most this share of the largest derivative of the answer,

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from engine.arrays import Floats
 from engine.case.choices import BelowEndurance
 from engine.case.study_inputs import SN_LINE
 from engine.fatigue.cycle_counting import counted_history, half_cycle_points
@@ -15,12 +16,7 @@ from engine.fatigue.sn_curve import SNCurve
 from engine.fatigue.stress import stress_of_unit_torque
 from engine.start.start import PreparedStart
 from engine.start.start_fatigue import judged_shafts, sn_curve_of
-from engine.studies.nearby_start import (
-    LINEAR,
-    NearStart,
-    near_start,
-    near_train,
-)
+from engine.studies.nearby_start import LINEAR, NearStart, near_start, near_train
 from engine.studies.sensitivities.linear_start import (
     OutputSensitivity,
     tangent_model,
@@ -29,7 +25,6 @@ from engine.studies.sensitivities.linear_start import (
 from engine.studies.sensitivities.plan import (
     WHOLE,
     DerivativePlan,
-    Floats,
     Parameter,
     prepared_nearby_start,
 )

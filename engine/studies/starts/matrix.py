@@ -15,11 +15,7 @@ from engine.case.data import CaseData
 from engine.case.result_words import NoNumber
 from engine.case.study_inputs import StudyInputs, study_digest
 from engine.start.start_fatigue import WHOLE_STARTS, judged_shafts
-from engine.studies.starts.condition_result import (
-    NOT_CALCULATED,
-    ConditionResult,
-    ConditionShaft,
-)
+from engine.studies.starts.condition_result import NOT_CALCULATED, ConditionResult, ConditionShaft
 from engine.studies.starts.conditions import StartCondition
 from engine.studies.starts.plan import MatrixPlan
 

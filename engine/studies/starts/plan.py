@@ -30,11 +30,7 @@ from engine.model.motor import motors_of
 from engine.model.rigid_runup import rigid_runup
 from engine.operation.margins import percent_speed
 from engine.start.settings import settings_of
-from engine.studies.starts.conditions import (
-    StartCondition,
-    condition_case,
-    condition_of_row,
-)
+from engine.studies.starts.conditions import StartCondition, condition_case, condition_of_row
 
 #: Over the voltage of the torque curves: from the dip of a weak supply under the starting current to
 #: a supply 10 % too high. [1]

@@ -12,8 +12,9 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from engine.arrays import Floats, Mask
+from engine.case.checks.problem import Cells
 from engine.case.data import CaseData
 from engine.case.study_inputs import ScatterRow, study_digest
 from engine.errors import CaseError, ModelError, Problem
@@ -42,9 +43,6 @@ from engine.studies.scatter import (
     scatter_problems,
 )
 from engine.studies.variation import varied_case
-
-Floats = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 #: Most samples.
 MOST_SAMPLES = 1_000_000
@@ -151,21 +149,20 @@ def tolerance_problems(
         Empty if it can be planned.
     """
     samples, methods = f"{FEWEST_SAMPLES} to {MOST_SAMPLES:,}", " or ".join(METHODS)
-    wrong: list[tuple[str, object, str, str]] = []
+    cells, problems = Cells("Scatter"), scatter_problems(case, rows)
     if not FEWEST_SAMPLES <= settings.samples <= MOST_SAMPLES:
         words = (
             f"{settings.samples} samples are requested; allowed are {samples}: fewer than "
             f"{FEWEST_SAMPLES} give no bound for P10."
         )
-        wrong.append(("Samples", settings.samples, samples, words))
+        problems.append(cells.problem("Samples", settings.samples, samples, words))
     if settings.method not in METHODS:
         words = f"Method is '{settings.method}'; choose {methods}."
-        wrong.append(("Method", settings.method, methods, words))
+        problems.append(cells.problem("Method", settings.method, methods, words))
     if settings.seed < 0:
         words = f"Seed is {settings.seed}; it must be 0 or a positive whole number."
-        wrong.append(("Seed", settings.seed, "0 or more", words))
-    problems = [Problem("Scatter", None, *cell) for cell in wrong]
-    return [*scatter_problems(case, rows), *problems]
+        problems.append(cells.problem("Seed", settings.seed, "0 or more", words))
+    return problems
 
 
 def plan_tolerances(

@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.arrays import Floats, Mask
 from engine.errors import ModelError
 from engine.numerics.sample_statistics import (
     CONFIDENCE,
@@ -39,9 +40,6 @@ from engine.studies.tolerances.sample import (
     TolerancePlan,
     ToleranceSettings,
 )
-
-Floats = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 #: Percentiles that are reported. [1]
 PERCENTILES = (0.1, 0.5, 0.9)
