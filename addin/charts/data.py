@@ -161,7 +161,7 @@ def stiffness_of(element: ElementRow) -> float:
 
 def _train_rows(case: CaseData, labels: dict[str, Cell]) -> Rows:
     """Discs with r ∝ J^(1/4), shafts with d ∝ k^(1/4): what equal thickness and length give."""
-    ratios = _speed_ratios(case)
+    ratios = case.speed_ratios
     group = {ratio: k % GROUPS for k, ratio in enumerate(dict.fromkeys(ratios.values()))}
     for ratio, k in reversed(group.items()):  # the first of those that share a colour stays
         labels[f"Speed group {k + 1}"] = _speed_words(case, ratio)
@@ -189,14 +189,6 @@ def _train_rows(case: CaseData, labels: dict[str, Cell]) -> Rows:
     return rows or [[None] * (1 + 4 * GROUPS + 2)]
 
 
-def _speed_ratios(case: CaseData) -> dict[str, float]:
-    return {
-        row.station: 1.0 if row.speed_ratio is None else row.speed_ratio
-        for row in case.stations
-        if row.station
-    }
-
-
 def _speed_words(case: CaseData, ratio: float) -> str:
     speed = case.ratings.synchronous_speed
     if speed is None:
@@ -214,7 +206,7 @@ def _rpm(speed: float) -> float:
 def _torque_rows(case: CaseData) -> Rows:
     """All motors, all loads and their difference on one grid, referred to the motor, in pu."""
     rated = case.ratings.rated_torque
-    ratios = _speed_ratios(case)
+    ratios = case.speed_ratios
     motor = _curves(case.motor_torque, ("average", "pulsating"))
     load = _curves(case.load_torque, ("torque",))
     speeds = sorted({speed for points in (*motor.values(), *load.values()) for speed in points[0]})

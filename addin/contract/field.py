@@ -173,6 +173,11 @@ class Field:
         return f"{self.key}_" if keyword.iskeyword(self.key) else self.key
 
     @property
+    def name_in_words(self) -> str:
+        """Name of a scalar as it is read: ``Rated power`` of ``RatedPower``."""
+        return self.key.replace("_", " ").capitalize()
+
+    @property
     def is_number(self) -> bool:
         """Whether a cell of this field holds a number."""
         return self.kind in ("number", "integer")
@@ -378,6 +383,11 @@ verdict = partial(text, kind="verdict")
 sentence = partial(text, kind="sentence")
 #: A result that is a number in one row and words in another.
 mixed = partial(text, kind="mixed")
+
+
+#: Beside numbers of starts in a JSON row: that there is no limit, and whether there is an answer.
+UNLIMITED = flag("unlimited", "No damage: unlimited starts.")
+JUDGED = flag("judged", "Whether the starts were judged.")
 
 
 def table(

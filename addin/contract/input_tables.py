@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from addin.contract.field import Field, TableSpec, choice, integer, number, sentence, table, text
-from engine.case.choices import EffectChoice
+from engine.case.choices import BelowEndurance, EffectChoice, ElementKind, GearType, SNBasis
 from engine.case.effects import EFFECTS
 
 _CURVE_SPEED = "Speed in % of the station's synchronous speed, in rising order for each station."
@@ -49,10 +49,7 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
         rows=15, row_name=("Element",),
         columns=(
             text("Element", "Name of the element, unique in the train."),
-            choice(
-                "Kind", ("shaft", "coupling", "gear mesh", "spring to ground"),
-                "Kind of element.",
-            ),
+            choice("Kind", tuple(ElementKind), "Kind of element."),
             text("From", "Station at the drive end, or ground.", kind="station"),
             text("To", "Station at the driven end, or ground.", kind="station"),
             number(
@@ -139,7 +136,7 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
                 "Bearing damping", "linear damping", "Total damping of the {} gear's bearings.", "0",
             ),
             choice(
-                "Gear type", ("external", "internal"), "Internal gears keep the sense of rotation.",
+                "Gear type", tuple(GearType), "Internal gears keep the sense of rotation.",
                 blank="external",
             ),
         ),
@@ -203,12 +200,12 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
                 blank="none",
             ),
             choice(
-                "Basis", ("torsion", "bending"), "Bending data are halved for torsion.",
+                "Basis", tuple(SNBasis), "Bending data are halved for torsion.",
                 blank="torsion",
             ),
             choice(
-                "Below endurance", ("none", "same slope", "2k-1"),
-                "Damage below the endurance limit.", blank="none",
+                "Below endurance", tuple(BelowEndurance), "Damage below the endurance limit.",
+                blank="none",
             ),
         ),
     ),

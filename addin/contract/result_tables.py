@@ -9,6 +9,7 @@ from __future__ import annotations
 from addin.contract import live_formulas as live
 from addin.contract import number_formats as shown
 from addin.contract.field import (
+    UNLIMITED,
     Pane,
     ReportedError,
     TableSpec,
@@ -467,7 +468,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
         help="Fatigue damage of one start and allowable starts.",
         row_name=("Element",), changes_shown=("Allowable starts",), of_the_start=True, rank=6,
         json_only=(
-            flag("unlimited", "No damage: unlimited starts."),
+            UNLIMITED,
             number("starts_low", "count", "Fewest allowable starts within the error."),
             number("starts_high", "count", "Most allowable starts within the error; absent = unlimited."),
         ),

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from addin.contract.field import Field, choice, integer, number, text
-from engine.case.choices import ContactLaw
+from engine.case import choices
 
 #: Version of the workbook layout, written into `TemplateVersion` of every shipped workbook.
 TEMPLATE_VERSION = "1"
@@ -76,7 +76,7 @@ _BY_GROUP: Mapping[str, tuple[Field, ...]] = {
         ),
         choice(
             "MarginBasis",
-            ("calculated", "measured"),
+            tuple(choices.MarginBasis),
             "Calculated frequencies need a margin of 20 %, measured ones 10 %.",
             blank="calculated",
         ),
@@ -88,7 +88,7 @@ _BY_GROUP: Mapping[str, tuple[Field, ...]] = {
         ),
         choice(
             "StressBasis",
-            ("peak-to-peak", "zero-to-peak"),
+            tuple(choices.StressBasis),
             "Which stress is compared with UTS/25; both are shown.",
             blank="peak-to-peak",
         ),
@@ -147,20 +147,20 @@ _BY_GROUP: Mapping[str, tuple[Field, ...]] = {
         ),
         choice(
             "Method",
-            ("exponential", "newmark"),
+            tuple(choices.Method),
             "Time integration: exponential, or newmark (average acceleration, Szenasi & von "
             "Nimitz).",
             blank="exponential",
         ),
         choice(
             "RainflowResidue",
-            ("half cycles", "repeated"),
+            tuple(choices.RainflowResidue),
             "Rainflow residue: counted as half cycles (ASTM), or the history repeated.",
             blank="half cycles",
         ),
         choice(
             "KeepHistory",
-            ("no", "parquet", "npz"),
+            tuple(choices.HistoryFile),
             "Write the full torque history to a file beside the workbook.",
             blank="no",
         ),
@@ -168,10 +168,10 @@ _BY_GROUP: Mapping[str, tuple[Field, ...]] = {
     "Effects": (
         choice(
             "ContactLaw",
-            tuple(ContactLaw),
+            tuple(choices.ContactLaw),
             "Damping of teeth in contact: limited = the contact force never pulls and damping "
             "never exceeds the spring force; no adhesion = the contact force never pulls.",
-            blank=ContactLaw.LIMITED,
+            blank=choices.ContactLaw.LIMITED,
         ),
         number(
             "ShockAmplitude",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -54,9 +53,9 @@ def _case(subject: Subject) -> Section:
             continue
         text, unit = entry_text(subject.read.typed.scalars.get(spec.name), spec, subject.shown)
         if text:
-            rows.append((_spaced(spec.name), f"{text} {unit}".strip(), ""))
+            rows.append((spec.name_in_words, f"{text} {unit}".strip(), ""))
         elif spec.default_text:
-            rows.append((_spaced(spec.name), "", spec.default_text))
+            rows.append((spec.name_in_words, "", spec.default_text))
     value, blank = Column("Value", "", "number"), Column("Blank means", "", "sentence")
     ratings = subject.calculation.case.ratings
     used = []
@@ -77,12 +76,6 @@ def _case(subject: Subject) -> Section:
         Table("Case", (Column("Input"), value, blank), tuple(rows)),
         Paragraph(sentence, "note") if used else None,
     )
-
-
-def _spaced(name: str) -> str:
-    """``LineFrequency`` → ``Line frequency``."""
-    words = re.findall(r"[A-Z][a-z]+|[A-Z]+(?![a-z])", name)
-    return " ".join([words[0], *(w if w.isupper() else w.lower() for w in words[1:])])
 
 
 def _table(

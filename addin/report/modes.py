@@ -82,31 +82,15 @@ def _damping(subject: Subject, rows: Sequence[Mapping[str, Any]]) -> Section:
     ]
     if case.mode_damping:
         sentences.append(f"Table ModeDamping overrides it for {len(case.mode_damping)} modes.")
-    for one, many, rest, rows_stating in (
-        (
-            "element has",
-            "elements have",
-            "viscous damping",
-            [e for e in case.elements if e.damping],
-        ),
-        (
-            "element has",
-            "elements have",
-            "a loss factor",
-            [e for e in case.elements if e.loss_factor],
-        ),
-        (
-            "station has",
-            "stations have",
-            "damping to ground",
-            [s for s in case.stations if s.damping],
-        ),
+    for kind, rows_of_kind, column, what in (
+        ("element", case.elements, "damping", "viscous damping"),
+        ("element", case.elements, "loss_factor", "a loss factor"),
+        ("station", case.stations, "damping", "damping to ground"),
     ):
-        count = len(rows_stating)
+        count = sum(bool(getattr(row, column)) for row in rows_of_kind)
         if count:
-            sentences.append(
-                f"{count} {many if count > 1 else one} {rest}, added in proportion to energy."
-            )
+            which = f"{kind}s have" if count > 1 else f"{kind} has"
+            sentences.append(f"{count} {which} {what}, added in proportion to energy.")
     item, neglected = "Largest neglected damping term", None
     if any(r["frequency"] and r.get("damping_ratio") for r in rows):
         sentences.append(

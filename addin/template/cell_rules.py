@@ -2,19 +2,12 @@
 
 from __future__ import annotations
 
-import re
 from typing import Any
 
 from addin.contract.tables import Field
 
 #: Excel shows no longer prompt. [characters]
 _LONGEST_PROMPT = 255
-
-
-def in_words(name: str) -> str:
-    """``RatedPower`` → ``Rated power``."""
-    words = re.findall(r"[A-Z]+(?=[A-Z][a-z])|[A-Z]?[a-z]+|[A-Z]+|\d+", name)
-    return " ".join([words[0], *(word.lower() for word in words[1:])])
 
 
 def hint(field: Field) -> str:

@@ -19,7 +19,7 @@ from addin.contract.sheets import (
     TITLE_BLOCK,
 )
 from addin.contract.tables import Field
-from addin.template.cell_rules import hint, in_words, input_rule, unit_list
+from addin.template.cell_rules import hint, input_rule, unit_list
 from addin.template.frames import column_number
 from addin.template.table_cells import Tables
 
@@ -51,7 +51,7 @@ class FrontSheets(Tables):
         return row + len(members) + 2
 
     def _scalar(self, page: Any, field: Field, row: int, left: int) -> None:
-        page.write_string(row, left, in_words(field.name), self.style("label"))
+        page.write_string(row, left, field.name_in_words, self.style("label"))
         value = self.example.scalars.get(field.name)
         if field.name == "TemplateVersion":
             value = fields.TEMPLATE_VERSION

@@ -258,20 +258,17 @@ def _within(argument: Argument) -> str:
 
 def _number(argument: Argument, cell: Cell, row: int, column: int) -> float | None:
     """A number of a range; None for a blank, which never becomes zero."""
-    where = "" if row == column == 0 else f"row {row + 1}, column {column + 1}"
+    where = "" if row == column == 0 else f", row {row + 1}, column {column + 1}"
     if cell is None:
         return None
     if isinstance(cell, ErrorValue):
         raise FunctionError(
-            f"{argument.name}{', ' + where if where else ''}: the cell shows {cell.code}. "
-            "Correct it.",
-            cell.code,
+            f"{argument.name}{where}: the cell shows {cell.code}. Correct it.", cell.code
         )
     if isinstance(cell, float) and math.isfinite(cell):
         return cell
     if isinstance(cell, str) and (why := number_in_text(cell)):
-        place = f"{argument.name}, {where}" if where else argument.name
-        raise FunctionError(f"{place}: {why}")
+        raise FunctionError(f"{argument.name}{where}: {why}")
     shown = {True: "TRUE", False: "FALSE"}.get(cell, cell) if isinstance(cell, bool) else cell
     raise _unfit(argument, shown, "a number", where)
 
@@ -288,9 +285,10 @@ def _flag(argument: Argument, cell: Value) -> bool:
 
 
 def _unfit(argument: Argument, found: object, wanted: str, where: str = "") -> FunctionError:
-    place = f"{argument.name}, {where}" if where else argument.name
     shown = f"{found:.10g}" if isinstance(found, float) else str(found)[:60]
-    return FunctionError(f"{place}: found '{shown}'; give {wanted}: {_within(argument)}")
+    return FunctionError(
+        f"{argument.name}{where}: found '{shown}'; give {wanted}: {_within(argument)}"
+    )
 
 
 # --- one call -------------------------------------------------------------------------------------

@@ -14,7 +14,8 @@ from dataclasses import dataclass
 from addin.xlsx.references import Rect, absolute_range, parse_range, quoted_sheet
 from addin.xlsx.xml_part import Element, chart_tag, drawing_tag
 
-_AFTER_TEXT_FORMAT = frozenset({"extLst"})
+#: The title of a chart in its part.
+CHART_TITLE = f"{chart_tag('chart')}/{chart_tag('title')}"
 
 
 @dataclass(frozen=True)
@@ -36,7 +37,7 @@ def link_titles(
     links: Sequence[TitleLink],
     areas: Callable[[str], list[tuple[str, Rect]] | None],
     shown: Callable[[str, str], str],
-) -> int:
+) -> bool:
     """Link the titles of one chart to their cells where they are fixed words.
 
     Parameters
@@ -49,21 +50,28 @@ def link_titles(
         Areas of a reference text; None when it cannot be followed.
     shown : callable
         Text that a cell of a sheet shows.
+
+    Returns
+    -------
+    bool
+        Whether a title was linked.
     """
     drawn = {area for text in _value_references(root) for area in areas(text) or ()}
     for link in links:
         if drawn != {(link.sheet, rect) for rect in link.values}:
             continue
-        wanted = (
-            (_chart_title(root), link.title, link.title_words),
-            (_value_axis_title(root), link.value_axis, link.axis_words),
-        )
-        return sum(
-            _link(title, link.sheet, cell, shown(link.sheet, cell))
-            for title, cell, words in wanted
+        lost = [
+            (title, cell)
+            for title, cell, words in (
+                (root.find(CHART_TITLE), link.title, link.title_words),
+                (_value_axis_title(root), link.value_axis, link.axis_words),
+            )
             if title is not None and _has_words(title, words)
-        )
-    return 0
+        ]
+        for title, cell in lost:
+            _link(title, link.sheet, cell, shown(link.sheet, cell))
+        return bool(lost)
+    return False
 
 
 def _value_references(root: Element) -> Iterator[str]:
@@ -71,11 +79,6 @@ def _value_references(root: Element) -> Iterator[str]:
         for values in root.iter(chart_tag(kind)):
             for formula in values.iter(chart_tag("f")):
                 yield formula.text or ""
-
-
-def _chart_title(root: Element) -> Element | None:
-    chart = root.find(chart_tag("chart"))
-    return None if chart is None else chart.find(chart_tag("title"))
 
 
 def _value_axis_title(root: Element) -> Element | None:
@@ -96,7 +99,7 @@ def _has_words(title: Element, pattern: str) -> bool:
     return not text or re.fullmatch(pattern, text) is not None
 
 
-def _link(title: Element, sheet: str, cell: str, text: str) -> int:
+def _link(title: Element, sheet: str, cell: str, text: str) -> None:
     """Replace the fixed words of a title by a reference."""
     words = title.find(chart_tag("tx"))
     rich = words.find(chart_tag("rich"))
@@ -111,7 +114,6 @@ def _link(title: Element, sheet: str, cell: str, text: str) -> int:
     point = _child(cache, "pt")
     point.set("idx", "0")
     _child(point, "v").text = text
-    return 1
 
 
 def _insert_text_format(title: Element, rich: Element) -> None:
@@ -129,10 +131,7 @@ def _insert_text_format(title: Element, rich: Element) -> None:
             end = paragraph.makeelement(drawing_tag("endParaRPr"))
             end.set("lang", "en-US")
             paragraph.append(end)
-    last = [
-        child for child in title if child.tag not in {chart_tag(t) for t in _AFTER_TEXT_FORMAT}
-    ][-1]
-    last.addnext(properties)
+    [child for child in title if child.tag != chart_tag("extLst")][-1].addnext(properties)
 
 
 def _child(parent: Element, tag: str) -> Element:

@@ -61,27 +61,24 @@ class ChartPart:
         self._points: list[bytes] = []
         self._points_left = MOST_POINTS
 
-    def retarget(self, sheet: str, old: Rect, new: Rect) -> int:
+    def retarget(self, sheet: str, old: Rect, new: Rect) -> None:
         """Let ranges that covered exactly the old rows of a block cover its new rows."""
-        count = 0
         for formula in self._by_rows.pop((sheet, old.top, old.bottom), {}):
             areas = split_areas(formula.text)
             moved = [retargeted(area, sheet, old, new) for area in areas]
             if moved != areas:
                 formula.text = f"({','.join(moved)})" if len(moved) > 1 else moved[0]
-                count += 1
+                self.changed = True
             for place in _rows_of_areas(formula.text):
                 self._by_rows[place][formula] = None
-        self.changed = self.changed or count > 0
-        return count
 
     def refresh(
         self,
         resolve: Callable[[str], list[Area] | None],
         touched: Callable[[str, Rect], bool],
         shown: Shown,
-        known: dict[tuple[str, str, tuple[Area, ...]], bytes] | None = None,
-    ) -> int:
+        known: dict[tuple[str, str, tuple[Area, ...]], bytes],
+    ) -> None:
         """Renew the caches of all ranges that reach changed cells.
 
         Parameters
@@ -92,11 +89,9 @@ class ChartPart:
             Whether a rectangle of a sheet holds a changed cell.
         shown : callable
             Values that the cells of a rectangle of a sheet show, row by row.
-        known : dict, optional
+        known : dict
             Points that other charts of the workbook draw, too, by kind, prefix and areas; added to.
         """
-        count = 0
-        known = {} if known is None else known
         for reference in self._root.iter(*_CACHES, _LABELS):
             text, cache_tag = (
                 (_LABELS_F, _LABELS_CACHE)
@@ -108,16 +103,14 @@ class ChartPart:
             if areas is None or not any(touched(*area) for area in areas):
                 continue
             self._fill(reference.tag, cache, areas, shown, known)
-            count += 1
-        self.changed = self.changed or count > 0
-        return count
+            self.changed = True
 
     def link_titles(
         self,
         links: Sequence[TitleLink],
         resolve: Callable[[str], list[Area] | None],
         text: Callable[[str, str], str],
-    ) -> int:
+    ) -> None:
         """Link titles that became fixed words to their cells again.
 
         Parameters
@@ -129,9 +122,7 @@ class ChartPart:
         text : callable
             Text that a cell of a sheet shows.
         """
-        count = link_titles(self._root, links, resolve, text)
-        self.changed = self.changed or count > 0
-        return count
+        self.changed |= link_titles(self._root, links, resolve, text)
 
     def to_bytes(self) -> bytes:
         """The part as it shall be stored."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from addin.xlsx.chart_titles import CHART_TITLE
 from addin.xlsx.charts import Area
 from addin.xlsx.references import MAX_COLUMN, MAX_ROW, cell_name, whole_number
 from addin.xlsx.state import WorkbookState
@@ -76,9 +77,7 @@ def drawn_charts(workbook: WorkbookState) -> list[DrawnChart]:
 
 def _chart(workbook: WorkbookState, sheet: str, cell: str, part: str) -> DrawnChart:
     root = parse_part(workbook.container.charged(part), part)
-    holder = root.find(chart_tag("chart"))
-    title = None if holder is None else holder.find(chart_tag("title"))
-    words = None if title is None else title.find(chart_tag("tx"))
+    words = root.find(f"{CHART_TITLE}/{chart_tag('tx')}")
     title_cell = Drawn() if words is None else _drawn(workbook, words)
     text = "" if words is None else "".join(run.text or "" for run in words.iter(drawing_tag("t")))
     return DrawnChart(

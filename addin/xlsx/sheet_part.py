@@ -360,12 +360,10 @@ class SheetPart:
         if resize_ranges(self._around_cells(), old, new):
             self._touch()
 
-    def retarget_sparklines(self, sheet: str, old: Rect, new: Rect) -> int:
+    def retarget_sparklines(self, sheet: str, old: Rect, new: Rect) -> None:
         """Let sparklines over a column of a resized block follow it."""
-        count = retarget_sparklines(self._around_cells(), sheet, old, new)
-        if count:
+        if retarget_sparklines(self._around_cells(), sheet, old, new):
             self._touch()
-        return count
 
     def _around_cells(self) -> Iterator[Element]:
         """What stands in the sheet beside its cells, which are too many to look through."""

@@ -261,15 +261,14 @@ class WorkbookState:
             self._changed_tables[table.part] = serialise(root, self.container.read(table.part))
             self.tables[table.name] = parse_table(root, table.sheet, table.part)
 
-    def retarget_chart_range(self, sheet: str, old: str, new: str) -> int:
+    def retarget_chart_range(self, sheet: str, old: Rect, new: Rect) -> None:
         """Let ranges of charts and sparklines that covered exactly the rows of one block cover those of another.
 
         Touches the chart parts concerned, and sheets with such sparklines, and nothing else in them than the range
         texts; called by `write_tables`.
         """
         self.charts_current = False
-        before, after = parse_range(old), parse_range(new)
-        count = sum(chart.retarget(sheet, before, after) for chart in self.charts)
+        for chart in self.charts:
+            chart.retarget(sheet, old, new)
         for name in self._sheets_with_sparklines:
-            count += self.sheet_part(name).retarget_sparklines(sheet, before, after)
-        return count
+            self.sheet_part(name).retarget_sparklines(sheet, old, new)

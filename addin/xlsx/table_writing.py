@@ -176,7 +176,7 @@ def carry_out(workbook: WorkbookState, plan: TablePlan) -> None:
     workbook.update_table(new, plan.formulas)
     if new.ref != old.ref:
         sheet.resize_ranges(old.data, new.data)
-        workbook.retarget_chart_range(old.sheet, str(old.data), str(new.data))
+        workbook.retarget_chart_range(old.sheet, old.data, new.data)
     workbook.note_changed(old.sheet, old.ref.join(new.ref)._replace(top=new.data.top))
 
 

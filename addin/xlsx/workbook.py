@@ -118,12 +118,8 @@ class Workbook(WorkbookState):
         target = self.name(name)
         assert target.sheet is not None
         assert target.rect is not None
-        self.set_cell(
-            target.sheet,
-            cell_name(target.rect.top, target.rect.left),
-            value,
-            replace_formula=replace_formula,
-        )
+        cell = cell_name(target.rect.top, target.rect.left)
+        self.set_cell(target.sheet, cell, value, replace_formula=replace_formula)
 
     def write_table(
         self,
@@ -188,7 +184,7 @@ class Workbook(WorkbookState):
 
     # ---- caches and saving -------------------------------------------------------------------------------------
 
-    def link_chart_titles(self, links: Sequence[TitleLink]) -> int:
+    def link_chart_titles(self, links: Sequence[TitleLink]) -> None:
         """Link titles of charts that became fixed words to their cells again, after the cells were written.
 
         Parameters
@@ -200,22 +196,19 @@ class Workbook(WorkbookState):
         def text(sheet: str, cell: str) -> str:
             return str(self.shown_value(sheet, cell) or "")
 
-        return sum(chart.link_titles(links, self.chart_areas, text) for chart in self.charts)
+        for chart in self.charts:
+            chart.link_titles(links, self.chart_areas, text)
 
-    def refresh_chart_caches(self) -> int:
+    def refresh_chart_caches(self) -> None:
         """Renew the values that charts carry of changed cells.
 
         Touches only chart parts with a range that reaches a changed cell, and in them only the caches; all other charts
         stay byte-identical. Called by `save`.
         """
         self.charts_current = True
-        if not self.changed:
-            return 0
         known: dict[tuple[str, str, tuple[Area, ...]], bytes] = {}
-        return sum(
+        for chart in self.charts if self.changed else ():
             chart.refresh(self.chart_areas, self._is_new, self._shown, known)
-            for chart in self.charts
-        )
 
     def refresh_formula_caches(self) -> CacheReport:
         """Renew or remove the cached value of every formula that depends on changed cells. Called by `save`."""

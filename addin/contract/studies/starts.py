@@ -5,9 +5,10 @@ from __future__ import annotations
 from addin.contract import number_formats as shown
 from addin.contract.charts import Axis, ChartSpec, Series
 from addin.contract.field import (
+    JUDGED,
+    UNLIMITED,
     TableSpec,
     Trace,
-    flag,
     integer,
     number,
     sentence,
@@ -118,10 +119,7 @@ _RESULTS: tuple[TableSpec, ...] = (
         "StartMatrix", sheet="Start matrix", caption="Start matrix",
         help="Each start condition calculated separately, with its own plan of effects.",
         row_name=("Condition",), changes_shown=("Outcome", "Allowable starts"),
-        json_only=(
-            flag("unlimited", "No damage: unlimited starts."),
-            flag("judged", "Whether the starts were judged."),
-        ),
+        json_only=(UNLIMITED, JUDGED),
         columns=(
             text(
                 "Condition", "Start condition, of table StartConditions or of the standard matrix.",
@@ -212,7 +210,7 @@ _RESULTS: tuple[TableSpec, ...] = (
             number("used_high", "count", "Damage so far, at the upper end of its error."),
             number("yearly_low", "count", "Damage per year, at the lower end of its error."),
             number("yearly_high", "count", "Damage per year, at the upper end of its error."),
-            flag("unlimited", "No damage: unlimited starts."),
+            UNLIMITED,
         ),
         columns=(
             text(
@@ -272,10 +270,7 @@ _RESULTS: tuple[TableSpec, ...] = (
         help="Each start condition on each judged shaft: damage of one start, and starts left if "
         "only this condition occurs.",
         row_name=("Element", "Condition"),
-        json_only=(
-            flag("unlimited", "No damage: unlimited starts."),
-            flag("judged", "Whether the starts were judged."),
-        ),
+        json_only=(UNLIMITED, JUDGED),
         columns=(
             text(
                 "Element", "The shaft.", _NAME, _METHOD, kind="element",

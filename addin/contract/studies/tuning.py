@@ -7,6 +7,7 @@ from dataclasses import replace
 from addin.contract import number_formats as shown
 from addin.contract.charts import Axis, ChartSpec, FirstCell, Series
 from addin.contract.field import (
+    UNLIMITED,
     Field,
     TableSpec,
     Trace,
@@ -142,7 +143,7 @@ _RESULTS: tuple[TableSpec, ...] = (
         "TuningResults", sheet="Tuning results", caption="Combinations",
         help="Every combination calculated as a full start, best first.",
         row_name=("Combination",), changes_shown=("Rank", "Allowable starts", "Worst margin"),
-        json_only=(flag("unlimited", "No damage: unlimited starts."),),
+        json_only=(UNLIMITED,),
         columns=(
             integer(
                 "Rank", "1 = the best, by the order on the page docs/tuning.md.", trace=_RANK,
@@ -337,7 +338,7 @@ _RESULTS: tuple[TableSpec, ...] = (
         "TuningModes", sheet="Tuning map", caption="Modes",
         help="Natural frequencies of the best combination with each option of the first variable.",
         room=MAP_ROWS, workbook_only=True,
-        json_only=(flag("unlimited", "No damage: unlimited starts."),),
+        json_only=(UNLIMITED,),
         columns=(
             _OPTION, _SHARE,
             *(
