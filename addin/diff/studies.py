@@ -39,17 +39,17 @@ def compare_studies(
     notes: list[str] = []
     results: list[Change] = []
     same_results = 0
-    there = [{one.key: one for one in side.studies} for side in (first, second)]
-    for key, sheet in ((one.key, one.sheet) for one in STUDIES):
-        pair = [side.get(key) for side in there]
+    by_key = [{study.key: study for study in side.studies} for side in (first, second)]
+    for key, sheet in ((spec.key, spec.sheet) for spec in STUDIES):
+        pair = [studies.get(key) for studies in by_key]
         if pair == [None, None]:
             continue
         why = _why_not(sheet, pair)
         if why:
             notes.append(why)
             continue
-        old, new = (one for one in pair if one is not None)
-        cut = " and ".join(x for x, one in zip("AB", (old, new), strict=True) if one.is_cut_short)
+        old, new = (study for study in pair if study is not None)
+        cut = " and ".join(x for x, s in zip("AB", (old, new), strict=True) if s.is_cut_short)
         if cut:
             notes.append(
                 f"Sheet {sheet} in {cut} contains an incomplete study, stopped by Ctrl-C, which may "
@@ -81,7 +81,7 @@ def _rows(side: ComparedFile, spec: TableSpec) -> list[dict[str, Any]]:
     inputs = side.study_inputs
     rows = () if inputs is None else inputs.rows(spec.name)
     if spec.name != "Tuning":
-        return [{one.name: getattr(row, one.attribute) for one in spec.columns} for row in rows]
+        return [{f.name: getattr(row, f.attribute) for f in spec.columns} for row in rows]
     return [
         {
             "Element": row.element,

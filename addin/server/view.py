@@ -152,7 +152,7 @@ def _left_out(name: str) -> dict[str, list[str]]:
 def _table(name: str, rows: Sequence[Mapping[str, Any]], system: str) -> list[list[Any]]:
     """Cells of a result table; of the mode shapes a column a mode."""
     if name != "ModeShapes":
-        return table_cells(result_table(name), rows, system, True)
+        return table_cells(name, rows, system, True)
     keys = [key for key in rows[0] if key != "station"] if rows else []
     head = ["Station", *(key.replace("_", " ").capitalize() for key in keys)]
     return [head, *([row["station"], *(row[key] for key in keys)] for row in rows)]

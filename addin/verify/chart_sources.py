@@ -45,13 +45,13 @@ def compare_drawings(
     A chart that was taken out is nobody's concern, nor is a chart of the engineer's own or a series
     that he put into one of ours.
     """
-    known = [(chart, _series(workbook, chart)) for chart in charts]
-    for one in _expected(workbook):
-        here = [pair for pair in known if one.sheet in (None, pair[0].sheet)]
-        if any(_is_whole(one, series) for _, series in here):
+    present = [(chart, _series(workbook, chart)) for chart in charts]
+    for expected in _expected(workbook):
+        here = [pair for pair in present if expected.sheet in (None, pair[0].sheet)]
+        if any(_is_whole(expected, series) for _, series in here):
             continue
         for chart, series in here:
-            sentence = _astray(one, chart, series)
+            sentence = _astray(expected, chart, series)
             if sentence:
                 yield Finding("chart", chart.sheet, chart.cell, sentence, fails=same_version)
                 break
@@ -60,10 +60,10 @@ def compare_drawings(
 def compare_copies(workbook: Workbook, charts: Sequence[DrawnChart]) -> Iterator[Finding]:
     """Charts that carry other values than the cells they draw, which programs show that do not calculate."""
     for chart in charts:
-        wrong = [one for drawn in chart.references() for one in _wrong_points(workbook, drawn)]
-        if wrong:
-            (sheet, cell), carried, held = wrong[0]
-            more = "" if len(wrong) == 1 else f" (and {len(wrong) - 1:,} more such)"
+        points = [point for drawn in chart.references() for point in _wrong_points(workbook, drawn)]
+        if points:
+            (sheet, cell), carried, held = points[0]
+            more = "" if len(points) == 1 else f" (and {len(points) - 1:,} more such)"
             yield Finding(
                 "chart", chart.sheet, chart.cell,
                 f"{_called(chart)} shows {_shown(carried)} for {quoted_sheet(sheet)}!{cell}, but the "
@@ -79,11 +79,11 @@ def _series(workbook: Workbook, chart: DrawnChart) -> list[Series]:
     """The series of a chart as it is in the file."""
     return [
         (
-            _first_cell(_only(one.name)) or plain(one.name.words),
-            _as_typed(workbook, _only(one.categories)),
-            _as_typed(workbook, _only(one.values)),
+            _first_cell(_only(series.name)) or plain(series.name.words),
+            _as_typed(workbook, _only(series.categories)),
+            _as_typed(workbook, _only(series.values)),
         )
-        for one in chart.series
+        for series in chart.series
     ]
 
 
@@ -120,48 +120,51 @@ def _drawn(series: Iterable[Series]) -> set[tuple[Area | None, Area | None]]:
     return {(categories, values) for _, categories, values in series}
 
 
-def _is_whole(one: _Expected, series: Sequence[Series]) -> bool:
+def _is_whole(expected: _Expected, series: Sequence[Series]) -> bool:
     """Whether a chart draws all that ours draws, under the names of ours."""
-    return _drawn(one.series) <= _drawn(series) and not _other_names(one, series)
+    return _drawn(expected.series) <= _drawn(series) and not _other_names(expected, series)
 
 
-def _other_names(one: _Expected, series: Sequence[Series]) -> list[tuple[Area, Area]]:
+def _other_names(expected: _Expected, series: Sequence[Series]) -> list[tuple[Area, Area]]:
     """Names that stand in another cell than ours, of series that draw the same; fixed words are anybody's."""
-    found = []
-    for name, *drawn in one.series:
+    astray = []
+    for name, *drawn in expected.series:
         names = [other for other, *cells in series if cells == drawn]
         if not isinstance(name, str) and names and name not in names:
-            found += [(other, name) for other in names[:1] if not isinstance(other, str)]
-    return found
+            astray += [(other, name) for other in names[:1] if not isinstance(other, str)]
+    return astray
 
 
-def _astray(one: _Expected, chart: DrawnChart, series: Sequence[Series]) -> str:
+def _astray(expected: _Expected, chart: DrawnChart, series: Sequence[Series]) -> str:
     """What is said of a chart that is ours and draws other cells; nothing where it is not, or does not."""
-    if not _is_ours(one, chart, series):
+    if not _is_ours(expected, chart, series):
         return ""
-    missing, extra = _drawn(one.series) - _drawn(series), _drawn(series) - _drawn(one.series)
-    if missing and extra:
-        wanted = next(cells for _, *cells in one.series if tuple(cells) in missing)
-        found = next(cells for _, *cells in series if tuple(cells) in extra)
-        return f"{_called(chart)} draws {_pair(found)}, not {_pair(wanted)} as torsionbook wrote it"
-    names = [] if missing else _other_names(one, series)
+    ours, there = _drawn(expected.series), _drawn(series)
+    missing = ours - there
+    if missing and there - ours:
+        wanted = next(cells for _, *cells in expected.series if tuple(cells) in missing)
+        instead = next(cells for _, *cells in series if tuple(cells) not in ours)
+        return (
+            f"{_called(chart)} draws {_pair(instead)}, not {_pair(wanted)} as torsionbook wrote it"
+        )
+    names = [] if missing else _other_names(expected, series)
     if names:
         other, name = names[0]
         return f"{_called(chart)} takes a series name from {_place(other)}, not from {_place(name)}"
     return ""
 
 
-def _is_ours(one: _Expected, chart: DrawnChart, series: Sequence[Series]) -> bool:
+def _is_ours(expected: _Expected, chart: DrawnChart, series: Sequence[Series]) -> bool:
     """Whether a chart is one of ours by its title, by half of what it draws, or by half of its names."""
-    if one.title_cell is not None and _only(chart.title_cell) == one.title_cell:
+    if expected.title_cell is not None and _only(chart.title_cell) == expected.title_cell:
         return True
-    if one.title and plain(chart.title) == plain(one.title):
+    if expected.title and plain(chart.title) == plain(expected.title):
         return True
-    if len(one.series) < _TELLING:
+    if len(expected.series) < _TELLING:
         return False
-    shared = len(_drawn(one.series) & _drawn(series))
-    names = {name for name, *_ in one.series if name} & {name for name, *_ in series}
-    return 2 * max(shared, len(names)) >= len(one.series)
+    shared = len(_drawn(expected.series) & _drawn(series))
+    names = {name for name, *_ in expected.series if name} & {name for name, *_ in series}
+    return 2 * max(shared, len(names)) >= len(expected.series)
 
 
 # --- what would be drawn --------------------------------------------------------------------------
@@ -174,13 +177,13 @@ def _expected(workbook: Workbook) -> Iterator[_Expected]:
             spec = EVERY_CHART[at.name]
             try:
                 title = _words(workbook, spec.title)
-                series = tuple(
+                drawn = tuple(
                     (
-                        _words(workbook, one.name),
-                        _cells(workbook, one.table, one.x, one.row),
-                        _cells(workbook, one.table, one.y, one.row),
+                        _words(workbook, series.name),
+                        _cells(workbook, series.table, series.x, series.row),
+                        _cells(workbook, series.table, series.y, series.row),
                     )
-                    for one in spec.series
+                    for series in spec.series
                 )
             except KeyError:  # a table or column that is missing, which is a finding by itself
                 continue
@@ -188,16 +191,17 @@ def _expected(workbook: Workbook) -> Iterator[_Expected]:
             if not isinstance(title, str):  # other programs keep the words instead of the cell
                 title_sheet, rect = in_cell = title
                 words = str(workbook.shown_value(title_sheet, cell_name(rect.top, rect.left)) or "")
-            yield _Expected(present_sheet(workbook, sheet), str(words), in_cell, series)
+            yield _Expected(present_sheet(workbook, sheet), str(words), in_cell, drawn)
 
 
 def _cells(workbook: Workbook, table: str, column: str, row: int | None = None) -> Area:
     """Data cells of a column of a table where it stands in the workbook, or one row of them."""
     place = workbook.tables[table]
     at = place.ref.left + {name: k for k, name in enumerate(place.columns)}[column]
-    data = place.data
-    rows = (data.top, data.bottom) if row is None else (data.top + row, data.top + row)
-    return place.sheet, Rect(rows[0], at, rows[1], at)
+    top, bottom = place.data.top, place.data.bottom
+    if row is not None:
+        top = bottom = top + row
+    return place.sheet, Rect(top, at, bottom, at)
 
 
 def _words(workbook: Workbook, words: Words) -> Area | str:

@@ -77,10 +77,10 @@ def _unknown_columns(workbook: Workbook, table: Table, spec: TableSpec) -> Itera
         held = (part.constant(row, column) for row in range(table.data.top, table.data.bottom + 1))
         if all(value in (None, "") for value in held):
             continue
-        alike = next((one for one in missing if plain(one) == plain(name)), None)
+        alike = next((header for header in missing if plain(header) == plain(name)), None)
         sentence = f"the column '{name}' is not from torsionbook and is not checked"
         if missing:
-            lost = f"'{alike}'" if alike else " and ".join(f"'{one}'" for one in missing)
+            lost = f"'{alike}'" if alike else " and ".join(f"'{header}'" for header in missing)
             sentence = f"{sentence}, while {lost} is missing: restore its name"
         yield Finding(
             "edited" if missing else "not shown", table.sheet,

@@ -9,13 +9,13 @@ from pathlib import Path
 from typing import Any
 
 from addin.contract.tables import (
-    INPUT_TABLES,
     RESULT_TABLES,
     SCALAR_TABLE,
-    SCALARS,
     WORKBOOK_TABLES,
     Field,
     TableSpec,
+    find_column,
+    scalar,
 )
 from addin.reading.one_file import Unreadable, read_checked
 from addin.reading.workbook import WorkbookInput
@@ -24,8 +24,6 @@ from addin.xlsx import ErrorValue, Table, Workbook
 from addin.xlsx.references import cell_name, parse_cell, split_sheet
 
 _RESULTS = {spec.name: spec for spec in (*RESULT_TABLES, *WORKBOOK_TABLES)}
-_INPUTS = {spec.name: spec for spec in INPUT_TABLES}
-_SCALARS = {field.name: field for field in SCALARS}
 _TABLE_AND_COLUMN = re.compile(r"(\w+)(?:[.\[]\s*(.+?)\s*\]?)?")
 #: Values listed of a column; of more the range and their number. [count]
 _LISTED = 3
@@ -155,7 +153,7 @@ class _Traced:
     def _lines(self, name: str, context: Mapping[str, Any]) -> Iterator[str]:
         table_name, _, column = name.rpartition(".")
         if not table_name:
-            yield self._scalar(_SCALARS[name])
+            yield self._scalar(scalar(name))
             return
         table = self.workbook.tables.get(table_name)
         if table is None or column not in table.columns:
@@ -165,8 +163,8 @@ class _Traced:
         rows = self._rows(table_name, table, context)
         held = [row for row in rows if self._value(table, at, row) is not None]
         if not held:
-            spec = _INPUTS.get(table_name)
-            blank = spec.column(column).default_text if spec is not None else ""
+            field = find_column(table_name, column)
+            blank = field.default_text if field is not None else ""
             yield f"{name}: blank{f', which means: {blank}' if blank else ''}"
         elif len(held) <= _LISTED:
             for row in held:
@@ -217,10 +215,8 @@ class _Traced:
         if isinstance(value, ErrorValue):
             return value.code
         unit: Any = None
-        spec = _RESULTS.get(table.name) or _INPUTS[table.name]
-        header = table.columns[column - table.ref.left]
-        fields = spec.workbook_columns if table.name in _RESULTS else spec.columns
-        if any(f.name == header and f.has_unit for f in fields):
+        field = find_column(table.name, table.columns[column - table.ref.left])
+        if field is not None and field.has_unit:
             unit = self.workbook.shown_value(table.sheet, cell_name(table.ref.top - 1, column))
         number = f"{value:,.10g}" if isinstance(value, float) else str(value)
         return f"{number} {'' if unit == '1' else unit or ''}".rstrip()

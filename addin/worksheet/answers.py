@@ -11,7 +11,7 @@ from addin.contract import tables as fields
 from addin.contract.problems import nearest, shortened
 from addin.contract.shown_cell import shown_cell
 from addin.contract.shown_units import ShownUnits, shown_units, template_units
-from addin.contract.tables import Field, TableSpec
+from addin.contract.tables import Field
 from addin.contract.units import parse_unit
 from addin.worksheet.models import AT_SPEED, MODELS, RUN, Model
 from addin.worksheet.registry import Argument, FunctionError, registered
@@ -63,38 +63,39 @@ def units_of(system: str) -> ShownUnits:
 
 
 def table_cells(
-    spec: TableSpec,
+    table: str,
     rows: Iterable[Mapping[str, Any]],
     system: str,
     headers: bool | None,
-    columns: Sequence[Field] | None = None,
+    columns: Sequence[str] = (),
 ) -> Rows:
     """Rows of a result table, cell for cell as a workbook shows them.
 
     Parameters
     ----------
-    spec : TableSpec
-        The table. [table]
+    table : str
+        The table. [name]
     rows : iterable of mapping
         Its rows by JSON key. [SI]
     system : str
         Units shown, SI or US. [word]
     headers : bool or None
         False leaves the row of headers out. [flag]
-    columns : sequence of Field, optional
-        The columns shown; default all. [columns]
+    columns : sequence of str, optional
+        The columns shown; default all but repeated ones. [headers]
 
     Returns
     -------
     list of list
         Cells. [shown units]
     """
-    units = units_of(system)
-    columns = spec.columns if columns is None else columns
-    found: Rows = [[shown_cell(spec, c, row, units) for c in columns] for row in rows]
+    units, spec = units_of(system), fields.table(table)
+    by_name = {field.name: field for field in spec.written_columns}
+    shown = [by_name[name] for name in columns] or spec.columns
+    cells: Rows = [[shown_cell(spec, c, row, units) for c in shown] for row in rows]
     if headers is False:
-        return found
-    return [[header_of(c, units.name(spec.name, c.name)) for c in columns], *found]
+        return cells
+    return [[header_of(c, units.name(table, c.name)) for c in shown], *cells]
 
 
 def header_of(field: Field, unit: str) -> str:
@@ -169,8 +170,7 @@ def shows_table(
     callable
         Decorates what takes the results and gives the rows of the table.
     """
-    spec = fields.table(table)
-    shown = [spec.column(name) for name in columns] or list(spec.columns)
+    count = len(columns or fields.table(table).columns)
     long = results is run_of
 
     def enter(rows_of: Callable[[Any], Any]) -> Callable[..., Rows]:
@@ -180,7 +180,7 @@ def shows_table(
             UNITS,
             HEADERS,
             long=long,
-            columns=len(shown),
+            columns=count,
             example=example.replace("%s", function),
         )
         @wraps(rows_of)
@@ -191,7 +191,7 @@ def shows_table(
                 raise no_rows(found, missing)
             if not rows and missing:
                 raise FunctionError(missing, "#N/A")
-            return table_cells(spec, rows, system_for(units, model), headers, shown)
+            return table_cells(table, rows, system_for(units, model), headers, columns)
 
         return answer
 

@@ -27,9 +27,9 @@ from addin.contract.shown_cell import shown_cell
 from addin.contract.shown_units import ShownUnits, shown_units
 from addin.contract.tables import TableSpec
 from addin.contract.texts import NO_STUDY
+from addin.recorded.results import recorded_fact
 from addin.recorded.study_digests import stated_digests, twelve_digits
 from addin.xlsx import (
-    PackageError,
     SaveReport,
     Table,
     TableData,
@@ -385,19 +385,8 @@ def chosen_elements(workbook: Workbook) -> list[str | None]:
     list of (str or None)
         One a chart; None leaves the choice to the program. [names]
     """
-    chosen: list[str | None] = []
-    for number in range(1, HISTORIES + 1):
-        try:
-            target = workbook.name(plot_name(number))
-        except PackageError:
-            chosen.append(None)
-            continue
-        assert target.sheet
-        assert target.rect
-        cell = cell_name(target.rect.top, target.rect.left)
-        text = workbook.shown_value(target.sheet, cell)
-        chosen.append(text.strip() or None if isinstance(text, str) else None)
-    return chosen
+    names = map(plot_name, range(1, HISTORIES + 1))
+    return [recorded_fact(workbook, name) or None for name in names]
 
 
 _ACCURACY_TITLE = "Accuracy title"
@@ -478,26 +467,23 @@ def _cut_to_room(workbook: Workbook, data: TableData) -> TableData:
 
 def _fit_rows(workbook: Workbook, written: Sequence[TableData]) -> None:
     """Row heights of tables with sentences that wrap; rows no longer used get the usual one."""
-    by_name = {data.name: data for data in written}
-    heights: dict[str, list[float]] = {}
-    wrapped = (
-        (spec, field) for spec in fields.EVERY_TABLE for field in spec.columns if field.width
-    )
-    for spec, field in wrapped:
-        name = spec.name
-        data = by_name.get(name)
-        if data is None or data.columns is None or field.name not in data.columns:
+    for data in written:
+        spec, columns = fields.find_table(data.name), list(data.columns or ())
+        wrapped = [
+            (columns.index(field.name), field.width)
+            for field in (spec.columns if spec else ())
+            if field.width and field.name in columns
+        ]
+        if spec is None or not wrapped:
             continue
-        at = list(data.columns).index(field.name)
-        texts = [str(row[at] or "") for row in data.rows]
-        texts += [""] * max(spec.room - len(data.rows), 0)
-        needed = [text_height(text, field.width) for text in texts]
-        known = heights.setdefault(name, needed)
-        heights[name] = [max(pair) for pair in zip(known, needed, strict=True)]
-    for name, needed in heights.items():
-        table = workbook.table(name)
-        for row, height in enumerate(needed, table.data.top):
-            workbook.set_row_height(table.sheet, row, height)
+        table = workbook.table(data.name)
+        heights = [
+            max(text_height(str(row[at] or ""), width) for at, width in wrapped)
+            for row in data.rows
+        ]
+        heights += [text_height("", 1.0)] * (spec.room - len(heights))
+        for row_number, height in enumerate(heights, table.data.top):
+            workbook.set_row_height(table.sheet, row_number, height)
 
 
 def _with_columns(workbook: Workbook, data: TableData, there: Sequence[str]) -> TableData:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from addin.contract.tables import result_table
 from addin.worksheet.answers import HEADERS, MODEL, UNITS, Rows, system_for, table_cells
 from addin.worksheet.models import MODELS
 from addin.worksheet.registry import Argument, FunctionError, registered
@@ -38,7 +37,7 @@ CALIBRATED = (
     example="=TV_CALIBRATE(A1, 30.1, 0.01, 0.1)",
 )
 def tv_calibrate(
-    model: str,
+    handle: str,
     frequencies: Rows,
     uncertainty: float | None,
     spread: float | None,
@@ -51,7 +50,7 @@ def tv_calibrate(
     have is refused. `torsionbook calibrate` also takes inertias, stated modes and peak torques, and
     its sheet Calibration shows more.
     """
-    found = MODELS.of(model)
+    model = MODELS.of(handle)
     typed = [float(v) for line in frequencies for v in line if v is not None]
     if not typed:
         raise FunctionError("Frequencies is blank. Give measured natural frequencies [Hz].")
@@ -59,15 +58,13 @@ def tv_calibrate(
         scatter=() if spread is None else (ScatterRow(None, STIFFNESS, None, spread),),
         measured_frequencies=tuple(MeasuredFrequencyRow(None, f, uncertainty) for f in typed),
     )
-    wrong = calibration_problems(found.case, asked)
+    wrong = calibration_problems(model.case, asked)
     if wrong:
-        said = wrong[0]
-        raise FunctionError(f"{said.column or said.table}: {said.message}", "#NUM!")
-    result = calibrate(found.case, asked)
+        first = wrong[0]
+        raise FunctionError(f"{first.column or first.table}: {first.message}", "#NUM!")
+    result = calibrate(model.case, asked)
     unused = next((m for m in result.measurements if not m.used), None)
     if unused is not None:
         raise FunctionError(f"Frequencies: {unused.measured:.10g} Hz. {unused.note}", "#N/A")
-    spec = result_table("CalibratedParameters")
-    columns = [spec.column(name) for name in CALIBRATED]
-    rows = parameter_rows(result)
-    return table_cells(spec, rows, system_for(units, found), headers, columns)
+    rows, system = parameter_rows(result), system_for(units, model)
+    return table_cells("CalibratedParameters", rows, system, headers, CALIBRATED)

@@ -64,7 +64,7 @@ def tv_starts(run: Any) -> Any:
     example='=TV_SN_LIFE(A1, "Alloy steel", 200, "SI")',
 )
 def tv_sn_life(
-    model: str, material: str, stress: Rows, units: str | None, remarks: bool | None
+    handle: str, material: str, stress: Rows, units: str | None, remarks: bool | None
 ) -> Rows:
     """Cycles to failure at a stress, on the S-N line in torsion; below endurance 'unlimited'.
 
@@ -72,15 +72,15 @@ def tv_sn_life(
     but not test data, and such starts are not judged. With Remarks `TRUE` a remark beside each life
     says so. A stress above UTS is refused.
     """
-    found = MODELS.of(model)
-    case = found.case
+    model = MODELS.of(handle)
+    case = model.case
     name = name_in_case("Material", material, [str(m.material) for m in case.materials])
     row = next(m for m in case.materials if str(m.material) == name)
     try:
         curve = sn_curve_for(row, case.sn_points)
     except ModelError as wrong:
         raise FunctionError(str(wrong), "#NUM!") from None
-    unit, pascal = si_unit("pressure", system_for(units, found))
+    unit, pascal = si_unit("pressure", system_for(units, model))
     answer: Rows = []
     for i, line in enumerate(stress):
         lives: list[Any] = []

@@ -29,9 +29,9 @@ def tv_frequencies(tables: Mapping[str, Any]) -> Any:
     columns=2,
     example="=TV_MODE(A1, 2)",
 )
-def tv_mode(model: str, mode: int, headers: bool | None) -> Rows:
+def tv_mode(handle: str, mode: int, headers: bool | None) -> Rows:
     """Shape of one mode: relative twist of each station, the largest = 1."""
-    _, tables = at_speed_tables(model)
+    _, tables = at_speed_tables(handle)
     _check_mode(mode, len(tables["modes"]))
     rows: Rows = [[row["station"], row[f"mode_{mode}"]] for row in tables["ModeShapes"]]
     return rows if headers is False else [["Station", f"Mode {mode}"], *rows]
@@ -45,9 +45,9 @@ def tv_mode(model: str, mode: int, headers: bool | None) -> Rows:
     columns=0,
     example="=TV_ENERGY(A1)",
 )
-def tv_energy(model: str, mode: int | None, headers: bool | None) -> Rows:
+def tv_energy(handle: str, mode: int | None, headers: bool | None) -> Rows:
     """Energy shares: of each element in the strain and of each station in the kinetic energy."""
-    _, tables = at_speed_tables(model)
+    _, tables = at_speed_tables(handle)
     modes = tables["modes"]
     if mode is not None:
         _check_mode(mode, len(modes))

@@ -46,10 +46,10 @@ def _points(points: int | None) -> int:
     columns=3,
     example="=TV_SPEED_TIME(A1, 200)",
 )
-def tv_speed_time(model: str, points: int | None, headers: bool | None) -> Rows:
+def tv_speed_time(handle: str, points: int | None, headers: bool | None) -> Rows:
     """Mean speed of the motor against time during the start."""
     limit = _points(points)
-    _, run = run_of(model)
+    _, run = run_of(handle)
     if run.view.speed_time is None or not run.case.ratings.synchronous_speed:
         raise FunctionError(NO_START, "#N/A")
     time, speed = run.view.speed_time
@@ -79,16 +79,16 @@ def tv_peaks(run: Any) -> Any:
     example='=TV_HISTORY(A1, "LS coupling", 1000)',
 )
 def tv_history(
-    model: str, element: str, points: int | None, units: str | None, headers: bool | None
+    handle: str, element: str, points: int | None, units: str | None, headers: bool | None
 ) -> Rows:
     """Torque of an element against time; thinned so that every interval keeps its extremes."""
     limit = _points(points)
-    found, run = run_of(model)
+    model, run = run_of(handle)
     histories = run.view.histories or {}
     if not histories:
         raise FunctionError(NO_START, "#N/A")
     name = name_in_case("Element", element, list(histories))
-    shown, place = units_of(system_for(units, found)), ("StartupPeaks", "Maximum torque")
+    shown, place = units_of(system_for(units, model)), ("StartupPeaks", "Maximum torque")
     unit, factor = shown.name(*place), shown.factor(*place)
     time, torque = histories[name]
     kept = decimate(time, torque, limit)

@@ -13,7 +13,7 @@ from functools import partial
 from typing import Any
 
 from addin.contract.problems import first_of
-from addin.contract.tables import Field, TableSpec, result_table
+from addin.contract.tables import result_table
 from addin.worksheet.answers import (
     HEADERS,
     MODEL,
@@ -73,8 +73,6 @@ ANSWERS = {
 }
 #: What `TV_SENSITIVITIES` is asked for → the table of the study.
 FOLLOWING = {"frequencies": "FrequencySensitivities", "start": "Sensitivities"}
-#: Modes that a row of frequency sensitivities has columns for.
-_MODES = 10
 
 
 def _in_time(
@@ -150,7 +148,7 @@ def _usual_units(system: str) -> dict[tuple[str, str], DisplayUnit]:
     example="=TV_TUNE(A1, Tuning!B6:H18)",
 )
 def tv_tune(
-    model: str,
+    handle: str,
     tuning: Block | None,
     catalogue: Block | None,
     units: str | None,
@@ -161,10 +159,10 @@ def tv_tune(
     At most 100 combinations and 30 s: for more use `torsionbook tune`. Order, numbers and texts are
     those of the command and of sheet Tuning results, which has more columns, maps and crossings.
     """
-    found = MODELS.of(model)
-    inputs = _read(found, {"Tuning": tuning, "Catalogue": catalogue})
-    _refuse(tuning_problems(found.case, inputs))
-    plan = plan_tuning(found.case, inputs)
+    model = MODELS.of(handle)
+    inputs = _read(model, {"Tuning": tuning, "Catalogue": catalogue})
+    _refuse(tuning_problems(model.case, inputs))
+    plan = plan_tuning(model.case, inputs)
     count = len(plan.combinations)
     if count > MOST_COMBINATIONS:
         raise FunctionError(
@@ -174,17 +172,16 @@ def tv_tune(
         )
 
     def ranked() -> TuningResult:
-        calculate = partial(calculate_combination, found.case)
+        calculate = partial(calculate_combination, model.case)
         tried = _in_time("tune", plan.combinations, calculate, time.monotonic())
-        return rank_combinations(found.case, plan, tried)
+        return rank_combinations(model.case, plan, tried)
 
-    result = _kept(found, f"tune {plan.study_digest}", ranked)
-    words = {**_usual_units(system_for(units, found)), **inputs.units}
+    result = _kept(model, f"tune {plan.study_digest}", ranked)
+    words = {**_usual_units(system_for(units, model)), **inputs.units}
     tried = [row.tried for row in result.rows]
-    rows = ranked_rows(rank_combinations(found.case, in_typed_units(plan, words), tried, words))
-    spec = result_table("TuningResults")
-    columns = [spec.column(name) for name in TUNED_COLUMNS]
-    return table_cells(spec, rows, system_for(units, found), headers, columns)
+    rows = ranked_rows(rank_combinations(model.case, in_typed_units(plan, words), tried, words))
+    system = system_for(units, model)
+    return table_cells("TuningResults", rows, system, headers, TUNED_COLUMNS)
 
 
 @registered(
@@ -213,7 +210,7 @@ def tv_tune(
     example='=TV_TOLERANCES(A1, Tolerances!B6:H23, "starts", 100)',
 )
 def tv_tolerances(
-    model: str,
+    handle: str,
     scatter: Block,
     quantity: str | None,
     samples: int | None,
@@ -227,17 +224,17 @@ def tv_tolerances(
     number, and shows whether it converged. The same samples and seed give the same numbers there.
     """
     asked = name_in_case("Quantity", quantity or "starts", list(ANSWERS))
-    found, plain = run_of(model)
+    model, plain = run_of(handle)
     if samples is not None and samples > MOST_SAMPLES:
         raise FunctionError(
             f"Samples: found {samples:,}; a cell calculates at most {MOST_SAMPLES}. For more, run: "
             f"torsionbook tolerances FILE --samples {samples}",
             "#NUM!",
         )
-    inputs = _read(found, {"Scatter": scatter})
+    inputs = _read(model, {"Scatter": scatter})
     settings = ToleranceSettings(samples or USUAL_SAMPLES, USUAL_SEED if seed is None else seed)
-    _refuse(tolerance_problems(found.case, inputs.scatter, settings))
-    plan = plan_tolerances(found.case, inputs.scatter, settings, nominal=plain.results)
+    _refuse(tolerance_problems(model.case, inputs.scatter, settings))
+    plan = plan_tolerances(model.case, inputs.scatter, settings, nominal=plain.results)
 
     def calculate() -> Mapping[str, Any]:
         began = time.monotonic()
@@ -246,12 +243,11 @@ def tv_tolerances(
             summarise_sample(plan, _in_time("tolerances", units_of(plan, size), evaluate, began))
         )
 
-    tables = _kept(found, f"tolerances {plan.digest}", calculate)
+    tables = _kept(model, f"tolerances {plan.digest}", calculate)
     rows = tables[ANSWERS[asked]]
     if not rows:
         raise FunctionError(f"The case has no {asked} to vary.", "#N/A")
-    spec = result_table(ANSWERS[asked])
-    return table_cells(spec, rows, system_for(units, found), headers)
+    return table_cells(ANSWERS[asked], rows, system_for(units, model), headers)
 
 
 @registered(
@@ -266,35 +262,29 @@ def tv_tolerances(
     columns=0,
     example="=TV_SENSITIVITIES(A1)",
 )
-def tv_sensitivities(model: str, of: str | None, units: str | None, headers: bool | None) -> Rows:
+def tv_sensitivities(handle: str, of: str | None, units: str | None, headers: bool | None) -> Rows:
     """Sensitivity of frequencies, or of peak stress and starts, to every stiffness, inertia and so on.
 
     Frequencies: relative change / relative change of the quantity, ± half its share of the energy.
     Start: effect of + 1 % of each quantity, by the derivative and in runs at ± 1 %, in at most 30 s.
     """
     asked = name_in_case("Of", of or "frequencies", list(FOLLOWING))
-    found, plain = run_of(model)
+    model, plain = run_of(handle)
 
     def calculate() -> list[dict[str, Any]]:
         began = time.monotonic()
-        plan = plan_derivatives(found.case, nominal=plain.results)
+        plan = plan_derivatives(model.case, nominal=plain.results)
         if asked == "frequencies":
             return frequency_rows(gather_derivatives(plan, [], None))
         parts = _in_time("sensitivities", derivative_units(plan), differences, began)
         return derivative_rows(gather_derivatives(plan, parts, tangent_of(plan)))
 
-    rows = _kept(found, f"sensitivities {asked}", calculate)
-    spec = result_table(FOLLOWING[asked])
+    rows = _kept(model, f"sensitivities {asked}", calculate)
     if not rows:
         raise FunctionError(
             "No sensitivities: there are no peaks of a start to differentiate.", "#N/A"
         )
-    return table_cells(spec, rows, system_for(units, found), headers, _columns_of(spec, rows))
-
-
-def _columns_of(spec: TableSpec, rows: Sequence[Mapping[str, Any]]) -> list[Field]:
-    """Columns of a table, with those of the modes that there are."""
-    if spec.repeated is None:
-        return list(spec.columns)
-    modes = (spec.repeated_column(k) for k in range(1, _MODES + 1))
-    return [*spec.columns, *(field for field in modes if field.key in rows[0])]
+    spec = result_table(FOLLOWING[asked])
+    # of the modes those that there are
+    columns = [f.name for f in spec.written_columns if f in spec.columns or f.key in rows[0]]
+    return table_cells(spec.name, rows, system_for(units, model), headers, columns)

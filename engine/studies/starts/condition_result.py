@@ -74,6 +74,10 @@ class ConditionResult:
     remarks: tuple[str, ...] = ()
     accuracy: str = ""  #: Likewise.
 
+    def shaft(self, name: str | None) -> ConditionShaft | None:
+        """One of the judged shafts; None where it was not calculated. [mixed]"""
+        return next((s for s in self.shafts if s.element == name), None)
+
     @property
     def note(self) -> str:
         """What a reader must know of this start. [sentences]"""

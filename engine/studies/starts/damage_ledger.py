@@ -123,15 +123,11 @@ def damage_ledger(matrix: StartMatrix) -> DamageLedger:
     return DamageLedger(rows, remaining, verdict, " ".join(_words(rows)), assumption)
 
 
-def _shaft(result: ConditionResult, name: str) -> ConditionShaft | None:
-    return next((s for s in result.shafts if s.element == name), None)
-
-
 def _sum(results: Sequence[ConditionResult], name: str, number: str, damage: str) -> float:
     """Σ number × damage over the start conditions that have a number; exact whatever their order."""
     terms = []
     for r in results:
-        shaft, times = _shaft(r, name), getattr(r.condition, number)
+        shaft, times = r.shaft(name), getattr(r.condition, number)
         if times > 0.0 and shaft is not None:
             terms.append(times * getattr(shaft, damage))
     return math.fsum(terms)
@@ -199,7 +195,7 @@ def remaining_life(left: float, taken: float) -> float | None:
 
 def _why_not(result: ConditionResult, name: str) -> str:
     """Why a start condition has no damage that can be counted; empty where it has."""
-    shaft = _shaft(result, name)
+    shaft = result.shaft(name)
     if shaft is not None and shaft.judged:
         return ""
     kind = f"'{result.condition.name}'"
@@ -227,7 +223,7 @@ def _verdict(
             "so the verdict is uncertain. Tighten ToleranceStarts."
         )
     for attribute, words in _DOUBTS.items():
-        names = [r.condition.name for r in duty if (s := _shaft(r, name)) and getattr(s, attribute)]
+        names = [r.condition.name for r in duty if (s := r.shaft(name)) and getattr(s, attribute)]
         if names:
             sentences.append(words.format(names[0]))
             verdict = Judgement.NOT_JUDGED if verdict == Judgement.PASS else verdict
@@ -241,7 +237,7 @@ def _governing(duty: Sequence[ConditionResult], name: str, by_year: bool) -> str
     shares = {
         r.condition.name: getattr(r.condition, number) * s.damage
         for r in duty
-        if (s := _shaft(r, name)) is not None
+        if (s := r.shaft(name)) is not None
     }
     worst = max(shares, key=lambda k: shares[k], default=None)
     return worst if worst is not None and shares[worst] > 0.0 else None
@@ -251,7 +247,7 @@ def _remaining(
     result: ConditionResult, row: LedgerRow, results: Sequence[ConditionResult]
 ) -> RemainingStarts:
     """Starts of one kind; without any duty, of an unused shaft."""
-    shaft, condition = _shaft(result, row.element), result.condition
+    shaft, condition = result.shaft(row.element), result.condition
     no_duty = not any(r.condition.has_duty for r in results)
     damage_left = row.allowed if no_duty else row.left
     reason = _why_unjudged(result, shaft, damage_left)
