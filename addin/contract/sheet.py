@@ -21,6 +21,17 @@ class ChartAt:
 
 
 @dataclass(frozen=True)
+class KeyNumber:
+    """A number beside its label, by a live formula."""
+
+    label: str  #: What it is.
+    formula: str  #: The formula.
+    unit: str = ""  #: Its unit; or the column, ``Table[Column]``, in whose unit it is.
+    number_format: str = "General"  #: Number format of its cell.
+    where: str = ""  #: Formula for the place that it belongs to; empty = none.
+
+
+@dataclass(frozen=True)
 class Sheet:
     """One sheet as data."""
 

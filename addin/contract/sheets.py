@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from addin.contract.chart_tables import HISTORIES
 from addin.contract.result_tables import CROSSING_ROWS
-from addin.contract.sheet import ChartAt, Sheet
+from addin.contract.sheet import ChartAt, KeyNumber, Sheet
 from addin.contract.tables import table
 
 BLANK_TEXT = '=IF({0}="","",{0})'
@@ -331,34 +331,43 @@ def _of_shaft(column: str) -> str:
 #: Cell of the caption above the facts of the governing shaft on sheet `Starts`.
 CYCLE_FACTS_AT = "K31"
 
-#: What leads from the cycles of one start to 1/q: label, formula, unit (a column), number format.
-CYCLE_FACTS: tuple[tuple[str, str, str, str], ...] = (
-    ("Governing shaft", BLANK_TEXT.format("run_GoverningShaft"), "", "@"),
-    ("Stress diameter", _of_shaft("Stress diameter"), "Elements[Stress diameter]", "0.000"),
-    ("Stress bore", _of_shaft("Stress bore"), "Elements[Stress bore]", "0.000"),
-    ("SCF", _of_shaft("SCF"), "", "General"),
-    ("Material", _of_shaft("Material"), "", "General"),
-    ("Endurance limit in torsion", BLANK_TEXT.format("run_Endurance"), "StartCycles[Amplitude]",
-     "[>=1000]#,##0;0.000"),
-    ("S-N exponent k at the limit", BLANK_TEXT.format("run_SNExponent"), "", "0.000"),
-    ("Sum of n / N = damage q", '=IF(run_GoverningShaft="","",SUM(StartCycles[Damage check]))', "",
-     "0.000000E+00"),
-    (
+#: What leads from the cycles of one start to 1/q.
+CYCLE_FACTS = (
+    KeyNumber("Governing shaft", BLANK_TEXT.format("run_GoverningShaft"), number_format="@"),
+    KeyNumber(
+        "Stress diameter", _of_shaft("Stress diameter"), "Elements[Stress diameter]", "0.000"
+    ),
+    KeyNumber("Stress bore", _of_shaft("Stress bore"), "Elements[Stress bore]", "0.000"),
+    KeyNumber("SCF", _of_shaft("SCF")),
+    KeyNumber("Material", _of_shaft("Material")),
+    KeyNumber(
+        "Endurance limit in torsion",
+        BLANK_TEXT.format("run_Endurance"),
+        "StartCycles[Amplitude]",
+        "[>=1000]#,##0;0.000",
+    ),
+    KeyNumber(
+        "S-N exponent k at the limit", BLANK_TEXT.format("run_SNExponent"), number_format="0.000"
+    ),
+    KeyNumber(
+        "Sum of n / N = damage q",
+        '=IF(run_GoverningShaft="","",SUM(StartCycles[Damage check]))',
+        number_format="0.000000E+00",
+    ),
+    KeyNumber(
         "1 / sum = allowable starts",
         '=IF(run_GoverningShaft="","",'
         'IF(COUNTIF(AllowableStarts[Allowable starts],"not judged")>0,"not judged",'
         'IF(SUM(StartCycles[Damage check])>0,1/SUM(StartCycles[Damage check]),"unlimited")))',
-        "",
-        "#,##0.0",
+        number_format="#,##0.0",
     ),
-    (
+    KeyNumber(
         "Allowable starts in table AllowableStarts",
         '=IF(run_GoverningShaft="","",IFERROR(INDEX(AllowableStarts[Allowable starts],'
         'MATCH(run_GoverningShaft,AllowableStarts[Element],0)),""))',
-        "",
-        "#,##0.0",
+        number_format="#,##0.0",
     ),
-)  # fmt: skip
+)
 
 
 def _element_at(column: str, extreme: str) -> str:
@@ -371,55 +380,57 @@ def _extreme(column: str, extreme: str) -> str:
     return f'=IF(COUNT({column})=0,"",{extreme}({column}))'
 
 
-#: Key numbers of the Summary: label, value, unit (a text, or a column whose unit is shown), where.
-KEY_NUMBERS: tuple[tuple[str, str, str, str, str], ...] = (
-    ("Synchronous speed", BLANK_TEXT.format("run_SynchronousSpeed"), "rpm", "", "#,##0.0"),
-    (
+#: Key numbers of the Summary.
+KEY_NUMBERS = (
+    KeyNumber("Synchronous speed", BLANK_TEXT.format("run_SynchronousSpeed"), "rpm", "#,##0.0"),
+    KeyNumber(
         "First torsional mode",
         '=IFERROR(INDEX(NaturalFrequencies[Frequency],MATCH(1,NaturalFrequencies[Mode],0)),"")',
         "NaturalFrequencies[Frequency]",
-        "",
         "0.000",
     ),
-    (
+    KeyNumber(
         "Modes below 2 × line frequency",
         '=IF(COUNT(NaturalFrequencies[Percent speed])=0,"",COUNT(NaturalFrequencies[Percent speed]))',
-        "",
-        "",
-        "0",
+        number_format="0",
     ),
-    (
+    KeyNumber(
         "Least separation margin",
         _extreme("SeparationMargins[Margin]", "MIN"),
         "SeparationMargins[Margin]",
+        "0.00",
         '=IFERROR("mode "&INDEX(SeparationMargins[Mode],MATCH(MIN(SeparationMargins[Margin]),'
         'SeparationMargins[Margin],0))&", "&INDEX(SeparationMargins[Excitation],'
         'MATCH(MIN(SeparationMargins[Margin]),SeparationMargins[Margin],0)),"")',
-        "0.00",
     ),
-    ("Duration of the start", BLANK_TEXT.format("run_StartTime"), "s",
-     BLANK_TEXT.format("run_OutcomeWord"), "0.000"),
-    (
+    KeyNumber(
+        "Duration of the start",
+        BLANK_TEXT.format("run_StartTime"),
+        "s",
+        "0.000",
+        BLANK_TEXT.format("run_OutcomeWord"),
+    ),
+    KeyNumber(
         "Least mesh torque / transmitted",
         _extreme("TorqueReversals[Margin]", "MIN"),
         "TorqueReversals[Margin]",
-        _element_at("TorqueReversals[Margin]", "MIN"),
         "0.0",
+        _element_at("TorqueReversals[Margin]", "MIN"),
     ),
-    (
+    KeyNumber(
         "Largest nominal stress, p-p",
         _extreme("StartupPeaks[Peak-to-peak stress]", "MAX"),
         "StartupPeaks[Peak-to-peak stress]",
-        _element_at("StartupPeaks[Peak-to-peak stress]", "MAX"),
         "[>=1000]#,##0;0.000",
+        _element_at("StartupPeaks[Peak-to-peak stress]", "MAX"),
     ),
-    (
+    KeyNumber(
         "Least allowable starts, whole",
-        '=IF(COUNT(AllowableStarts[Starts to judge])>0,MIN(AllowableStarts[Starts to judge]),'
+        "=IF(COUNT(AllowableStarts[Starts to judge])>0,MIN(AllowableStarts[Starts to judge]),"
         'IF(COUNTIF(AllowableStarts[Allowable starts],"unlimited")>0,"unlimited",'
         'IF(COUNTIF(AllowableStarts[Allowable starts],"?*")>0,"not judged","")))',
         "",
-        _element_at("AllowableStarts[Starts to judge]", "MIN"),
         "#,##0",
+        _element_at("AllowableStarts[Starts to judge]", "MIN"),
     ),
-)  # fmt: skip
+)

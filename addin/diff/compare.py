@@ -28,8 +28,8 @@ def compare_files(
         When one of them cannot be read or calculated.
     """
     sides = [
-        read_compared_file(one, recalculate=recalculate, on_stage=on_stage)
-        for one in (first, second)
+        read_compared_file(path, recalculate=recalculate, on_stage=on_stage)
+        for path in (first, second)
     ]
     return compare_read_files(*sides)
 

@@ -74,7 +74,7 @@ def _rows(data: CaseData, spec: TableSpec) -> list[dict[str, Any]]:
     """Rows of a table by header; a share of the torque transmitted is given as text."""
     rows = []
     for row in getattr(data, TABLES[spec.name][0]):
-        values = {one.name: getattr(row, one.attribute) for one in spec.columns}
+        values = {column.name: getattr(row, column.attribute) for column in spec.columns}
         share = getattr(row, "torque_share", None)
         if share is not None:
             values["Torque"] = f"{100.0 * share:.12g} % of the torque transmitted"
@@ -144,9 +144,9 @@ def _renamed(
     gone = [_translated(spec, row, renamed) for row in first if row[key] and row[key] not in there]
     new = [row for row in second if row[key] and row[key] not in here]
     scored = [
-        (_alike(spec, key, old, one), -abs(i - j), i, j)
+        (_alike(spec, key, old, added), -abs(i - j), i, j)
         for i, old in enumerate(gone)
-        for j, one in enumerate(new)
+        for j, added in enumerate(new)
     ]
     matched: dict[str, str] = {}
     taken: set[int] = set()
@@ -162,11 +162,11 @@ def _alike(spec: TableSpec, key: str, old: Row, new: Row) -> float:
     if spec.name == "Elements" and all(old[c] == new[c] for c in _PLACE):
         return 1.0
     stated = [
-        one.name
-        for one in spec.columns
-        if one.name != key
-        and one.attribute not in ADMINISTRATIVE
-        and (old[one.name] is not None or new[one.name] is not None)
+        column.name
+        for column in spec.columns
+        if column.name != key
+        and column.attribute not in ADMINISTRATIVE
+        and (old[column.name] is not None or new[column.name] is not None)
     ]
     if not stated:
         return 0.0

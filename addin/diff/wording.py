@@ -77,11 +77,11 @@ def telling(name: str, changes: Sequence[Change]) -> list[Change]:
     """The changes of a result table that an engineer asks for first."""
     spec = find_table(name)
     columns = () if spec is None else spec.changes_shown
-    shown = [one for one in changes if one.column in columns and one.kind == "changed"]
+    shown = [change for change in changes if change.column in columns and change.kind == "changed"]
     if name == "SeparationMargins":  # the margin nearest to the line
-        shown.sort(key=lambda one: min(_size(one.before), _size(one.after)))
+        shown.sort(key=lambda change: min(_size(change.before), _size(change.after)))
     elif name == "SteadyState":  # the most stressed
-        shown.sort(key=lambda one: -max(_size(one.before), _size(one.after)))
+        shown.sort(key=lambda change: -max(_size(change.before), _size(change.after)))
     return shown[:SHOWN]
 
 
@@ -126,16 +126,16 @@ def _side(side: ComparedFile) -> dict[str, Any]:
     }
 
 
-def _change(one: Change) -> dict[str, Any]:
+def _change(change: Change) -> dict[str, Any]:
     return {
-        "kind": one.kind.replace(" ", "_"),
-        "table": one.table,
-        "row": one.row,
-        "column": one.column,
-        "a": storable(one.before),
-        "b": storable(one.after),
-        "difference": one.difference,
-        "relative": one.relative,
-        "shown_unit": one.unit,
-        "administrative": one.administrative,
+        "kind": change.kind.replace(" ", "_"),
+        "table": change.table,
+        "row": change.row,
+        "column": change.column,
+        "a": storable(change.before),
+        "b": storable(change.after),
+        "difference": change.difference,
+        "relative": change.relative,
+        "shown_unit": change.unit,
+        "administrative": change.administrative,
     }

@@ -140,7 +140,7 @@ def _cover(page: Any, formats: _Formats, differences: Differences) -> None:
 
 def _verdicts(page: Any, formats: _Formats, differences: Differences, row: int) -> None:
     """Every check of table `Verdicts`, and the verdicts of other tables that changed."""
-    changed = sum(one.changed for one in differences.verdicts)
+    changed = sum(verdict.changed for verdict in differences.verdicts)
     page.write_string(row, 0, f"Verdicts: {changed} of those below changed", formats.caption)
     headers = ("Check", "Result A", "Result B", "Limit", "Verdict A", "Verdict B")
     page.write_row(row + 1, 0, headers, formats.header)
@@ -185,43 +185,45 @@ def _changes(
     page.write_row(head, 0, _HEADERS, formats.header)
     page.freeze_panes(head + 1, 0)
     page.repeat_rows(head)
-    for row, one in enumerate(changes, head + 1):
-        _change(page, formats, row, one)
+    for row, change in enumerate(changes, head + 1):
+        _change(page, formats, row, change)
     if changes:
         page.autofilter(head, 0, head + len(changes), len(_HEADERS) - 1)
     else:
         page.write_string(head + 1, 0, "no difference", formats.plain)
 
 
-def _change(page: Any, formats: _Formats, row: int, one: Change) -> None:
-    words = formats.quiet if one.administrative else formats.text
-    table = caption(one.table)
-    for k, text in enumerate((table, one.row, one.column, "" if one.unit == "1" else one.unit)):
+def _change(page: Any, formats: _Formats, row: int, change: Change) -> None:
+    words = formats.quiet if change.administrative else formats.text
+    table = caption(change.table)
+    for k, text in enumerate(
+        (table, change.row, change.column, "" if change.unit == "1" else change.unit)
+    ):
         page.write_string(row, k, text, words)
-    before, after = one.shown(one.before), one.shown(one.after)
-    sentence = "" if one.kind == "changed" else one.kind
-    if one.kind in ("row added", "row removed"):
+    before, after = change.shown(change.before), change.shown(change.after)
+    sentence = "" if change.kind == "changed" else change.kind
+    if change.kind in ("row added", "row removed"):
         sentence = f"{sentence}: {before or after or ''}"
         before = after = None
         page.write_row(row, 4, [None] * 4, formats.plain)
     else:
-        _numbers(page, formats, row, one)
+        _numbers(page, formats, row, change)
     page.write_string(row, 8, sentence, words)
     words_shown = [value for value in (before, after) if isinstance(value, str)]
-    page.set_row(row, _height(one.row, table, *words_shown, sentence))
+    page.set_row(row, _height(change.row, table, *words_shown, sentence))
 
 
-def _numbers(page: Any, formats: _Formats, row: int, one: Change) -> None:
+def _numbers(page: Any, formats: _Formats, row: int, change: Change) -> None:
     """Before, after, difference and relative change."""
-    before, after = one.shown(one.before), one.shown(one.after)
+    before, after = change.shown(change.before), change.shown(change.after)
     number = formats.number(before, after)
-    for k, value, shown in ((4, one.before, before), (5, one.after, after)):
+    for k, value, shown in ((4, change.before, before), (5, change.after, after)):
         if is_number(shown) and math.isfinite(shown):
             page.write_number(row, k, shown, number)
         else:
-            style = formats.quiet if one.administrative else formats.text
-            page.write_string(row, k, in_words(one, value), style)
-    difference, relative = one.shown(one.difference), one.relative
+            style = formats.quiet if change.administrative else formats.text
+            page.write_string(row, k, in_words(change, value), style)
+    difference, relative = change.shown(change.difference), change.relative
     style = formats.plain if difference is None else formats.number(difference)
     page.write(row, 6, difference, style)
     page.write(row, 7, relative, formats.plain if relative is None else formats.percent)

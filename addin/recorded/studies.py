@@ -103,10 +103,12 @@ def recorded_studies(read: WorkbookInput, units: ShownUnits) -> tuple[RecordedSt
 def _unread(tables: Sequence[str], read: WorkbookInput) -> str:
     """That a cell of its tables cannot be read: it counts as blank in the digest, but is not."""
     problems = () if read.studies is None else read.studies.problems
-    for one in problems:
-        if one.table in tables:
-            place = one.column if one.row is None else f"row {one.row}, {one.column}"
-            return f"table {one.table} now has an unreadable cell ({place})"
+    for problem in problems:
+        if problem.table in tables:
+            place = (
+                problem.column if problem.row is None else f"row {problem.row}, {problem.column}"
+            )
+            return f"table {problem.table} now has an unreadable cell ({place})"
     return ""
 
 

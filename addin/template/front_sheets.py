@@ -128,20 +128,28 @@ class FrontSheets(Tables):
 
     def _key_numbers(self, page: Any, row: int) -> None:
         page.write_string(row, 1, "Key numbers", self.style("caption"))
-        for k, (label, formula, unit, where, number) in enumerate(KEY_NUMBERS, row + 1):
-            page.write_string(k, 1, label, self.style("key_label"))
-            page.write_formula(k, 2, formula, self.style("key_value", number), "")
-            unit_style, where_style = self.style("key_unit"), self.style("key_unit")
-            if "[" in unit:
-                table, column = unit.rstrip("]").split("[")
-                cell = self.unit_cells[table, column]
-                text = self._unit(fields.table(table).column(column))
-                page.write_formula(k, 3, f'=IF({cell}="","",{cell})', unit_style, text)
+        style = self.style("key_unit")
+        for k, number in enumerate(KEY_NUMBERS, row + 1):
+            page.write_string(k, 1, number.label, self.style("key_label"))
+            page.write_formula(
+                k, 2, number.formula, self.style("key_value", number.number_format), ""
+            )
+            if "[" in number.unit:
+                self._unit_of_column(page, k, 3, number.unit)
             else:
-                page.write_string(k, 3, unit, unit_style)
-            page.merge_range(k, 4, k, 5, "", where_style)
-            if where:
-                page.write_formula(k, 4, where, where_style, "")
+                page.write_string(k, 3, number.unit, style)
+            page.merge_range(k, 4, k, 5, "", style)
+            if number.where:
+                page.write_formula(k, 4, number.where, style, "")
+
+    def _unit_of_column(self, page: Any, row: int, at: int, name: str) -> None:
+        """The unit of a column, ``Table[Column]``, as its table shows it."""
+        table, column = name.rstrip("]").split("[")
+        cell = self.unit_cells[table, column]
+        text = self.example.units.get(
+            (table, column), self._unit(fields.table(table).column(column))
+        )
+        page.write_formula(row, at, f'=IF({cell}="","",{cell})', self.style("key_unit"), text)
 
     def _chosen_elements(self) -> None:
         """Cells in which the engineer may name the element of each history chart."""

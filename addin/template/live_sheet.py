@@ -163,17 +163,17 @@ class LiveSheets(ReferenceSheets):
         self._page.write_string(_STATE, _LEFT, "Model", self.style("caption"))
         every, train, model = (self._cell(row) for row in (_ALL_INPUTS, _TRAIN_ONLY, _SHOWN))
         good = {cell: f'IFERROR(LEFT({cell},3)="tv:",FALSE)' for cell in (every, train)}
-        said = f'IF(ISERROR({{0}}),"{_SEE_ERROR}",{{0}}&"")'
+        text = f'IF(ISERROR({{0}}),"{_SEE_ERROR}",{{0}}&"")'
         rows = (
             (
                 _ALL_INPUTS, "All inputs", self._model(None), shown,
-                f'=IF({good[every]},"No errors.",{said.format(every)})',
+                f'=IF({good[every]},"No errors.",{text.format(every)})',
                 "No errors." if shown else "", 42.0,
             ),
             (
                 _TRAIN_ONLY, "Train, speeds, excitations",
                 f'=IF({good[every]},"",{self._model(_OF_TRAIN)[1:]})', "",
-                f'=IF({good[every]},"",IF({good[train]},"No errors.",{said.format(train)}))', "",
+                f'=IF({good[every]},"",IF({good[train]},"No errors.",{text.format(train)}))', "",
                 42.0,
             ),
             (

@@ -49,22 +49,15 @@ class ResultSheets(FrontSheets):
         page.write_string(
             row, left, "From stress cycles to allowable starts 1 / q", self.style("caption")
         )
-        for k, (label, formula, unit, number) in enumerate(CYCLE_FACTS, row + 1):
-            page.merge_range(k, left, k, left + 2, label, self.style("key_label"))
-            value = self.style("check_value", number)
+        for k, fact in enumerate(CYCLE_FACTS, row + 1):
+            page.merge_range(k, left, k, left + 2, fact.label, self.style("key_label"))
+            value = self.style("check_value", fact.number_format)
             page.merge_range(k, left + 3, k, left + 4, "", value)
-            page.write_formula(k, left + 3, formula, value, "")
-            if not unit:
+            page.write_formula(k, left + 3, fact.formula, value, "")
+            if fact.unit:
+                self._unit_of_column(page, k, left + 5, fact.unit)
+            else:
                 page.write_blank(k, left + 5, None, self.style("key_unit"))
-                continue
-            table, column = unit.rstrip("]").split("[")
-            cell = self.unit_cells[table, column]
-            text = self.example.units.get(
-                (table, column), self._unit(fields.table(table).column(column))
-            )
-            page.write_formula(
-                k, left + 5, f'=IF({cell}="","",{cell})', self.style("key_unit"), text
-            )
 
     def _fact_lines(self) -> None:
         """Lines of words that the calculation writes into `RunFacts`."""

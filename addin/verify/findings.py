@@ -118,9 +118,9 @@ _OF_THE_FILE = frozenset({"digest", "settings", "table missing", "not judged"})
 def _in_order(findings: Sequence[Finding], counts: Sequence[Counts]) -> list[Finding]:
     """What fails first; of that what engineers ask first, not what the file happens to hold first."""
     sheets: dict[str, int] = {}
-    for one in counts:
-        place = _RANKS.get(one.table, _AT_THE_END)
-        sheets[one.sheet] = min(place, sheets.get(one.sheet, place))
+    for counted in counts:
+        place = _RANKS.get(counted.table, _AT_THE_END)
+        sheets[counted.sheet] = min(place, sheets.get(counted.sheet, place))
 
     def rank(finding: Finding) -> int:
         if finding.kind in _OF_THE_FILE:
@@ -151,8 +151,8 @@ def concluded(about: Verification, counts: list[Counts], findings: list[Finding]
         outcome, sentence = "follows", f"All {results:,} results agree with the inputs."
     else:
         outcome = "does not follow"
-        one = "1 thing does" if failing == 1 else f"{failing:,} things do"
-        sentence = f"{one} not agree with the inputs, of {results:,} results compared."
+        failures = "1 thing does" if failing == 1 else f"{failing:,} things do"
+        sentence = f"{failures} not agree with the inputs, of {results:,} results compared."
         if about.recorded and not about.same_inputs:
             sentence = f"The results belong to other inputs. {sentence}"
     return replace(

@@ -85,7 +85,7 @@ def _of_column(workbook: Workbook, table: Table, first: str, column: Field) -> I
 
 def summary_sheet(workbook: Workbook) -> str | None:
     """The sheet with the key numbers, told by their labels and not by a name that may lead astray."""
-    wanted = {plain(one[0]) for one in KEY_NUMBERS}
+    wanted = {plain(number.label) for number in KEY_NUMBERS}
     first = [table.sheet for name, table in workbook.tables.items() if name == "Verdicts"]
     counts: dict[str, int] = {}
     for sheet in (*first, *workbook.sheet_names):
@@ -116,9 +116,9 @@ def _labelled(workbook: Workbook) -> Iterator[tuple[str, dict[str, str]]]:
         if name.startswith("run_")
     }
     if summary is not None:
-        yield summary, block | {one[0]: one[1] for one in KEY_NUMBERS}
+        yield summary, block | {number.label: number.formula for number in KEY_NUMBERS}
     if starts is not None:
-        yield starts.sheet, {fact[0]: fact[1] for fact in CYCLE_FACTS}
+        yield starts.sheet, {fact.label: fact.formula for fact in CYCLE_FACTS}
 
 
 def _beside_labels(
@@ -126,7 +126,7 @@ def _beside_labels(
 ) -> Iterator[OwnFormula]:
     """Key numbers, facts of the governing shaft and the stamp: the formula right of its label."""
     labels = {plain(label): label for label in formulas}
-    where = {one[0]: one[3] for one in KEY_NUMBERS if one[3]}
+    where = {number.label: number.where for number in KEY_NUMBERS if number.where}
     part = workbook.sheet_part(sheet)
     for row, column, words in list(_words_of(workbook, sheet)):
         label = labels.get(words)

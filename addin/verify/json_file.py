@@ -132,10 +132,10 @@ def verify_results_json(
     counts, more = compare_tables(_table_pairs(content, expected), allowances, about)
     findings += missing + more
     allowed = allowances.of_words()
-    one = Counts("the rest", "")
-    counts.append(one)
+    rest = Counts("the rest", "")
+    counts.append(rest)
     for key in _NESTED:
-        found = _nested(key, content.get(key), expected.get(key), allowed, one)
+        found = _nested(key, content.get(key), expected.get(key), allowed, rest)
         findings += [f for f, how in found if how > within or how is Agreement.DIFFERENT]
     return concluded(about, counts, findings)
 
@@ -176,10 +176,10 @@ def _nested(
 ) -> Iterator[tuple[Finding, Agreement]]:
     """Values inside objects and lists, each under its path."""
     if isinstance(expected, Mapping) or isinstance(found, Mapping):
-        one = expected if isinstance(expected, Mapping) else {}
+        computed = expected if isinstance(expected, Mapping) else {}
         other = found if isinstance(found, Mapping) else {}
-        for key in dict.fromkeys([*one, *other]):
-            yield from _nested(f"{path}.{key}", other.get(key), one.get(key), allowed, counts)
+        for key in dict.fromkeys([*computed, *other]):
+            yield from _nested(f"{path}.{key}", other.get(key), computed.get(key), allowed, counts)
         return
     if isinstance(expected, list) or isinstance(found, list):
         many = expected if isinstance(expected, list) else [expected]

@@ -13,7 +13,7 @@ from addin.xlsx import Formula, Workbook
 from addin.xlsx.references import Rect, cell_name
 
 #: By the label of the number: a unit, or the column whose unit it has.
-_UNITS = {one[0]: one[2] for one in (*KEY_NUMBERS, *CYCLE_FACTS) if one[2]}
+_UNITS = {number.label: number.unit for number in (*KEY_NUMBERS, *CYCLE_FACTS)}
 
 
 def compare_units(workbook: Workbook, same_version: bool) -> Iterator[Finding]:

@@ -303,7 +303,7 @@ def _rows(
             if code and shipped and isinstance(shows, float):
                 code = min(code, shipped, key=lambda one: shown_step(shows, one))
             held[column] = RecordedValue(shows, cell_name(row, at), formula, code)
-        if any(one.value not in (None, "") or one.formula for one in held.values()):
+        if any(cell.value not in (None, "") or cell.formula for cell in held.values()):
             yield held
 
 
@@ -311,16 +311,16 @@ def _without_digits(table: TablePair) -> Iterator[Finding]:
     """A note for each column whose numbers are shown as fixed words, whatever they are."""
     columns = set()
     for row in table.recorded:
-        for column, one in row.items():
-            if column in columns or not isinstance(one.value, float) or not one.value:
+        for column, cell in row.items():
+            if column in columns or not isinstance(cell.value, float) or not cell.value:
                 continue
-            if not one.number_format or shown_step(one.value, one.number_format):
+            if not cell.number_format or shown_step(cell.value, cell.number_format):
                 continue
             columns.add(column)
-            code = shortened(one.number_format, 60)
-            sentence = f"the number format {code} shows no digit of {one.value:.9g}"
+            code = shortened(cell.number_format, 60)
+            sentence = f"the number format {code} shows no digit of {cell.value:.9g}"
             yield Finding(
-                "not shown", table.sheet, one.place, sentence, table.name, "", column, fails=False
+                "not shown", table.sheet, cell.place, sentence, table.name, "", column, fails=False
             )
 
 
@@ -335,18 +335,18 @@ def _facts_compared(
     if data is None:
         return
     facts = _facts(workbook)
-    one = Counts("RunFacts", next((sheet for sheet, _, _ in facts.values()), ""))
-    counts.append(one)
+    of_facts = Counts("RunFacts", next((sheet for sheet, _, _ in facts.values()), ""))
+    counts.append(of_facts)
     for name, _, follows in data.rows:
         if name not in facts:
             continue
         if name in _OWN_FACTS or (name in _STUDY_FACTS and study) or name == "run_AccuracyInputs":
-            one.not_compared += 1
+            of_facts.not_compared += 1
             continue
         sheet, cell, stands = facts[name]
         how = agreement(RecordedValue(stands, cell), follows)
         if follows is not None or how is not Agreement.BITS:
-            one.of[how] += 1
+            of_facts.of[how] += 1
         if how > Agreement.DIGITS:
             yield Finding(
                 "different", sheet, cell, f"{name}: '{stands}' is recorded, recalculation gives '{follows}'",

@@ -349,7 +349,7 @@ class _Reading:
         for table in INPUT_TABLES:
             self.typed.tables.setdefault(table.name, [])
         data = to_case_data(self.typed, self.findings)
-        told = []
+        problems = []
         for problem in all_problems(data, self.findings):
             typed = in_typed_units(problem, self.typed)
             rows = self.rows.get(problem.table, [])
@@ -360,7 +360,7 @@ class _Reading:
             where += [f"row {row}"] if row is not None else []
             where += [problem.column] if problem.column else []
             typed = replace(typed, row=row)
-            told.append(
+            problems.append(
                 CellProblem(
                     "",
                     typed.table,
@@ -371,7 +371,7 @@ class _Reading:
                     f"{', '.join(where)}: {typed.message}",
                 )
             )
-        return CaseInput(data=data, problems=tuple(told), warnings=(), typed=self.typed)
+        return CaseInput(data=data, problems=tuple(problems), warnings=(), typed=self.typed)
 
 
 def _text(cell: Cell) -> str:

@@ -328,21 +328,21 @@ def _size(value: Any) -> int:
     """Memory of a result: its arrays, and every number and text in its tables. [B]"""
     total, seen, left = 0, set[int](), [value]
     while left:
-        one = left.pop()
-        if isinstance(one, (float, int)):
+        value = left.pop()
+        if isinstance(value, (float, int)):
             total += 24  # equal numbers of different rows are different objects
             continue
-        if one is None or id(one) in seen:
+        if value is None or id(value) in seen:
             continue
-        seen.add(id(one))
-        total += one.nbytes if isinstance(one, np.ndarray) else sys.getsizeof(one)
-        if isinstance(one, dict):
-            left.extend(one)
-            left.extend(one.values())
-        elif isinstance(one, (list, tuple, set, frozenset)):
-            left.extend(one)
-        elif not isinstance(one, (str, bytes, type, ModuleType)):
-            left.extend(getattr(one, "__dict__", {}).values())
+        seen.add(id(value))
+        total += value.nbytes if isinstance(value, np.ndarray) else sys.getsizeof(value)
+        if isinstance(value, dict):
+            left.extend(value)
+            left.extend(value.values())
+        elif isinstance(value, (list, tuple, set, frozenset)):
+            left.extend(value)
+        elif not isinstance(value, (str, bytes, type, ModuleType)):
+            left.extend(getattr(value, "__dict__", {}).values())
     return total
 
 

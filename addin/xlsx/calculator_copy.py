@@ -205,14 +205,14 @@ def _without_rich_data(workbook: WorkbookState) -> tuple[set[str], dict[str, byt
 def _keep_dynamic_arrays(root: Element) -> bool:
     """Take out of the metadata what is said of values, and say whether anything remains."""
     types = root.findall(f"{main('metadataTypes')}/{main('metadataType')}")
-    kept = [one.get("name") == "XLDAPR" for one in types]
+    kept = [element.get("name") == "XLDAPR" for element in types]
     numbers = {str(k): str(sum(kept[:k])) for k, keep in enumerate(kept, start=1) if keep}
-    for one in [*types, *root.findall(main("futureMetadata"))]:
-        if one.get("name") != "XLDAPR":
-            one.getparent().remove(one)
+    for element in [*types, *root.findall(main("futureMetadata"))]:
+        if element.get("name") != "XLDAPR":
+            element.getparent().remove(element)
     for tag in ("valueMetadata", "mdxMetadata", "metadataStrings"):
-        for one in root.findall(main(tag)):
-            root.remove(one)
+        for element in root.findall(main(tag)):
+            root.remove(element)
     for record in root.findall(f"{main('cellMetadata')}/{main('bk')}/{main('rc')}"):
         number = numbers.get(record.get("t", ""))
         if number is None:

@@ -48,8 +48,8 @@ class DrawnChart:
     def references(self) -> Iterator[Drawn]:
         """Everything in it that refers to cells."""
         yield self.title_cell
-        for one in self.series:
-            yield from (one.name, one.categories, one.values)
+        for series in self.series:
+            yield from (series.name, series.categories, series.values)
 
 
 def drawn_charts(workbook: WorkbookState) -> list[DrawnChart]:
@@ -62,9 +62,9 @@ def drawn_charts(workbook: WorkbookState) -> list[DrawnChart]:
             if drawing.kind != "drawing" or workbook.container.find(drawing.part) is None:
                 continue
             charts = {
-                one.id: one.part
-                for one in structure.relationships(drawing.part)
-                if one.kind == "chart" and workbook.container.find(one.part) is not None
+                relation.id: relation.part
+                for relation in structure.relationships(drawing.part)
+                if relation.kind == "chart" and workbook.container.find(relation.part) is not None
             }
             root = parse_part(workbook.container.charged(drawing.part), drawing.part)
             for anchor in root:

@@ -208,8 +208,8 @@ class WorkbookState:
     def chart_areas(self, text: str) -> list[Area] | None:
         """Sheets and cells of a chart's reference, names followed; None when it cannot be followed."""
         areas: list[Area] = []
-        for one in split_areas(text):
-            sheet, rest = split_sheet(one)
+        for written in split_areas(text):
+            sheet, rest = split_sheet(written)
             try:
                 area = (sheet, parse_range(rest))
             except ValueError:

@@ -90,8 +90,8 @@ def cleaned_row(
 def misread(sheet: SheetPart, written: Sequence[Written]) -> Iterator[str]:
     """Cells of a sheet that hold something else than was written last."""
     last: dict[tuple[int, int], CellValue] = {}
-    for one in written:
-        last.update(one.values())
+    for cells in written:
+        last.update(cells.values())
     for place, value in last.items():
         if not _same(sheet.value(*place), value):
             yield cell_name(*place)

@@ -89,8 +89,8 @@ def tv_sn_life(
                 _check_stress(value * pascal, value, unit, pascal, row, (i, j))
             life = None if value is None else float(curve.cycles_to_failure(value * pascal))
             lives.append(life if life is None or math.isfinite(life) else NoNumber.UNLIMITED.value)
-        said = [None if v is None else _extended(curve, v * pascal) for v in line]
-        answer.append([*lives, *said] if remarks else lives)
+        places = [None if v is None else _extended(curve, v * pascal) for v in line]
+        answer.append([*lives, *places] if remarks else lives)
     return answer
 
 
@@ -138,19 +138,19 @@ def tv_life(damage: Rows, per_year: Rows, so_far: Rows | None, factor: float | N
     Palmgren-Miner: damage of all starts is summed regardless of order; the life of a shaft ends at
     damage 1 / Starts factor. One shaft per call; years are `unlimited` without damage per year.
     """
-    one, yearly = _column("Damage", damage), _column("Per year", per_year)
+    damages, yearly = _column("Damage", damage), _column("Per year", per_year)
     blank = so_far is None or all(value is None for line in so_far for value in line)
-    seen = [0.0] * len(one) if blank else _column("So far", so_far or [])
+    seen = [0.0] * len(damages) if blank else _column("So far", so_far or [])
     for name, column in (("Per year", yearly), ("So far", seen)):
-        if len(column) != len(one):
+        if len(column) != len(damages):
             raise FunctionError(
-                f"{name}: found {len(column)} cells, but Damage has {len(one)}; give the same "
+                f"{name}: found {len(column)} cells, but Damage has {len(damages)}; give the same "
                 "number."
             )
     if factor is not None and not factor > 0.0:
         raise FunctionError(f"Starts factor: found {factor:.10g}; give more than 0.", "#NUM!")
-    used = math.fsum(q * n for q, n in zip(one, seen, strict=True))
-    a_year = math.fsum(q * n for q, n in zip(one, yearly, strict=True))
+    used = math.fsum(q * n for q, n in zip(damages, seen, strict=True))
+    a_year = math.fsum(q * n for q, n in zip(damages, yearly, strict=True))
     left = 1.0 / (factor or 1.0) - used
     years = remaining_life(left, a_year)
     return [[used, a_year, left, NoNumber.UNLIMITED.value if years is None else years]]
