@@ -1,7 +1,7 @@
 """What every test may rely on: markers, what they require, LibreOffice, Hypothesis profiles.
 
 TORSIONBOOK_REQUIRE_ALL=1   a test that would be skipped fails instead (set in CI)
-TORSIONBOOK_RUN_SLOW=1      tests marked `slow` run too (set in CI)
+TORSIONBOOK_RUN_SLOW=1      tests marked `slow` run too, properties try all their examples (set in CI)
 TORSIONBOOK_SOFFICE=path    the LibreOffice to use, when it is not where one looks first
 
 `make explore` sets TORSIONBOOK_EXPLORE_UNTIL, the time after which no further test is begun, and
@@ -32,10 +32,12 @@ EXPLORE_UNTIL = float(os.environ.get("TORSIONBOOK_EXPLORE_UNTIL", "inf"))
 EXPLORE_SEED = os.environ.get("TORSIONBOOK_EXPLORE_SEED")
 
 # Every run tries the same examples: what is green stays green, on every machine, also on a busy one.
-# `make explore` tries fresh ones, from a seed that it prints.
+# `make explore` tries fresh ones, from a seed that it prints. A run without the slow tests tries
+# fewer; `example_count` in tests/strategies.py gives a property that has its own number the same share.
 for _name, _derandomize in (("same", True), ("explore", False)):
     hypothesis.settings.register_profile(
         _name,
+        max_examples=100 if RUN_SLOW else 30,
         deadline=None,
         derandomize=_derandomize,
         database=None,

@@ -8,10 +8,18 @@ from one drawn seed, so that a failure shrinks to few stations quickly.
 from __future__ import annotations
 
 import numpy as np
+from hypothesis import settings
 from hypothesis import strategies as st
 
 from engine.case.case import Case
 from engine.case.data import GROUND, ElementRow, StationRow
+
+
+def example_count(number: int) -> settings:
+    """As many examples, or the share of them that a run without the slow tests tries."""
+    share = settings().max_examples / 100
+    return settings(max_examples=max(1, round(share * number)))
+
 
 #: Stiffness of random elements reaches this many decades below 1e14 N m/rad.
 DECADES = 12

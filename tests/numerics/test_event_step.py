@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from engine.backlash.event_start import clearances_of
@@ -23,6 +23,7 @@ from engine.stepping.exponential import HERMITE, exponential_step
 from tests.clearance_reference import ClearanceReference
 from tests.clearance_response import clearance_response
 from tests.numerics.test_steppers import exact_step
+from tests.strategies import example_count
 
 # --- coefficients of one step ---------------------------------------------------------------------
 
@@ -84,7 +85,7 @@ def test_mode_step_is_the_exponential_step(h: float) -> None:
 coefficient = st.floats(-10.0, 10.0, allow_nan=False).map(lambda x: round(x, 6))
 
 
-@settings(max_examples=400, deadline=None)
+@example_count(400)
 @given(st.tuples(coefficient, coefficient, coefficient, coefficient))
 def test_first_fall_against_a_fine_scan(ends: tuple[float, float, float, float]) -> None:
     g0, d0, g1, d1 = ends

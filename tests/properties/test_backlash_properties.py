@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from engine.backlash.event_start import clearances_of
@@ -16,6 +16,7 @@ from engine.model.modes import modes_of
 from engine.model.train import Train
 from tests.clearance_response import ClearanceResponse, clearance_response
 from tests.random_clearances import Pushed, pushed_train
+from tests.strategies import example_count
 
 LAWS = ("limited", "no adhesion")
 END = 0.1
@@ -77,7 +78,7 @@ def with_motion(train: Train, found: ClearanceResponse) -> ClearanceResponse:
 
 
 @pytest.mark.slow
-@settings(max_examples=30, deadline=None)
+@example_count(30)
 @given(pushed, st.sampled_from(LAWS))
 def test_energy_never_rises_and_momentum_stays(p: Pushed, law: str) -> None:
     train, found = followed(p, law)
@@ -96,7 +97,7 @@ def test_energy_never_rises_and_momentum_stays(p: Pushed, law: str) -> None:
         assert np.max(np.abs(momentum - momentum[0])) < 1e-10 * scale
 
 
-@settings(max_examples=30, deadline=None)
+@example_count(30)
 @given(pushed, st.sampled_from(LAWS))
 def test_flanks_push_within_their_law_and_gaps_carry_nothing(p: Pushed, law: str) -> None:
     """Drive flank: torque of one sign where the back one is free; none in the gap; at most 2 k δ."""
@@ -193,7 +194,7 @@ def test_a_gap_wider_than_the_motion_lets_both_parts_go(seed: int) -> None:
         )
 
 
-@settings(max_examples=10, deadline=None)
+@example_count(10)
 @given(st.integers(0, 2**20), st.integers(1, 3), st.booleans(), st.randoms(use_true_random=False))
 def test_order_of_elements_and_their_direction_change_nothing(
     seed: int, clearances: int, bearings: bool, random
@@ -212,7 +213,7 @@ def test_order_of_elements_and_their_direction_change_nothing(
     )  # fmt: skip
 
 
-@settings(max_examples=10, deadline=None)
+@example_count(10)
 @given(st.integers(0, 2**20), st.integers(1, 3), st.floats(0.2, 5.0))
 def test_speeds_may_be_stated_against_any_shaft(seed: int, clearances: int, factor: float) -> None:
     """All ratios multiplied by one number: the reference shaft is another, nothing else."""

@@ -7,7 +7,7 @@ import random
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from engine.case.case import Case
@@ -18,7 +18,7 @@ from engine.studies.calibration.least_squares import FrequencyModel, unknowns_of
 from engine.studies.calibration.records import Calibration
 from engine.studies.scatter import factors_of
 from engine.studies.variation import names_with
-from tests.strategies import cases
+from tests.strategies import cases, example_count
 
 TRAINS = cases(stations=(2, 8), decades=3, rigid=False)
 M = MeasuredFrequencyRow
@@ -49,7 +49,7 @@ def measurable(case: Case, most: int) -> int:
     return len(f)
 
 
-@settings(max_examples=40)
+@example_count(40)
 @given(TRAINS, st.integers(1, 7), st.integers(0, 10**6))
 def test_synthetic_measurements_are_reproduced(case: Case, count: int, seed: int) -> None:
     """Fewer measurements than stiffnesses or as many: both fine."""
@@ -63,7 +63,7 @@ def test_synthetic_measurements_are_reproduced(case: Case, count: int, seed: int
     assert found.explained
 
 
-@settings(max_examples=30)
+@example_count(30)
 @given(TRAINS, st.floats(1e-5, 0.1), st.floats(0.01, 0.2), st.booleans())
 def test_measuring_the_case_itself_changes_nothing(
     case: Case, uncertainty: float, spread: float, modes: bool
@@ -76,7 +76,7 @@ def test_measuring_the_case_itself_changes_nothing(
     assert all(p.posterior_deviation <= p.prior_deviation * (1 + 1e-12) for p in found.parameters)
 
 
-@settings(max_examples=30)
+@example_count(30)
 @given(TRAINS, st.floats(2e-4, 0.05), st.floats(1.0, 20.0))
 def test_a_more_precise_measurement_never_widens_a_posterior(
     case: Case, uncertainty: float, times: float
@@ -90,7 +90,7 @@ def test_a_more_precise_measurement_never_widens_a_posterior(
         assert d.posterior_deviation <= c.posterior_deviation * (1 + 1e-9)
 
 
-@settings(max_examples=12)
+@example_count(12)
 @given(TRAINS, st.integers(0, 10**6))
 def test_the_order_of_rows_changes_nothing(case: Case, seed: int) -> None:
     n = measurable(case, 4)
@@ -112,7 +112,7 @@ def test_the_order_of_rows_changes_nothing(case: Case, seed: int) -> None:
     assert told(names, rows) == told(other, shuffled)
 
 
-@settings(max_examples=25)
+@example_count(25)
 @given(TRAINS, st.integers(0, 10**6))
 def test_more_measurements_than_unknowns(case: Case, seed: int) -> None:
     """One common factor, every mode measured with an error: the mean of ln f, weighted by the prior."""

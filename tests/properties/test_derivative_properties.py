@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import assume, example, given, settings
-from strategies import cases
+from hypothesis import assume, example, given
+from strategies import cases, example_count
 
 from engine.case.case import Case
 from engine.case.data import ElementRow, StationRow
@@ -14,7 +14,7 @@ from engine.model.frequency_derivatives import frequency_derivatives
 from engine.model.modes import modes_of
 from engine.studies.variation import Change, varied_case
 
-FEW = settings(max_examples=25, deadline=None)
+FEW = example_count(25)
 
 
 #: Two stations that a rigid mesh makes one.

@@ -6,17 +6,17 @@ from dataclasses import replace
 import mpmath
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from state_space import damping_matrix
-from strategies import cases
+from strategies import cases, example_count
 
 from engine.case.case import Case
 from engine.case.data import MeshRow
 from engine.model.build_train import build_train
 from engine.model.modes import modal_damping_matrix, modes_of
 
-FEW = settings(max_examples=40)
+FEW = example_count(40)
 
 
 @st.composite
@@ -86,7 +86,7 @@ def test_frequencies_are_those_of_a_positive_semidefinite_stiffness(case):
     assert modes_of(train).omega ** 2 == pytest.approx(values, rel=1e-9, abs=1e-11 * values[-1])
 
 
-@settings(max_examples=12)
+@example_count(12)
 @given(on_bearings(stations=(3, 8), decades=12.0))
 def test_every_frequency_is_right_to_1e_12_also_with_bearings(case):
     """Against the eigenvalues of DᵀD in 60 digits; no count is possible here."""
@@ -166,7 +166,7 @@ def test_flanks_push_along_unit_normals_that_mirror_each_other(case):
                 assert abs(drive) * flank.base_radius == pytest.approx(1.0, rel=1e-12)
 
 
-@settings(max_examples=25)
+@example_count(25)
 @given(on_bearings(stations=(3, 12), decades=3.0, dampers=True))
 def test_modal_damping_holds_the_bearings_dampers(case):
     train = build_train(case)

@@ -3,9 +3,9 @@
 from dataclasses import replace
 
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
-from strategies import cases
+from strategies import cases, example_count
 
 from engine.case.case import Case
 from engine.case.data import GROUND
@@ -186,7 +186,7 @@ def test_every_element_carries_what_the_stations_beyond_it_need(case, seed):
 
 
 @given(case=EVERYTHING, seed=st.integers(0, 2**32 - 1))
-@settings(max_examples=50)
+@example_count(50)
 def test_the_answer_at_one_place_equals_the_torque_at_the_other(case, seed):
     """Reciprocity: θ_b for a torque at a is θ_a for the same torque at b."""
     rng = np.random.default_rng(seed)

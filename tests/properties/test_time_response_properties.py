@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from engine.case.case import Case
@@ -17,7 +17,7 @@ from engine.start.time_response import (
     time_response,
 )
 from tests.prescribed import held, modal_speed, torque_from_function
-from tests.strategies import cases
+from tests.strategies import cases, example_count
 from tests.trains import prepared
 
 #: Rounding of the phase ω t of a mode of 1e8 rad/s over the times below.
@@ -39,7 +39,7 @@ def energy(train: Any, case: Case, r: TimeResponse) -> np.ndarray:
 
 
 @pytest.mark.slow
-@settings(max_examples=60)
+@example_count(60)
 @given(case=cases(grounded=None), seed=seeds)
 def test_energy_and_momentum_are_kept_without_damping(case: Case, seed: int) -> None:
     train, modes, _ = prepared(case)
@@ -54,7 +54,7 @@ def test_energy_and_momentum_are_kept_without_damping(case: Case, seed: int) -> 
         np.testing.assert_allclose(weight @ r.station_speed, weight @ speed, atol=1e-9 * size)
 
 
-@settings(max_examples=15)
+@example_count(15)
 @given(case=cases(stations=(2, 40), grounded=None, dampers=True), seed=seeds)
 def test_dampers_and_modal_damping_only_take_energy(case: Case, seed: int) -> None:
     train, modes, _ = prepared(case)
@@ -68,7 +68,7 @@ def test_dampers_and_modal_damping_only_take_energy(case: Case, seed: int) -> No
     assert np.all(np.diff(total) <= 1e-7 * total[0])
 
 
-@settings(max_examples=40)
+@example_count(40)
 @given(case=cases(), seed=seeds)
 def test_order_of_stations_and_elements_is_irrelevant(case: Case, seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -114,7 +114,7 @@ def referred(case: Case) -> Case:
     )
 
 
-@settings(max_examples=40)
+@example_count(40)
 @given(case=cases(), seed=seeds)
 def test_referring_through_gears_changes_nothing_physical(case: Case, seed: int) -> None:
     at = int(np.random.default_rng(seed).integers(len(case.stations)))
@@ -136,7 +136,7 @@ def test_referring_through_gears_changes_nothing_physical(case: Case, seed: int)
     )
 
 
-@settings(max_examples=30)
+@example_count(30)
 @given(case=cases(stations=(2, 12), grounded=None, dampers=True), seed=seeds)
 def test_held_and_linear_torques_are_exact(case: Case, seed: int) -> None:
     """Dividing the steps further changes nothing, coupled by dampers or not."""
@@ -158,7 +158,7 @@ def test_held_and_linear_torques_are_exact(case: Case, seed: int) -> None:
         )
 
 
-@settings(max_examples=30)
+@example_count(30)
 @given(
     case=cases(stations=(2, 20), decades=4.0, grounded=None),
     seed=seeds,

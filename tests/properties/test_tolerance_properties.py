@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
-from strategies import cases
+from strategies import cases, example_count
 
 from engine.case.study_inputs import ScatterRow
 from engine.run import run
@@ -14,7 +14,7 @@ from engine.studies.nearby_start import near_train, recipe_of
 from engine.studies.scatter import changes_of, factors_of, sampled
 from engine.studies.variation import varied_case
 
-FEW = settings(max_examples=15, deadline=None)
+FEW = example_count(15)
 ROWS = (ScatterRow(quantity="stiffness", spread=0.0), ScatterRow(quantity="inertia", spread=0.0))
 
 
@@ -32,7 +32,7 @@ def test_factors_of_one_give_the_plain_run_bit_for_bit(case):
 
 
 @pytest.mark.slow
-@settings(max_examples=6, deadline=None)
+@example_count(6)
 @given(cases(stations=(2, 8), decades=4, grounded=None), st.integers(0, 1000))
 def test_small_scatter_of_a_frequency_is_that_of_the_linear_formula(case, seed):
     """Variance of ln f = Σ (½ energy share × spread)², over stiffnesses and inertias.

@@ -6,17 +6,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from high_precision import ReferredTree
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from state_space import damping_matrix, state_matrix
-from strategies import cases
+from strategies import cases, example_count
 
 from engine.case.case import Case
 from engine.case.data import CaseData, ElementRow, MeshRow, StationRow, case_digest
 from engine.model.build_train import build_train
 from engine.model.modes import damped_eigenvalues, modal_damping_matrix, modes_of
 
-FEW = settings(max_examples=40)
+FEW = example_count(40)
 
 
 def elastic(case):
@@ -272,7 +272,7 @@ def test_torques_balance_the_inertias(case):
 # --- damping --------------------------------------------------------------------------------------
 
 
-@settings(max_examples=25)
+@example_count(25)
 @given(cases(stations=(2, 12), decades=3.0, dampers=True))
 def test_damped_eigenvalues_decay_and_match_the_state_matrix(case):
     train = build_train(case)
@@ -333,7 +333,7 @@ def with_noise(case: Case, noise: float) -> CaseData:
 typed = st.integers(1, 999_999).map(lambda i: i * 10.0**-3)
 
 
-@settings(max_examples=100)
+@example_count(100)
 @given(typed, typed, typed, st.floats(-1e-14, 1e-14))
 def test_digest_ignores_noise_of_unit_conversion(J, k, ratio, noise):
     case = CaseData(
@@ -344,7 +344,7 @@ def test_digest_ignores_noise_of_unit_conversion(J, k, ratio, noise):
     assert case_digest(replace(noisy, line_frequency=None, poles=None)) == case_digest(case)
 
 
-@settings(max_examples=50)
+@example_count(50)
 @given(cases(stations=(2, 8)), st.sampled_from([1e-9, -1e-9]))
 def test_digest_sees_a_change_of_1e_9(case, change):
     same = with_noise(case, 0.0)

@@ -6,7 +6,7 @@ from dataclasses import replace
 from itertools import pairwise
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from engine.case.case import Case
@@ -19,10 +19,11 @@ from engine.studies.tuning.tuning import TuningResult, crossing_rows, rank_combi
 from engine.studies.variation import names_with, nominal_value
 from tests.random_effects import elastic_meshes, with_clearances, with_dampers
 from tests.random_starts import random_start
+from tests.strategies import example_count
 from tests.trains import geared
 from tests.whole_studies import tune
 
-SLOW = settings(deadline=None, max_examples=8)
+SLOW = example_count(8)
 
 
 def _with_a_diameter(case: Case) -> Case:
@@ -77,7 +78,7 @@ LOW, HIGH = "Low-speed shaft", "High-speed shaft"
 
 
 @pytest.mark.slow
-@settings(deadline=None, max_examples=6)
+@example_count(6)
 @given(data=st.data())
 def test_ranking_does_not_depend_on_the_order_of_rows_or_values(data: st.DataObject) -> None:
     case = geared()
@@ -126,7 +127,7 @@ def found() -> TuningResult:
     return tune(GEARED, VALUES)
 
 
-@settings(max_examples=10)
+@example_count(10)
 @given(order=st.permutations(range(4)))
 def test_gathering_does_not_depend_on_the_order_of_the_answers(
     found: TuningResult, order: list[int]

@@ -7,7 +7,8 @@ from report_files import ROOT, Made, make
 
 
 @pytest.fixture(scope="session")
-def proposed(tmp_path_factory) -> Made:
+def proposed(examples, tmp_path_factory) -> Made:
     """The report of the example `proposed`, in US units."""
     folder = tmp_path_factory.mktemp("proposed")
-    return make(folder, ROOT / "templates" / "example_proposed.xlsx")
+    source = ROOT / "templates" / "example_proposed.xlsx"
+    return make(folder, source, examples / "proposed.results.json")

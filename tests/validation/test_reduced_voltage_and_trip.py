@@ -274,7 +274,7 @@ def _compare(case: Case, found: Start, field_time: float, truth: Any, mean: Any)
     got = np.interp(grid, found.trajectory.time, found.trajectory.mean_speed)
     assert np.max(np.abs(got - speed)) < 3e-5 * SYNCHRONOUS
     fine = np.linspace(field_time, found.outcome.time - 1e-6, 40_001)
-    lag = np.array([truth(t)[-1] for t in fine])
+    lag = truth(fine)[-1]
     well = np.floor((lag + math.pi) / (2.0 * math.pi))
     passed = np.flatnonzero(np.diff(well))
     last = float(fine[passed[-1]]) if len(passed) else field_time

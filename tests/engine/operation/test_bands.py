@@ -6,14 +6,14 @@ import math
 from dataclasses import replace
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from engine.case.case import Case
 from engine.case.data import CaseData
 from engine.model.excitation import excitations_of
 from engine.operation.margins import Band, forbidden_bands, free_windows, separation_margins
-from tests.strategies import cases
+from tests.strategies import cases, example_count
 from tests.trains import geared, prepared
 
 TURN = 2.0 * math.pi
@@ -50,7 +50,7 @@ def test_windows_are_what_overlapping_bands_leave() -> None:
     assert [(w.from_, w.to) for w in free_windows([])] == [(0.0, None)]
 
 
-@settings(deadline=None, max_examples=60)
+@example_count(60)
 @given(case=cases(stations=(2, 12)), low=st.floats(0.3, 1.0), required=st.floats(0.0, 0.9))
 def test_a_mode_is_inside_exactly_where_its_margin_is_not_kept(
     case: Case, low: float, required: float
