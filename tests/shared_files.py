@@ -23,7 +23,7 @@ STUDY_ROWS: dict[str, Any] = {
         {"element": "HS coupling", "quantity": "stiffness", "unit": "%", "values": "40; 60; 80"},
         {"element": "LS coupling", "quantity": "stiffness", "unit": "%", "values": "80; 100"},
     ],
-    "scatter": [{"quantity": "stiffness", "spread": 0.05}, {"quantity": "S-N line", "spread": 0.05}],
+    "scatter": [{"quantity": "stiffness", "spread": 0.05}, {"quantity": "S-N line", "spread": 0.005}],
     "start_conditions": [
         {"condition": "normal", "per_year": 10},
         {"condition": "weak", "voltage": 0.9, "per_year": 2, "so_far": 40},
@@ -86,7 +86,7 @@ def calculate_examples(folder: Path) -> None:
 
 
 def calculate_studies(folder: Path) -> None:
-    """The proposed system with its results and four studies: train.xlsx."""
+    """The proposed system with its results and four studies: train.xlsx, and STUDY.json of each."""
     from typer.testing import CliRunner
 
     from addin.cli.app import app
@@ -94,16 +94,25 @@ def calculate_studies(folder: Path) -> None:
     from tests.sample_case import sample_case
 
     case, book = folder / "case.json", folder / "train.xlsx"
-    content = case_to_json(sample_case("proposed")) | STUDY_ROWS
+    train = sample_case("proposed", starts_required=300.0, starts_factor=2.0)
+    content = case_to_json(train) | STUDY_ROWS
     case.write_text(json.dumps(content), encoding="utf-8")
     here = ("--in-place", "--jobs", "1")
     for words in (
         ("new", str(book), "--studies", "--units", "si", "--from", str(case)),
         ("recalc", str(book), "--in-place"),
-        ("tune", str(book), *here),
-        ("tolerances", str(book), *here, "--samples", "40"),
-        ("starts", str(book), *here),
-        ("calibrate", str(book), *here),
+        ("tune", str(book), *here, "--json", str(folder / "tune.json")),
+        (
+            "tolerances",
+            str(book),
+            *here,
+            "--json",
+            str(folder / "tolerances.json"),
+            "--samples",
+            "40",
+        ),
+        ("starts", str(book), *here, "--json", str(folder / "starts.json")),
+        ("calibrate", str(book), *here, "--json", str(folder / "calibrate.json")),
     ):
         done = CliRunner().invoke(app, list(words))
         assert done.exit_code == 0, done.output

@@ -85,7 +85,8 @@ def test_contacts_of_a_start_with_clearance(name: str) -> None:
     _contacts_agree(CLEARANCES[name](), _ours(name)[1], _truth(name))
 
 
-@pytest.mark.parametrize("name", LONG)
+@pytest.mark.first_ones(1)
+@pytest.mark.parametrize("name", LONG[::-1])
 def test_the_first_seconds_of_chatter(name: str) -> None:
     hard = replace(CLEARANCES[name](), end=FIRST_SECONDS[name])
     start, contacts = clearance_run(hard)

@@ -28,8 +28,9 @@ def _sizes(case: CaseData, torque: float = 1e4) -> np.ndarray:
     return RTOL * size
 
 
+@pytest.mark.first_ones(2)
 @pytest.mark.parametrize(
-    "name", ["modes 1e-9 apart", "overdamped coupling between shafts", "stall", "4 poles, 16.7 Hz"]
+    "name", ["modes 1e-9 apart", "stall", "overdamped coupling between shafts", "4 poles, 16.7 Hz"]
 )
 def test_a_start_as_scipy_integrates_it(name: str) -> None:
     case, end = STARTS[name].truth.case, 0.5

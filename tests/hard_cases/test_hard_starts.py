@@ -14,12 +14,18 @@ TOLERANCE = 1e-3
 TRUTH = 2e-5
 
 THOUSAND = "1,000 stations"
-#: Seconds, for the first half a minute and more, of reference steps.
+#: Seconds, for the first half a minute and more, of reference steps; then those with a sibling.
 SLOW = (
     THOUSAND,
     "120 s without any damping",
     "modes at 2 × line and at 0.2 Hz",
     "barely accelerating, net torque 0.1 %",
+    "vertical step in the curve, 1e-9 of speed",
+    "overdamped coupling between shafts",
+    "rigid link of 1e18 N·m/rad at the motor",
+    "4 poles, 16.7 Hz",
+    "4 poles, 50 Hz",
+    "4 poles, 60 Hz",
 )
 #: Their truth takes seconds, so that it is compared with itself in the long run only.
 LONG = (

@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
-import openpyxl
 import pytest
-from openpyxl.utils import range_boundaries
 from typer.testing import CliRunner
 
 from addin.cli.app import app
@@ -15,17 +12,9 @@ from addin.contract.shipped import template_path
 from addin.reading.workbook import read_workbook
 from addin.template.build import STUDY_TEMPLATES, build_template
 from engine.case.data import case_digest
+from tests.opened import rows_of
 
 NAME = "example_studies.xlsx"
-
-
-def rows(path: Path, name: str) -> list[dict[str, Any]]:
-    for sheet in openpyxl.load_workbook(path, data_only=True).worksheets:
-        if name in sheet.tables:
-            left, top, right, bottom = range_boundaries(sheet.tables[name].ref)
-            head, *lines = sheet.iter_rows(top, bottom, left, right, values_only=True)
-            return [dict(zip(head, line, strict=True)) for line in lines]
-    raise AssertionError(f"no table {name}")
 
 
 def test_it_is_what_the_builder_makes(tmp_path: Path) -> None:
@@ -46,7 +35,7 @@ def test_its_case_is_the_proposed_train_and_its_rows_are_read() -> None:
     assert len(asked.measured_frequencies) == 3
 
 
-@pytest.mark.first_ones(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("command", "table", "column"),
     [
@@ -60,4 +49,4 @@ def test_its_studies_are_made(command: str, table: str, column: str, tmp_path: P
     told = CliRunner().invoke(app, [command, str(source), "--out", str(tmp_path), "--jobs", "1"])
     assert told.exit_code == 0, told.output
     (written,) = tmp_path.glob("*.xlsx")
-    assert all(isinstance(row[column], float | int) for row in rows(written, table))
+    assert all(isinstance(row[column], float | int) for row in rows_of(written, table))

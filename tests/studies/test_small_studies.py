@@ -8,57 +8,28 @@ from pathlib import Path
 from typing import Any
 
 import docx
-import openpyxl
 import pytest
-from typer.testing import CliRunner
 
-from addin.cli.app import app
 from addin.contract.tables import json_key
 from addin.diff.compare import compare_files
-from addin.reading.case_json import case_to_json
 from addin.report.make import report
 from addin.verify.file import verify_file
 from addin.xlsx import open_workbook
 from addin.xlsx.references import cell_name
-from tests.sample_case import sample_case
-
-RUN = CliRunner()
-TABLES: dict[str, Any] = {
-    "tuning": [{"element": "HS coupling", "quantity": "stiffness", "unit": "%", "values": "60; 80"}],
-    "scatter": [{"quantity": "stiffness", "spread": 0.05}],
-    "start_conditions": [{"condition": "normal", "per_year": 10, "so_far": 40}],
-    "measured_frequencies": [{"mode": 1, "frequency": 29.5}],
-}  # fmt: skip
-#: Study, more words of its command.
-STUDIES = {"tune": (), "tolerances": ("--samples", "30"), "starts": (), "calibrate": ()}
-
-
-def said(*words: object) -> str:
-    done = RUN.invoke(app, [str(word) for word in words], env={"COLUMNS": "200"})
-    assert done.exit_code == 0, done.output
-    return done.output
+from tests.opened import opened
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def folder(studied: Path) -> Path:
     """train.xlsx with results and all studies, and NAME.json of each study. SI units."""
-    folder = tmp_path_factory.mktemp("small")
-    case, book = folder / "case.json", folder / "train.xlsx"
-    content = case_to_json(sample_case("proposed", starts_required=300.0, starts_factor=2.0))
-    case.write_text(json.dumps(content | TABLES), encoding="utf-8")
-    said("new", book, "--studies", "--units", "si", "--from", case)
-    said("recalc", book, "--in-place")
-    for study, more in STUDIES.items():
-        target = folder / f"{study}.json"
-        said(study, book, "--in-place", "--jobs", "1", "--json", target, *more)
-    return folder
+    return studied.parent
 
 
 @pytest.fixture(scope="module")
 def cells(folder: Path) -> dict[str, list[dict[str, Any]]]:
     """Every table of the workbook as another program reads it."""
     found = {}
-    for sheet in openpyxl.load_workbook(folder / "train.xlsx", data_only=True):
+    for sheet in opened(folder / "train.xlsx"):
         for name in sheet.tables:
             head, *rows = [[c.value for c in row] for row in sheet[sheet.tables[name].ref]]
             found[name] = [dict(zip(head, row, strict=True)) for row in rows]
@@ -112,11 +83,12 @@ def test_the_starts_factor_is_in_the_probability_and_in_the_ledger(folder: Path)
     assert row["p_90"] < 600.0  # with it, no more than those above the P90 can be
     assert row["probability"] <= 0.1 + 1.0 / 30.0
     (ledger,) = content(folder, "starts")["damage_ledger"]
-    (normal,) = content(folder, "starts")["start_matrix"]
-    damage = 1.0 / normal["allowable_starts"]
+    rows = content(folder, "starts")["start_matrix"]
+    damage = {row["condition"]: 1.0 / row["allowable_starts"] for row in rows}
+    yearly = 10.0 * damage["normal"] + 2.0 * damage["weak"]
     assert ledger["allowed"] == 0.5
-    assert ledger["used"] == pytest.approx(40.0 * damage, rel=1e-9)
-    assert ledger["remaining_years"] == pytest.approx((0.5 - 40.0 * damage) / (10.0 * damage))
+    assert ledger["used"] == pytest.approx(40.0 * damage["weak"], rel=1e-9)
+    assert ledger["remaining_years"] == pytest.approx((0.5 - 40.0 * damage["weak"]) / yearly)
 
 
 def test_another_duty_makes_the_start_matrix_out_of_date(

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import jsonschema
-import openpyxl
 import pytest
 from typer.testing import CliRunner
 
@@ -19,7 +18,9 @@ from addin.reading.workbook import read_workbook
 from addin.reference.json_schemas import SCHEMA_FOLDER, study_schema
 from addin.studies.calibration import CALIBRATION
 from addin.studies.starts import STARTS
+from addin.xlsx import open_workbook
 from engine.run import run
+from tests.opened import opened, rows_of
 from tests.sample_case import sample_case
 
 RUN = CliRunner()
@@ -42,20 +43,18 @@ def write(path: Path, **tables: list[dict[str, Any]]) -> Path:
     return path
 
 
-def cells(path: Path, table: str) -> list[dict[str, Any]]:
-    """Rows of a table of a workbook by header, as they stand in its cells."""
-    book = openpyxl.load_workbook(path, data_only=True)
-    for sheet in book:
-        if table in sheet.tables:
-            head, *rows = [[c.value for c in row] for row in sheet[sheet.tables[table].ref]]
-            return [dict(zip(head, row, strict=True)) for row in rows]
-    raise AssertionError(table)
-
-
 def named(path: Path, name: str) -> Any:
-    book = openpyxl.load_workbook(path, data_only=True)
+    book = opened(path)
     ((sheet, cell),) = book.defined_names[name].destinations
     return book[sheet][cell.replace("$", "")].value
+
+
+def set_scatter(book: Path, rows: tuple[tuple[object, ...], ...]) -> None:
+    """Other rows of table Scatter: the fewer unknowns, the fewer starts."""
+    workbook = open_workbook(book)
+    columns = ("Quantity", "Distribution", "Spread", "Together")
+    workbook.write_table("Scatter", rows, columns=columns)
+    workbook.save(in_place=True)
 
 
 @pytest.fixture(scope="module")
@@ -64,6 +63,13 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("studies")
     book = path / "train.xlsx"
     said("new", book, "--example", "proposed", "--studies")
+    set_scatter(
+        book,
+        (
+            ("stiffness", "normal", 5.0, "together"),
+            ("damping ratio", "uniform", 30.0, None),
+        ),
+    )
     (path / "starts.txt").write_text(
         said("starts", book, "--json", path / "starts.json", "--jobs", "1"), encoding="utf-8"
     )
@@ -103,7 +109,7 @@ def test_the_start_of_the_case_is_a_row_with_its_own_numbers(folder: Path) -> No
 
 def test_cells_of_the_start_matrix_equal_the_json(folder: Path) -> None:
     found, book = read(folder / "starts.json"), folder / "train.starts.xlsx"
-    shown = cells(book, "StartMatrix")
+    shown = rows_of(book, "StartMatrix")
     assert len(shown) == len(found["start_matrix"])
     for cell, row in zip(shown, found["start_matrix"], strict=True):
         assert cell["Condition"] == row["condition"]
@@ -122,8 +128,8 @@ def test_cells_of_the_start_matrix_equal_the_json(folder: Path) -> None:
 def test_the_ledger_adds_up_from_the_cells(folder: Path) -> None:
     """An engineer's check with the numbers on the sheets: Σ n q by hand."""
     book = folder / "train.starts.xlsx"
-    duty = cells(book, "RemainingStarts")
-    (row,) = cells(book, "DamageLedger")
+    duty = rows_of(book, "RemainingStarts")
+    (row,) = rows_of(book, "DamageLedger")
     used = sum(r["So far"] * r["Damage"] for r in duty)
     yearly = sum(r["Per year"] * r["Damage"] for r in duty)
     assert row["Used"] == pytest.approx(used)
@@ -194,19 +200,19 @@ def test_a_train_without_judged_shaft(tmp_path: Path) -> None:
 def test_cells_of_the_calibration_equal_the_json(folder: Path) -> None:
     found, book = read(folder / "calibrate.json"), folder / "train.starts.xlsx"
     for cell, row in zip(
-        cells(book, "CalibratedParameters"), found["calibrated_parameters"], strict=True
+        rows_of(book, "CalibratedParameters"), found["calibrated_parameters"], strict=True
     ):
         assert cell["Name"] == row["name"]
         assert cell["Change"] == pytest.approx(100.0 * row["change"])
         assert cell["Determined"] == row["determined"]
-    for cell, row in zip(cells(book, "FrequencyFit"), found["frequency_fit"], strict=True):
+    for cell, row in zip(rows_of(book, "FrequencyFit"), found["frequency_fit"], strict=True):
         assert cell["Measured"] == pytest.approx(row["measured"])
         assert cell["Used"] == ("yes" if row["used"] else None)
         assert (cell["Note"] or "") == row["note"]
     assert named(book, "calibration_Sentence") == found["sentence"]
     assert found["margin_basis_reason"] in found["sentence"]
     # the other study of the workbook is still there
-    assert cells(book, "StartMatrix")[0]["Condition"] == "normal start"
+    assert rows_of(book, "StartMatrix")[0]["Condition"] == "normal start"
 
 
 def test_an_impossible_measurement_of_the_example_is_told(folder: Path) -> None:

@@ -23,6 +23,7 @@ from addin.studies.tuning_tables import map_tables, spread_out
 from engine.case.data import CaseData
 from engine.case.study_inputs import StudyInputs, TuningRow
 from engine.studies.tuning.tuning import TuningResult
+from tests.opened import opened, rows_of
 from tests.trains import geared
 from tests.whole_studies import tune
 
@@ -69,16 +70,6 @@ def content(folder: Path) -> dict[str, Any]:
     return json.loads((folder / "train.tune.json").read_text(encoding="utf-8"))
 
 
-def table(path: Path, name: str) -> list[dict[str, Any]]:
-    """Rows of an Excel table as another program reads them."""
-    book = openpyxl.load_workbook(path, data_only=True)
-    for sheet in book.worksheets:
-        if name in sheet.tables:
-            rows = [[c.value for c in row] for row in sheet[sheet.tables[name].ref]]
-            return [dict(zip(rows[0], row, strict=True)) for row in rows[1:]]
-    raise AssertionError(name)
-
-
 def test_the_json_keeps_to_its_shipped_schema(content: dict[str, Any]) -> None:
     schema = json.loads((SCHEMA_FOLDER / "tuning.schema.json").read_text(encoding="utf-8"))
     assert schema == study_schema(TUNING.spec), "run: make generated"
@@ -108,7 +99,7 @@ def test_the_json_is_what_the_engine_finds(content: dict[str, Any], folder: Path
 def test_cells_of_the_workbook_equal_the_json_in_the_units_shown(
     content: dict[str, Any], folder: Path
 ) -> None:
-    shown = table(folder / "train.tune.xlsx", "TuningResults")
+    shown = rows_of(folder / "train.tune.xlsx", "TuningResults")
     assert len(shown) == len(content["tuning_results"])
     for cells, row in zip(shown, content["tuning_results"], strict=True):
         assert (cells["Rank"], cells["Combination"]) == (row["rank"], row["combination"])
@@ -120,12 +111,12 @@ def test_cells_of_the_workbook_equal_the_json_in_the_units_shown(
         assert cells["Allowable starts"] == "not judged"  # no shaft has a stress diameter
         assert "allowable_starts" not in row
         assert cells["Limits broken"] == row["limits_broken"]
-    crossings = table(folder / "train.tune.xlsx", "TuningCrossings")
+    crossings = rows_of(folder / "train.tune.xlsx", "TuningCrossings")
     assert len(crossings) == len(content["tuning_crossings"])
     for cells, row in zip(crossings, content["tuning_crossings"], strict=True):
         assert cells["Frequency"] == pytest.approx(row["frequency"])
         assert cells["Sweep rate"] == pytest.approx(row["sweep_rate"])
-    bands = table(folder / "train.tune.xlsx", "ForbiddenBands")
+    bands = rows_of(folder / "train.tune.xlsx", "ForbiddenBands")
     for cells, row in zip(bands, content["forbidden_bands"], strict=True):
         assert [cells["From"], cells["To"]] == pytest.approx([row["from"], row["to"]])
 
@@ -139,17 +130,19 @@ def test_the_rated_torque_of_the_offer_decides(content: dict[str, Any]) -> None:
 @pytest.mark.slow
 def test_maps_and_charts_follow_the_study(folder: Path) -> None:
     path = folder / "train.tune.xlsx"
-    (axes,) = table(path, "TuningAxes")
+    (axes,) = rows_of(path, "TuningAxes")
     assert axes["First variable"] == f"{HIGH} stiffness, % of the unchanged case"
     assert axes["Second variable"] == f"Load inertia; best over {LOW}"
     assert [axes[f"Line {k}"] for k in (1, 2, 3, 4)] == ["3 kg m²", "4 kg m²", "5 kg m²", "–"]
-    starts, margins = table(path, "TuningStarts"), table(path, "TuningMargins")
+    starts, margins = rows_of(path, "TuningStarts"), rows_of(path, "TuningMargins")
     assert [row["Of as is"] for row in starts] == pytest.approx([50.0, 80.0, 100.0])
     assert {row["Line 3"] for row in starts} == {"not judged"}
     assert {row["Line 4"] for row in starts} == {None}
     assert [row["Required"] for row in margins] == pytest.approx([20.0] * 3)
-    hatch = [row["Frequency"] for row in table(path, "TuningHatch") if row["Frequency"] is not None]
-    bands = table(path, "ForbiddenBands")
+    hatch = [
+        row["Frequency"] for row in rows_of(path, "TuningHatch") if row["Frequency"] is not None
+    ]
+    bands = rows_of(path, "ForbiddenBands")
     assert min(hatch) == pytest.approx(bands[0]["From"])
     with zipfile.ZipFile(path) as parts:
         charts = [parts.read(n).decode() for n in parts.namelist() if "charts/chart" in n]
@@ -162,7 +155,7 @@ def test_maps_and_charts_follow_the_study(folder: Path) -> None:
 
 
 def table_ref(path: Path, name: str) -> tuple[str, int, int]:
-    book = openpyxl.load_workbook(path)
+    book = opened(path)
     for sheet in book.worksheets:
         if name in sheet.tables:
             first, last = sheet.tables[name].ref.split(":")
@@ -221,6 +214,7 @@ def test_the_inputs_are_not_touched_and_plain_results_stay(folder: Path) -> None
     assert after.studies.inputs == before.studies.inputs
 
 
+@pytest.mark.slow
 def test_two_processes_find_the_same(folder: Path, tmp_path: Path) -> None:
     found = []
     for jobs in ("1", "2"):

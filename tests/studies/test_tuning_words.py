@@ -6,26 +6,17 @@ import json
 import re
 from pathlib import Path
 
-import openpyxl
 import pytest
-from openpyxl.utils import get_column_letter, range_boundaries
+from openpyxl.utils import get_column_letter
 from typer.testing import CliRunner
 
 from addin.cli.app import app
 from addin.contract.shipped import template_path
 from addin.xlsx import open_workbook
+from tests.opened import rows_of
 
 LBF_IN = 0.1129848290276167  # N m
 PSI = 6894.757293168361
-
-
-def table(path: Path, name: str) -> list[dict[str, object]]:
-    for sheet in openpyxl.load_workbook(path, data_only=True).worksheets:
-        if name in sheet.tables:
-            left, top, right, bottom = range_boundaries(sheet.tables[name].ref)
-            head, *lines = sheet.iter_rows(top, bottom, left, right, values_only=True)
-            return [dict(zip(head, line, strict=True)) for line in lines]
-    raise AssertionError(name)
 
 
 @pytest.fixture(scope="module")
@@ -52,9 +43,11 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_a_share_is_told_in_the_unit_of_the_element_and_a_value_in_that_of_its_row(
     folder: Path,
 ) -> None:
-    elements = table(folder / "train.xlsx", "Elements")
+    elements = rows_of(folder / "train.xlsx", "Elements")
     typed = next(e["Stiffness"] for e in elements if e["Element"] == "HS coupling")
-    words = [str(row["Combination"]) for row in table(folder / "train.tune.xlsx", "TuningResults")]
+    words = [
+        str(row["Combination"]) for row in rows_of(folder / "train.tune.xlsx", "TuningResults")
+    ]
     for one in words:
         if one == "as is":
             continue
@@ -62,12 +55,12 @@ def test_a_share_is_told_in_the_unit_of_the_element_and_a_value_in_that_of_its_r
         assert float(share[1].replace(",", "")) == pytest.approx(0.33 * typed, rel=1e-5), one
         assert re.search(r"Intermediate coupling stiffness (350|500\.5) kN m/rad", one), one
     assert len(words) == 1 + 2 * 3
-    options = [row["Option"] for row in table(folder / "train.tune.xlsx", "TuningStarts")]
+    options = [row["Option"] for row in rows_of(folder / "train.tune.xlsx", "TuningStarts")]
     assert "lbf in/rad" in str(options[0])
 
 
 def test_reasons_tell_stress_in_the_unit_of_the_material(folder: Path) -> None:
-    for row in table(folder / "train.tune.xlsx", "TuningResults"):
+    for row in rows_of(folder / "train.tune.xlsx", "TuningResults"):
         stress = re.search(r"largest stress ([\d,]+) psi", str(row["Reason"]))
         there = row["Peak-to-peak stress"]
         assert float(stress[1].replace(",", "")) == pytest.approx(there, rel=5e-3), row["Rank"]
@@ -81,7 +74,7 @@ def test_the_json_is_in_si_in_the_same_order(folder: Path) -> None:
     assert "lbf" not in text
     assert "psi" not in text
     assert "kN" not in text
-    rows = table(folder / "train.tune.xlsx", "TuningResults")
+    rows = rows_of(folder / "train.tune.xlsx", "TuningResults")
     for here, there in zip(told["tuning_results"], rows, strict=True):
         assert here["rank"] == there["Rank"]
         found = re.search(r"0\.33 × \(([\d,.]+) N m/rad\)", here["combination"])

@@ -144,7 +144,7 @@ class Driven:
 
 
 def test_trip_at_the_exact_speed_and_coast_down() -> None:
-    trip = 0.6 * SYNCHRONOUS
+    trip = 0.4 * SYNCHRONOUS
     case = three_inertias(trip_speed=trip)
     found = event_start(case, StartEffects(aborted_start=True, coupled_damping=True))
     driven = Driven(case)
@@ -189,9 +189,10 @@ FIELD: dict[str, Any] = {
 }
 
 
+@pytest.mark.first_ones(2)
 @pytest.mark.parametrize(
     ("inertias", "angle"),
-    [(1, None), (1, 0.5), (3, 0.5), pytest.param(3, None, marks=pytest.mark.slow)],
+    [(1, None), (3, 0.5), (1, 0.5), (3, None)],
 )
 def test_field_application_and_pull_in(inertias: int, angle: float | None) -> None:
     case = three_inertias(**FIELD, field_angle=angle)

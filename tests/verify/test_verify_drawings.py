@@ -30,9 +30,10 @@ def found(path: Path) -> list[Finding]:
     ]
 
 
-def charts(train: Path) -> list[str]:
-    """Chart parts of the workbook."""
-    return [name for name in Package(train).parts if name.startswith("xl/charts/chart")]
+def charts(train: Path) -> dict[str, str]:
+    """Chart parts of the workbook, and their text."""
+    parts = Package(train).parts
+    return {n: data.decode() for n, data in parts.items() if n.startswith("xl/charts/chart")}
 
 
 def edited(train: Path, part: str, how: Callable[[str], str]) -> list[Finding]:
@@ -74,16 +75,19 @@ def test_the_end_of_a_history_cannot_be_cut_off(train):
     workbook = open_workbook(train, ignore_lock=True)
     history = workbook.table("ChartHistory")
     end, cut = f"${history.data.bottom}<", f"${history.data.bottom - 400}<"
-    for part in charts(train):
-        if "ChartData!$CB$5" in Package(train).parts[part].decode():
+    for part, drawn in charts(train).items():
+        if "ChartData!$CB$5" in drawn:
             said = edited(train, part, lambda text: text.replace(end, cut))
             assert said[0].sheet == "Histories"
             assert f"not ChartData!CB5:CB{history.data.bottom}" in said[0].sentence
 
 
 def test_a_series_that_bears_the_name_of_another_is_told(train):
-    parts = Package(train).parts
-    part = next(p for p in charts(train) if "logBase" in parts[p].decode() and len(_SERIES.findall(parts[p].decode())) == 3)  # fmt: skip
+    part = next(
+        part
+        for part, drawn in charts(train).items()
+        if "logBase" in drawn and len(_SERIES.findall(drawn)) == 3
+    )
 
     def swapped(text):
         first, second, third = _SERIES.findall(text)
@@ -97,7 +101,7 @@ def test_a_series_that_bears_the_name_of_another_is_told(train):
 
 def test_the_whole_verification_tells_chart_and_cell(train, tmp_path):
     package = Package(train)
-    part = next(p for p in charts(train) if "ChartData!$CB$5" in package.parts[p].decode())
+    part = next(p for p, drawn in charts(train).items() if "ChartData!$CB$5" in drawn)
     package.change(part, lambda text: text.replace("$CB$", "$CD$"))
     told = verify_file(package.store(tmp_path / "tampered.xlsx"))
     assert told.outcome == "does not follow"
@@ -109,7 +113,7 @@ def test_the_whole_verification_tells_chart_and_cell(train, tmp_path):
 
 def test_a_copy_of_a_value_inside_a_chart_is_told_with_its_cell(train):
     workbook = open_workbook(train, ignore_lock=True)
-    part = next(p for p in charts(train) if "ChartData!$CB$5" in Package(train).parts[p].decode())
+    part = next(p for p, drawn in charts(train).items() if "ChartData!$CB$5" in drawn)
     point = re.compile(r'(<c:yVal>.*?<c:pt idx="7"><c:v>)([^<]*)(</c:v>)', re.DOTALL)
     [said] = edited(train, part, lambda text: point.sub(r"\g<1>1.5\3", text, count=1))
     assert (said.kind, said.sheet) == ("chart", "Histories")
@@ -119,7 +123,7 @@ def test_a_copy_of_a_value_inside_a_chart_is_told_with_its_cell(train):
 
 
 def test_words_inside_a_chart_are_compared_too(train):
-    part = next(p for p in charts(train) if "ChartData!$CB$5" in Package(train).parts[p].decode())
+    part = next(p for p, drawn in charts(train).items() if "ChartData!$CB$5" in drawn)
     said = edited(
         train, part, lambda text: re.sub(r"(<c:strCache>.*?<c:v>)[^<]*", r"\g<1>Harmless", text)
     )
@@ -128,9 +132,9 @@ def test_words_inside_a_chart_are_compared_too(train):
 
 @pytest.mark.slow
 def test_what_an_engineer_does_to_charts_is_his_affair(train, tmp_path):
-    text = Package(train).parts
-    part = next(p for p in charts(train) if "Accelerating" in text[p].decode())
-    series = _SERIES.findall(text[part].decode())
+    text = charts(train)
+    part = next(p for p, drawn in text.items() if "Accelerating" in drawn)
+    series = _SERIES.findall(text[part])
 
     def own(text):
         """A measured curve beside ours."""
@@ -162,7 +166,7 @@ def test_charts_stay_clean_and_known_after_another_program(train, soffice, tmp_p
     saved = soffice.convert(train, "xlsx", tmp_path / "saved")
     assert found(saved) == []
     package = Package(saved)
-    part = next(p for p in charts(saved) if "$CB$5" in package.parts[p].decode())
+    part = next(p for p, drawn in charts(saved).items() if "$CB$5" in drawn)
     package.change(part, lambda text: text.replace("$CB$", "$CD$"))
     said = found(package.store(tmp_path / "tampered.xlsx"))
     assert [one.sheet for one in said if "draws" in one.sentence] == ["Histories"]

@@ -50,6 +50,7 @@ def test_studies_of_these_inputs_are_noted_as_not_calculated_again(book: Path) -
     assert all("belongs to the inputs and rows in the file" in line for line in told)
 
 
+@pytest.mark.slow
 def test_a_study_of_other_rows_is_out_of_date_and_named(book: Path) -> None:
     typed(book, "StartConditions", "Per year", 12.0)
     told = notes(book, 1)
@@ -107,7 +108,7 @@ def edits(book: Path, code: int = 1) -> list[str]:
     ]
 
 
-@pytest.mark.first_ones(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("table", "column", "value"),
     [

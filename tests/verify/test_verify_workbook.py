@@ -69,7 +69,7 @@ def test_an_edit_within_the_reported_error_is_an_edit_all_the_same(edited):
     assert found.total(Agreement.DIFFERENT) == 0
 
 
-@pytest.mark.first_ones(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("put", ["12,345", Formula("=1+1", 2.0), None, 77.0])
 def test_whatever_stands_in_place_of_a_number_is_seen(edited, put):
     def edit(workbook):
@@ -95,6 +95,7 @@ def test_a_verdict_typed_over_is_seen_with_the_formulas_that_hang_on_it(edited):
     }
 
 
+@pytest.mark.slow
 def test_a_live_formula_typed_over_is_seen(edited):
     def edit(workbook):
         place = cell_of(workbook, "SeparationMargins", 1, "Margin check")
@@ -242,6 +243,7 @@ def test_a_digest_typed_over_is_seen(edited):
     assert "digest" in {f.kind for f in failing(found)}
 
 
+@pytest.mark.slow
 def test_a_name_led_to_another_cell_is_seen(train, tmp_path):
     target = rewritten(
         train,
@@ -312,7 +314,8 @@ def test_settings_of_the_command_line_are_part_of_the_recomputation(calculated, 
     assert "settings" in {f.kind for f in failing(found)}
 
 
-@pytest.mark.parametrize("share", [0.5, 3.0])
+@pytest.mark.first_ones(1)
+@pytest.mark.parametrize("share", [3.0, 0.5])
 def test_a_result_of_another_version_is_judged_by_the_reported_error(edited, share):
     """Half of it is accepted, three times as much is not."""
 

@@ -5,6 +5,7 @@ Only simple arithmetic that live formulas repeat (margins, % speed, UTS/25, 1/q)
 
 from __future__ import annotations
 
+import datetime as dt
 import math
 from types import SimpleNamespace
 from typing import Any
@@ -12,10 +13,16 @@ from typing import Any
 import numpy as np
 
 from addin.calculation.calculation import RunView
+from addin.contract.shipped import template_path
 from addin.template.examples import EXAMPLES, example_case
+from addin.writing.workbook import RunStamp
 from engine.case.data import CaseData
 from engine.case.effects import EFFECTS
 from engine.start.start import ForceHistories
+
+#: The workbook that results are written into, and what is said of the run.
+SOURCE = template_path("example_proposed.xlsx")
+STAMP = RunStamp("torsionbook 0.1.0", dt.datetime(2026, 11, 21, 7, 30), "0123456789abcdef" * 4)
 
 FREQUENCIES = (30.0, 53.0, 86.0, 1067.38681, 1212.89755, 1264.60205, 1279.68229, 1452.8642)
 LINE = 60.0

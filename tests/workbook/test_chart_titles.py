@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-import datetime as dt
 import re
 import zipfile
 from pathlib import Path
 
 import openpyxl
 import pytest
-from made_up_run import made_up_run
+from made_up_run import SOURCE, STAMP, made_up_run
 
-from addin.contract.shipped import template_path
-from addin.writing.workbook import RunStamp, write_results
+from addin.writing.workbook import write_results
 from addin.xlsx import open_workbook
+from tests.opened import opened
 
-STAMP = RunStamp("torsionbook 0.1.0", dt.datetime(2026, 11, 21, 7, 30), "0123456789abcdef" * 4)
-SOURCE = template_path("example_proposed.xlsx")
 _LINKED = re.compile(r"<c:tx><c:strRef><c:f>(ChartData![^<]*)</c:f>.*?</c:tx>(<c:layout/>)?", re.S)
 _FORMAT = re.compile(r"<c:txPr>.*?</c:txPr>", re.S)
 _TITLE = re.compile(r"<c:title>.*?</c:title>", re.S)
@@ -89,9 +86,10 @@ def test_titles_that_lost_their_cell_are_linked_again(tmp_path: Path) -> None:
     openpyxl.load_workbook(again)
 
 
-def test_titles_in_the_words_of_earlier_versions_are_linked_again(tmp_path: Path) -> None:
-    first = write_results(SOURCE, tmp_path / "first.xlsx", made_up_run(), STAMP).path
-    shown = {f: text for pairs in linked(first).values() for f, text in pairs}
+def test_titles_in_the_words_of_earlier_versions_are_linked_again(
+    written: Path, tmp_path: Path
+) -> None:
+    shown = {f: text for pairs in linked(written).values() for f, text in pairs}
     earlier = {
         "torque around its minimum in the start": "torque around its least value in the start",
         "teeth separate (torque zero)": "teeth part (torque zero)",
@@ -102,16 +100,15 @@ def test_titles_in_the_words_of_earlier_versions_are_linked_again(tmp_path: Path
         places = {f: text.replace(new, old) for f, text in shown.items() if new in text}
         assert places, new
         words |= places
-    fixed = with_fixed_titles(first, tmp_path / "fixed.xlsx", words)
+    fixed = with_fixed_titles(written, tmp_path / "fixed.xlsx", words)
     again = write_results(fixed, tmp_path / "again.xlsx", made_up_run(), STAMP).path
-    assert linked(again) == linked(first)
+    assert linked(again) == linked(written)
 
 
-def test_charts_without_our_titles_stay_as_they_are(tmp_path: Path) -> None:
-    first = write_results(SOURCE, tmp_path / "first.xlsx", made_up_run(), STAMP).path
-    places = {f for pairs in linked(first).values() for f, _ in pairs}
+def test_charts_without_our_titles_stay_as_they_are(written: Path, tmp_path: Path) -> None:
+    places = {f for pairs in linked(written).values() for f, _ in pairs}
     own = dict.fromkeys(places, "The words of the engineer")
-    fixed = with_fixed_titles(first, tmp_path / "fixed.xlsx", own)
+    fixed = with_fixed_titles(written, tmp_path / "fixed.xlsx", own)
     again = write_results(fixed, tmp_path / "again.xlsx", made_up_run(), STAMP).path
     after = charts_of(again)
     for name, chart in charts_of(fixed).items():
@@ -131,9 +128,8 @@ def test_a_workbook_saved_by_libreoffice_names_what_it_draws(soffice, tmp_path: 
     assert soffice.convert(again.path, "pdf").exists()
 
 
-def test_the_cell_above_a_history_says_what_is_drawn(tmp_path: Path) -> None:
-    path = write_results(SOURCE, tmp_path / "first.xlsx", made_up_run(), STAMP).path
-    sheet = openpyxl.load_workbook(path, data_only=True)["Histories"]
+def test_the_cell_above_a_history_says_what_is_drawn(written: Path) -> None:
+    sheet = opened(written)["Histories"]
     words = [str(cell.value) for row in sheet.iter_rows() for cell in row if cell.value]
     assert "Mesh: tangential tooth load [lbf]" in words
     assert "HP compressor shaft: nominal shear stress [psi]" in words

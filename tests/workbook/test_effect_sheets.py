@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import datetime as dt
 import zipfile
 from dataclasses import replace
 from pathlib import Path
@@ -10,26 +9,16 @@ from pathlib import Path
 import numpy as np
 import openpyxl
 import pytest
-from made_up_run import PLANS, made_up_run
-from test_write_results import rows_of, with_unit
+from made_up_run import PLANS, SOURCE, STAMP, made_up_run
 
 from addin.charts.data import accuracy_block
-from addin.contract.shipped import template_path
 from addin.contract.tables import table
 from addin.contract.texts import NO_STUDY
-from addin.writing.workbook import ANALYSES, RunStamp, write_results, write_study
-from addin.xlsx import open_workbook
+from addin.writing.workbook import ANALYSES, write_results, write_study
+from addin.xlsx import SaveReport, open_workbook
+from tests.opened import opened, rows_of
 
-STAMP = RunStamp("torsionbook 0.1.0", dt.datetime(2026, 11, 21, 7, 30), "0123456789abcdef" * 4)
-SOURCE = template_path("example_proposed.xlsx")
 LBF, LBF_FT, INCH = 4.4482216152605, 1.3558179483314, 0.0254
-
-
-@pytest.fixture(scope="module")
-def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    target = tmp_path_factory.mktemp("written") / "results.xlsx"
-    write_results(SOURCE, target, made_up_run(), STAMP)
-    return target
 
 
 def test_reversals_stand_in_the_units_shown_with_their_live_check(written: Path) -> None:
@@ -44,10 +33,8 @@ def test_reversals_stand_in_the_units_shown_with_their_live_check(written: Path)
         assert row["Margin check"] == pytest.approx(row["Margin"], rel=1e-12)
 
 
-def test_the_live_margin_follows_retyped_units(tmp_path: Path) -> None:
-    source = with_unit(tmp_path, "TorqueReversals", "Transmitted torque", "kN*m")
-    write_results(source, tmp_path / "out.xlsx", made_up_run(), STAMP)
-    mesh = rows_of(tmp_path / "out.xlsx", "TorqueReversals")[0]
+def test_the_live_margin_follows_retyped_units(retyped: SaveReport) -> None:
+    mesh = rows_of(retyped.path, "TorqueReversals")[0]
     assert mesh["Transmitted torque"] == pytest.approx(14.6)
     assert mesh["Margin check"] == pytest.approx(mesh["Margin"], rel=1e-12)
 
@@ -167,11 +154,11 @@ def test_empty_tables_are_explained(written: Path, tmp_path: Path) -> None:
         "StartupCrossings": [],
     }
     write_results(SOURCE, tmp_path / "out.xlsx", replace(run, tables=empty), STAMP)
-    bare = openpyxl.load_workbook(tmp_path / "out.xlsx", data_only=True)
+    bare = opened(tmp_path / "out.xlsx")
     assert "no gear mesh" in bare["Reversals"]["B4"].value
     assert "No shaft is judged" in bare["Starts"]["B4"].value
     assert "No crossings" in bare["Start-up"]["B4"].value
-    full = openpyxl.load_workbook(written, data_only=True)
+    full = opened(written)
     assert [full[name]["B4"].value or "" for name in ("Reversals", "Starts")] == ["", ""]
 
 
@@ -201,7 +188,7 @@ def test_reversals_beyond_their_room_are_named_and_cut(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_the_start_says_how_it_ended(written: Path) -> None:
-    sheet = openpyxl.load_workbook(written, data_only=True)["Start-up"]
+    sheet = opened(written)["Start-up"]
     assert sheet["B4"].value == made_up_run().startup["sentence"]
 
 
@@ -220,7 +207,7 @@ STUDY = [
 
 @pytest.mark.slow
 def test_without_a_study_the_sheet_says_how_to_make_one(written: Path) -> None:
-    sheet = openpyxl.load_workbook(written, data_only=True)["Accuracy"]
+    sheet = opened(written)["Accuracy"]
     assert sheet["B5"].value == NO_STUDY
     assert "torsionbook accuracy" in NO_STUDY
 
@@ -233,7 +220,7 @@ def test_a_study_changes_nothing_but_its_own_cells(written: Path, tmp_path: Path
     rows = rows_of(target, "AccuracyCost")
     assert [row["Error peak"] for row in rows] == pytest.approx([0.1, 0.001, 0.2])
     assert [row["Time"] for row in rows] == pytest.approx([4.0, 8.0, 20.0])
-    sheet = openpyxl.load_workbook(target, data_only=True)["Accuracy"]
+    sheet = opened(target)["Accuracy"]
     assert [sheet[f"B{k}"].value for k in (5, 6)] == [WORDS["sentence"], WORDS["reference"]]
     assert STAMP.sha256[:12] in sheet["B7"].value
     changed = different_parts(written, target)
@@ -303,7 +290,7 @@ def test_a_recalculation_after_a_study_leaves_nothing_of_it(written: Path, tmp_p
     write_study(open_workbook(written, read_only=True), target, STUDY, WORDS, STAMP, 58400.0)
     again = write_results(target, tmp_path / "again.xlsx", made_up_run(), STAMP).path
     assert rows_of(again, "AccuracyCost") == rows_of(written, "AccuracyCost")
-    sheet = openpyxl.load_workbook(again, data_only=True)["Accuracy"]
+    sheet = opened(again)["Accuracy"]
     assert (sheet["B5"].value, sheet["B6"].value) == (NO_STUDY, ANALYSES)
 
 

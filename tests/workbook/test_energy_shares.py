@@ -2,28 +2,24 @@
 
 from __future__ import annotations
 
-import datetime as dt
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import openpyxl
 import pytest
-from openpyxl.utils import range_boundaries
+from made_up_run import SOURCE, STAMP
 from workbook_checks import assert_caches_agree
 
 from addin.calculation.calculation import Calculation, calculate
 from addin.contract.sheets import SHEETS
-from addin.contract.shipped import template_path
 from addin.reading.workbook import read_workbook
 from addin.template import build as template
-from addin.writing.workbook import RunStamp, write_results
+from addin.writing.workbook import write_results
 from addin.xlsx import open_workbook
 from engine.case.case import Case
 from engine.run import at_speed
-
-STAMP = RunStamp("torsionbook 0.1.0", dt.datetime(2026, 11, 21, 7, 30), "0123456789abcdef" * 4)
-SOURCE = template_path("example_proposed.xlsx")
+from tests.opened import rows_of
 
 
 @pytest.fixture(scope="module")
@@ -32,11 +28,7 @@ def run() -> Calculation:
 
 
 def shares(path: Path) -> list[dict[str, Any]]:
-    book = openpyxl.load_workbook(path, data_only=True)
-    sheet = book["Frequencies"]
-    left, top, right, bottom = range_boundaries(sheet.tables["EnergyShares"].ref)
-    header, *lines = sheet.iter_rows(top, bottom, left, right, values_only=True)
-    return [dict(zip(header, line, strict=True)) for line in lines]
+    return rows_of(path, "EnergyShares")
 
 
 def elastic(case: Case) -> list[float]:
@@ -56,11 +48,9 @@ def changed(case: Case, quantity: str, name: str, factor: float) -> Case:
     return replace(case, stations=rows)
 
 
-def test_live_shifts_are_those_of_trains_that_are_changed(run: Calculation, tmp_path: Path) -> None:
+def test_live_shifts_are_those_of_trains_that_are_changed(run: Calculation, examples: Path) -> None:
     """An independent way: the frequencies calculated again at ± half the change."""
-    out = tmp_path / "out.xlsx"
-    write_results(SOURCE, out, run.view, STAMP)
-    rows = shares(out)
+    rows = shares(examples / "proposed.xlsx")
     assert len(rows) == 10 + 11  # nine shafts and couplings with the mesh, eleven stations
     for name in ("HS coupling", "Intermediate coupling"):
         assert name in [row["Of"] for row in rows if row["Quantity"] == "stiffness"]

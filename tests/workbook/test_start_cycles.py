@@ -2,26 +2,22 @@
 
 from __future__ import annotations
 
-import datetime as dt
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import openpyxl
 import pytest
-from made_up_run import made_up_run
+from made_up_run import SOURCE, STAMP, made_up_run
 
 from addin.charts.data import chart_blocks
 from addin.charts.start_cycles import LISTED_CYCLES, start_cycle_facts, start_cycle_rows
-from addin.contract.shipped import template_path
 from addin.contract.shown_units import shown_units
-from addin.writing.workbook import RunStamp, write_results
+from addin.writing.workbook import write_results
 from addin.xlsx import open_workbook
 from engine.fatigue.damage import miner_damage
 from engine.fatigue.sn_curve import sn_curve_for
+from tests.opened import opened
 
-STAMP = RunStamp("torsionbook 0.1.0", dt.datetime(2026, 11, 21, 7, 30), "0123456789abcdef" * 4)
-SOURCE = template_path("example_proposed.xlsx")
 SHAFT = "HP compressor shaft"
 
 
@@ -71,7 +67,7 @@ def test_only_the_line_of_the_governing_shaft_is_drawn() -> None:
 @pytest.mark.slow
 def test_the_sum_stands_on_the_sheet(tmp_path: Path) -> None:
     path = write_results(SOURCE, tmp_path / "out.xlsx", made_up_run(), STAMP).path
-    sheet = openpyxl.load_workbook(path, data_only=True)["Starts"]
+    sheet = opened(path)["Starts"]
     shown = {row[0]: row[3] for row in sheet.iter_rows(31, 42, 11, 14, values_only=True) if row[0]}
     whole = sum(row["damage"] for row in start_cycle_rows(made_up_run()))
     assert shown["Governing shaft"] == SHAFT
@@ -91,6 +87,6 @@ def test_whole_starts_are_never_rounded_up(tmp_path: Path) -> None:
             row |= {"result": 436.97, "dimension": "count"}
     run = replace(run, tables=dict(run.tables) | {"Verdicts": verdicts})
     path = write_results(SOURCE, tmp_path / "out.xlsx", run, STAMP).path
-    book = openpyxl.load_workbook(path, data_only=True)
+    book = opened(path)
     shown = {row[0]: row[1] for row in book["Summary"].iter_rows(12, 30, 8, 9, values_only=True)}
     assert shown["Allowable starts"] == 436.0

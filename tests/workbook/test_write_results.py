@@ -2,58 +2,30 @@
 
 from __future__ import annotations
 
-import datetime as dt
 import shutil
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import openpyxl
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from made_up_run import PSI, made_up_run
-from openpyxl.utils import range_boundaries
-from workbook_checks import assert_caches_agree, assert_pages_have_ink
+from made_up_run import PSI, SOURCE, STAMP, made_up_run
+from workbook_checks import assert_caches_agree, assert_pages_have_ink, type_unit
 
 from addin.charts.rows import HISTORY_POINTS, decimate
 from addin.contract.chart_tables import CHART_TABLES
-from addin.contract.shipped import template_path
-from addin.writing.workbook import RunStamp, write_results
-from addin.xlsx import open_workbook
-
-STAMP = RunStamp("torsionbook 0.1.0", dt.datetime(2026, 11, 21, 7, 30), "0123456789abcdef" * 4)
-SOURCE = template_path("example_proposed.xlsx")
-
-
-@pytest.fixture(scope="module")
-def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    target = tmp_path_factory.mktemp("written") / "results.xlsx"
-    write_results(SOURCE, target, made_up_run(), STAMP)
-    return target
-
-
-def rows_of(path: Path, name: str) -> list[dict[str, Any]]:
-    """Values of a table, formulas as their cached values."""
-    book = openpyxl.load_workbook(path, data_only=True)
-    for sheet in book.worksheets:
-        if name in sheet.tables:
-            left, top, right, bottom = range_boundaries(sheet.tables[name].ref)
-            lines = sheet.iter_rows(top, bottom, left, right, values_only=True)
-            header = next(lines)
-            return [dict(zip(header, line, strict=True)) for line in lines]
-    raise AssertionError(f"no table {name}")
+from addin.writing.workbook import write_results
+from addin.xlsx import SaveReport, open_workbook
+from tests.opened import opened, rows_of
 
 
 def with_unit(tmp_path: Path, table: str, column: str, unit: str) -> Path:
     """A copy of the example with another unit above one column."""
     source = tmp_path / "retyped.xlsx"
     workbook = open_workbook(SOURCE)
-    place = workbook.table(table)
-    at = place.ref.left + place.column_index(column)
-    letters = openpyxl.utils.get_column_letter(at)
-    workbook.set_cell(place.sheet, f"{letters}{place.ref.top - 1}", unit)
+    type_unit(workbook, table, column, unit)
     workbook.save(source)
     return source
 
@@ -92,11 +64,9 @@ def test_torque_in_per_unit_is_of_the_rated_torque(tmp_path: Path) -> None:
     assert torque == pytest.approx(117900.0 / 58400.0)
 
 
-def test_an_unreadable_result_unit_is_named_and_si_is_shown(tmp_path: Path) -> None:
-    source = with_unit(tmp_path, "StartupPeaks", "Time", "furlong")
-    report = write_results(source, tmp_path / "out.xlsx", made_up_run(), STAMP)
-    assert any("StartupPeaks" in note and "Time" in note for note in report.notes)
-    assert rows_of(tmp_path / "out.xlsx", "StartupPeaks")[0]["Time"] == pytest.approx(5.1)
+def test_an_unreadable_result_unit_is_named_and_si_is_shown(retyped: SaveReport) -> None:
+    assert any("StartupPeaks" in note and "Time" in note for note in retyped.notes)
+    assert rows_of(retyped.path, "StartupPeaks")[0]["Time"] == pytest.approx(5.1)
 
 
 @pytest.mark.slow
@@ -115,7 +85,7 @@ def test_live_checks_equal_the_engines_numbers(written: Path) -> None:
 
 @pytest.mark.slow
 def test_the_summary_says_which_inputs_the_results_belong_to(written: Path) -> None:
-    sheet = openpyxl.load_workbook(written, data_only=True)["Summary"]
+    sheet = opened(written)["Summary"]
     words = " ".join(str(c.value) for row in sheet.iter_rows(1, 9) for c in row if c.value)
     assert STAMP.sha256 in words
     assert STAMP.sentence in words
@@ -133,7 +103,7 @@ def test_fewer_results_leave_nothing_of_the_older_ones(written: Path, tmp_path: 
     again = write_results(written, tmp_path / "again.xlsx", small, STAMP).path
     once = tmp_path / "once.xlsx"
     write_results(SOURCE, once, small, STAMP)
-    book, other = (openpyxl.load_workbook(path, data_only=True) for path in (again, once))
+    book, other = (opened(path) for path in (again, once))
     for sheet in book.worksheets:
         for row in sheet.iter_rows():
             for cell in row:
@@ -147,13 +117,8 @@ def test_writing_twice_gives_the_same_bytes(written: Path, tmp_path: Path) -> No
     assert target.read_bytes() == written.read_bytes()
 
 
-def test_the_chosen_element_is_drawn(tmp_path: Path) -> None:
-    source = tmp_path / "chosen.xlsx"
-    workbook = open_workbook(SOURCE)
-    workbook.set_name("PlotElement2", "Pinion shaft")
-    workbook.save(source)
-    write_results(source, tmp_path / "out.xlsx", made_up_run(), STAMP)
-    labels = {row["Key"]: row["Text"] for row in rows_of(tmp_path / "out.xlsx", "ChartLabels")}
+def test_the_chosen_element_is_drawn(retyped: SaveReport) -> None:
+    labels = {row["Key"]: row["Text"] for row in rows_of(retyped.path, "ChartLabels")}
     assert labels["History title 1"] == "Mesh: tangential tooth load"
     assert labels["History title 2"] == "Pinion shaft: torque"
     assert labels["History title 3"] == "HP compressor shaft: nominal shear stress"

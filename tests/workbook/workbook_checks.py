@@ -7,9 +7,19 @@ from pathlib import Path
 import numpy as np
 import openpyxl
 import pytest
+from openpyxl.utils import get_column_letter
 from PIL import Image
 
+from addin.xlsx import Workbook
+
 ERRORS = ("#N/A", "#NAME?", "#REF!", "#VALUE!", "#DIV/0!", "#NUM!", "#NULL!", "Err:")
+
+
+def type_unit(workbook: Workbook, table: str, column: str, unit: str) -> None:
+    """Another unit above a column."""
+    place = workbook.table(table)
+    letters = get_column_letter(place.ref.left + place.column_index(column))
+    workbook.set_cell(place.sheet, f"{letters}{place.ref.top - 1}", unit)
 
 
 def assert_caches_agree(path: Path, soffice) -> int:
