@@ -24,7 +24,7 @@ def wait_until(happens: Callable[[], object], seconds: float = 60.0) -> None:
 class Dask:
     """A scheduler and workers; `paths` is where their tasks are imported from, besides the checkout."""
 
-    def __init__(self, place: Path, *paths: Path) -> None:
+    def __init__(self, place: Path, *paths: Path, workers: int = 3) -> None:
         self.place = place
         self.path = os.pathsep.join(map(str, (ROOT, *paths)))
         place.mkdir()
@@ -35,7 +35,7 @@ class Dask:
         wait_until(found.exists)
         time.sleep(0.2)
         self.address = json.loads(found.read_text())["address"]
-        self.workers = [self.worker() for _ in range(3)]
+        self.workers = [self.worker() for _ in range(workers)]
 
     def _start(self, program: str, *words: str) -> subprocess.Popen[bytes]:
         process = subprocess.Popen(

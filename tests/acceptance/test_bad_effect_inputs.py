@@ -10,6 +10,7 @@ from typing import Any
 
 import openpyxl
 import pytest
+from typed_cells import typed
 from typer.testing import CliRunner
 
 from addin.cli.app import app
@@ -17,23 +18,6 @@ from addin.contract.shipped import template_path
 from addin.reading.case_json import case_to_json, read_case_json
 
 SOURCE = template_path("example_backlash.xlsx")
-
-
-def typed(target: Path, changes: Mapping[str, Any]) -> Path:
-    """A copy of the example: ``FieldSlip`` = value, or ``Meshes/1/Backlash`` = value."""
-    book = openpyxl.load_workbook(SOURCE)
-    for place, value in changes.items():
-        if "/" not in place:
-            ((sheet, cell),) = book.defined_names[place].destinations
-            book[sheet][cell.replace("$", "")].value = value
-            continue
-        table, row, column = place.split("/")
-        sheet = next(ws for ws in book.worksheets if table in ws.tables)
-        header = next(iter(sheet[sheet.tables[table].ref]))
-        at = next(cell for cell in header if cell.value == column)
-        sheet.cell(at.row + int(row), at.column).value = value
-    book.save(target)
-    return target
 
 
 def checked(path: Path) -> tuple[int, str]:
@@ -79,7 +63,7 @@ def checked(path: Path) -> tuple[int, str]:
 def test_a_wrong_input_has_its_cell_and_its_sentence(
     tmp_path: Path, changes: Mapping[str, Any], place: str, words: str
 ) -> None:
-    status, said = checked(typed(tmp_path / "wrong.xlsx", changes))
+    status, said = checked(typed(SOURCE, tmp_path / "wrong.xlsx", changes))
     assert status == 1
     line = next((line for line in said.splitlines() if place in line), "")
     assert line, said
@@ -106,7 +90,7 @@ def test_what_is_quoted_beside_a_wrong_cell_is_in_the_units_typed(
     tmp_path: Path, changes: Mapping[str, Any], column: str, said: str, unsaid: str
 ) -> None:
     """The example is in US customary units: limits and other cells are told in them."""
-    _, output = checked(typed(tmp_path / "wrong.xlsx", changes))
+    _, output = checked(typed(SOURCE, tmp_path / "wrong.xlsx", changes))
     line = next(line for line in output.splitlines() if f", {column} (cell " in line)
     for place in re.findall(r"\{(.*?)\}", said):
         said = said.replace(f"{{{place}}}", f"{cell_value(place):.10g}")
@@ -130,7 +114,7 @@ def test_names_of_effects_may_be_typed_with_capitals_and_blanks(tmp_path: Path) 
         "EffectChoices/4/Effect": "Breaker  Closing",
         "EffectChoices/4/Choice": " Off\u00a0",
     }
-    path = typed(tmp_path / "loud.xlsx", typed_in)
+    path = typed(SOURCE, tmp_path / "loud.xlsx", typed_in)
     status, said = checked(path)
     assert (status, "no errors" in said) == (0, True), said
     case = tmp_path / "loud.json"
@@ -152,12 +136,16 @@ def test_names_of_effects_may_be_typed_with_capitals_and_blanks(tmp_path: Path) 
 
 def test_one_unreadable_stiffness_is_one_error(tmp_path: Path) -> None:
     """The clearance beside it needs that stiffness; nothing is said of it as well."""
-    status, said = checked(typed(tmp_path / "wrong.xlsx", {"Elements/4/Stiffness": "5e7 lbf"}))
+    status, said = checked(
+        typed(SOURCE, tmp_path / "wrong.xlsx", {"Elements/4/Stiffness": "5e7 lbf"})
+    )
     assert status == 1
     assert "1 error," in said
     assert "table Elements, row 4, Stiffness" in said
 
 
 def test_the_example_itself_and_forced_effects_are_in_order(tmp_path: Path) -> None:
-    status, said = checked(typed(tmp_path / "right.xlsx", {"EffectChoices/7/Choice": "Off"}))
+    status, said = checked(
+        typed(SOURCE, tmp_path / "right.xlsx", {"EffectChoices/7/Choice": "Off"})
+    )
     assert (status, "no errors" in said) == (0, True), said

@@ -5,8 +5,8 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-import openpyxl
 import pytest
+from typed_cells import typed
 from typer.testing import CliRunner
 
 from addin.cli.app import app
@@ -24,23 +24,19 @@ def checked(path: Path) -> tuple[int, str]:
     return done.exit_code, " ".join(done.output.split())
 
 
-def typed(target: Path, percent: float) -> Path:
+def with_tolerance(target: Path, percent: float) -> Path:
     """The example with this in its cell TolerancePeak, whose unit is %."""
-    book = openpyxl.load_workbook(SOURCE)
-    ((sheet, cell),) = book.defined_names["TolerancePeak"].destinations
-    book[sheet][cell.replace("$", "")].value = percent
-    book.save(target)
-    return target
+    return typed(SOURCE, target, {"TolerancePeak": percent})
 
 
 def test_a_workbook_is_refused_with_the_cell(tmp_path: Path) -> None:
-    code, said = checked(typed(tmp_path / "train.xlsx", 1e-6))
+    code, said = checked(with_tolerance(tmp_path / "train.xlsx", 1e-6))
     assert code == 1
     assert "Sheet Case, TolerancePeak (cell " in said
     assert "found 1e-06 %" in said
     assert ALLOWED in said
     assert "leave it blank for 0.1 %" in said
-    assert checked(typed(tmp_path / "least.xlsx", 2e-5))[0] == 0
+    assert checked(with_tolerance(tmp_path / "least.xlsx", 2e-5))[0] == 0
 
 
 def test_a_case_json_is_refused(tmp_path: Path) -> None:
@@ -65,7 +61,7 @@ def test_the_command_line_refuses_it(tmp_path: Path, command: str, value: str) -
 
 @pytest.mark.parametrize("command", ["tune", "tolerances", "starts", "sensitivities"])
 def test_studies_refuse_the_case(tmp_path: Path, command: str) -> None:
-    target = typed(tmp_path / "train.xlsx", 1e-6)
+    target = with_tolerance(tmp_path / "train.xlsx", 1e-6)
     done = CliRunner().invoke(app, [command, str(target), "--out", str(tmp_path / "out")])
     assert done.exit_code == 1
     assert "TolerancePeak" in done.output

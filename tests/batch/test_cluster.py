@@ -26,10 +26,18 @@ from tests.dask_cluster import Dask, wait_until
 
 @pytest.fixture(scope="module")
 def dask(tmp_path_factory) -> Iterator[Dask]:
+    """A cluster that has one worker or more."""
     place = Path(__file__).parent
-    running = Dask(tmp_path_factory.mktemp("dask") / "cluster", place, place.parent)
+    running = Dask(tmp_path_factory.mktemp("dask") / "cluster", place, place.parent, workers=1)
     yield running
     running.stop()
+
+
+@pytest.fixture(scope="module")
+def three_workers(dask: Dask) -> Dask:
+    """The same cluster with three workers."""
+    dask.workers += [dask.worker(), dask.worker()]
+    return dask
 
 
 @contextmanager
@@ -52,19 +60,19 @@ def die(_: object) -> None:
 
 
 @pytest.mark.slow
-def test_tasks_run_in_the_processes_of_the_cluster(dask):
-    with joined(dask) as work:
+def test_tasks_run_in_the_processes_of_the_cluster(three_workers):
+    with joined(three_workers) as work:
         work._client.wait_for_workers(3)
         for number in range(30):
             work.add(Task(tripled, number, tag=number))
         found = {task.tag: answer for task, answer in work.answers(never)}
     assert {tag: answer[0] for tag, answer in found.items()} == {n: 3 * n for n in range(30)}
-    assert {answer[1] for answer in found.values()} <= {one.pid for one in dask.workers}
+    assert {answer[1] for answer in found.values()} <= {one.pid for one in three_workers.workers}
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("send", ["files", "bytes"])
-def test_a_worker_killed_in_the_middle_loses_nothing(dask, tmp_path, send):
+def test_a_worker_killed_in_the_middle_loses_nothing(three_workers, tmp_path, send):
     source = tmp_path / "in"
     for number in range(12):
         make_train(source / str(number % 2) / f"t{number}.xlsx", number % 10)  # two twins
@@ -72,7 +80,9 @@ def test_a_worker_killed_in_the_middle_loses_nothing(dask, tmp_path, send):
     make_train(source / "open.xlsx", 21)
     (source / "~$open.xlsx").write_bytes(b"\x03Ada")
     batch = subprocess.Popen(
-        command("batch", "in", "--out", "out", "--scheduler", dask.address, "--send", send),
+        command(
+            "batch", "in", "--out", "out", "--scheduler", three_workers.address, "--send", send
+        ),
         cwd=tmp_path,
         env=environment(),
         stdout=subprocess.PIPE,
@@ -81,10 +91,10 @@ def test_a_worker_killed_in_the_middle_loses_nothing(dask, tmp_path, send):
     )
     out = tmp_path / "out"
     wait_until(lambda: len(list(out.rglob("t*.xlsx"))) > 1 or batch.poll() is not None)
-    victim = dask.workers.pop()
+    victim = three_workers.workers.pop()
     victim.send_signal(signal.SIGKILL)
     said, _ = batch.communicate(timeout=300)
-    dask.workers.append(dask.worker())
+    three_workers.workers.append(three_workers.worker())
     assert batch.returncode == 1, said
     assert "12 done" in said
     rows = pd.read_csv(out / "summary.csv", encoding="utf-8-sig").set_index("File")
@@ -102,13 +112,13 @@ def test_a_worker_killed_in_the_middle_loses_nothing(dask, tmp_path, send):
 
 
 @pytest.mark.slow
-def test_results_are_those_of_this_machine(dask, tmp_path):
+def test_results_are_those_of_this_machine(three_workers, tmp_path):
     make_train(tmp_path / "in" / "t.xlsx", 3)
     for out, words in {
         "here": [],
-        "files": ["--scheduler", dask.address, "--send", "files"],
-        "bytes": ["--scheduler", dask.address, "--send", "bytes"],
-        "auto": ["--scheduler", dask.address],
+        "files": ["--scheduler", three_workers.address, "--send", "files"],
+        "bytes": ["--scheduler", three_workers.address, "--send", "bytes"],
+        "auto": ["--scheduler", three_workers.address],
     }.items():
         done = torsionbook("batch", "in", "--out", out, *words, cwd=tmp_path)
         assert done.returncode == 0, done.stderr
@@ -122,11 +132,20 @@ def test_results_are_those_of_this_machine(dask, tmp_path):
 
 
 @pytest.mark.slow
-def test_a_programme_of_cases_on_the_cluster(dask, tmp_path):
+def test_a_programme_of_cases_on_the_cluster(three_workers, tmp_path):
     make_train(tmp_path / "base.xlsx")
     lines = ["DampingRatio [%]", *(f"{1 + 0.01 * n}" for n in range(12)), "-1"]
     (tmp_path / "t.csv").write_text("\n".join(lines))
-    words = ("batch", "base.xlsx", "--vary", "t.csv", "--out", "o", "--scheduler", dask.address)
+    words = (
+        "batch",
+        "base.xlsx",
+        "--vary",
+        "t.csv",
+        "--out",
+        "o",
+        "--scheduler",
+        three_workers.address,
+    )
     done = torsionbook(*words, cwd=tmp_path)
     assert done.returncode == 1, done.stderr
     assert "12 done, 1 wrong input" in done.stdout
