@@ -116,9 +116,11 @@ class OutFolder:
         believed, refused = {}, []
         for name, record in read_journal(self.journal).items():
             outputs = record.outputs
-            if all(self._is_staged(one.staged) and self._is_place(one.name) for one in outputs):
-                kept = tuple(one for one in outputs if self._is_asked_for(one.name, json))
-                self.elsewhere[name] = tuple(one for one in outputs if one not in kept)
+            if all(
+                self._is_staged(output.staged) and self._is_place(output.name) for output in outputs
+            ):
+                kept = tuple(output for output in outputs if self._is_asked_for(output.name, json))
+                self.elsewhere[name] = tuple(output for output in outputs if output not in kept)
                 believed[name] = replace(record, outputs=kept)
             else:
                 refused.append(
@@ -156,7 +158,7 @@ class OutFolder:
 
     def _clear(self, json: Path | None) -> None:
         """Keep recorded results of an ended batch that are still to be put in place; drop the rest."""
-        left = [one for one in self._own.iterdir() if one.name.startswith("staging-")]
+        left = list(self._own.glob("staging-*"))
         if left:
             for record in self.records(json)[0].values():
                 with contextlib.suppress(OSError):  # not in place: it will be made again
@@ -208,10 +210,10 @@ class OutFolder:
         """Whether recorded results are in place and are those that were written."""
         try:
             return all(
-                self.place(one.name).is_file()  # not a device, which has no end
-                and self.place(one.name).stat().st_size == one.size
-                and digest_of(self.place(one.name)) == one.sha256
-                for one in outputs
+                self.place(output.name).is_file()  # not a device, which has no end
+                and self.place(output.name).stat().st_size == output.size
+                and digest_of(self.place(output.name)) == output.sha256
+                for output in outputs
             )
         except OSError:
             return False

@@ -56,7 +56,7 @@ def find_inputs(
     """
     ours = {path.resolve() for path in also_ours}
     results = out.resolve()
-    found: dict[Path, Path] = {}  # file → where its relative path begins
+    roots: dict[Path, Path] = {}  # file → where its relative path begins
     for pattern in patterns:
         some = passed_over = False
         for path, root in _expanded(pattern):
@@ -65,10 +65,10 @@ def find_inputs(
                 passed_over = True
                 continue
             some = True
-            found.setdefault(Path(os.path.abspath(path)), root)
+            roots.setdefault(Path(os.path.abspath(path)), root)
         if not some:
             raise InputsRefused(_in_results(pattern, out) if passed_over else _nothing(pattern))
-    return _named(found, json)
+    return _named(roots, json)
 
 
 def _in_results(pattern: str, out: Path) -> str:
@@ -95,7 +95,7 @@ def _expanded(pattern: str) -> Iterator[tuple[Path, Path]]:
     if path.is_dir():
         for place, folders, files in os.walk(path):
             summary = SUMMARY if OWN in folders else None  # of an earlier batch that wrote there
-            folders[:] = [one for one in folders if not one.startswith((".", "__pycache__"))]
+            folders[:] = [name for name in folders if not name.startswith((".", "__pycache__"))]
             for name in files:
                 file = Path(place, name)
                 if name != summary and _is_input(file):
@@ -138,13 +138,13 @@ def _may_be_case(file: Path) -> bool:
     return isinstance(content, dict) and "format" in content and "errors" not in content
 
 
-def _named(found: dict[Path, Path], json: bool) -> list[Input]:
+def _named(roots: dict[Path, Path], json: bool) -> list[Input]:
     """Names relative to each root; where two meet, relative to what all files have in common."""
-    names = {path: _relative(path, root) for path, root in found.items()}
+    names = {path: _relative(path, root) for path, root in roots.items()}
     if _clash(names, json) is not None:
         with contextlib.suppress(ValueError):  # several drives
-            common = Path(os.path.commonpath([str(path.parent) for path in found]))
-            names = {path: _relative(path, common) for path in found}
+            common = Path(os.path.commonpath([str(path.parent) for path in roots]))
+            names = {path: _relative(path, common) for path in roots}
     clash = _clash(names, json)
     if clash is not None:
         raise InputsRefused(
@@ -153,7 +153,7 @@ def _named(found: dict[Path, Path], json: bool) -> list[Input]:
         )
     stems = history_stems(map(result_name, names.values()))
     inputs = (Input(path, name, _own_stem(name, stems)) for path, name in names.items())
-    return sorted(inputs, key=lambda one: natural_key(one.name))
+    return sorted(inputs, key=lambda file: natural_key(file.name))
 
 
 def _own_stem(name: str, stems: Mapping[str, str]) -> str:
@@ -177,10 +177,10 @@ def _clash(names: dict[Path, str], json: bool) -> tuple[Path, Path, str] | None:
     return None
 
 
-def results_of(one: Input) -> tuple[str, ...]:
+def results_of(file: Input) -> tuple[str, ...]:
     """Names that results of a file may have in the folder of results."""
-    result = Path(result_name(one.name))
-    stem = one.history or result.stem
+    result = Path(result_name(file.name))
+    stem = file.history or result.stem
     beside = (result.with_name(f"{stem}.history.{kind}") for kind in KINDS)
     return tuple(place.as_posix() for place in (result, *beside))
 
@@ -197,29 +197,29 @@ def check_places(
         to do.
     """
     sources: dict[str, list[Path]] = defaultdict(list)
-    for one in inputs:
-        for place in {one.path, one.path.resolve()}:
-            sources[_key(place)].append(one.path)
+    for file in inputs:
+        for place in {file.path, file.path.resolve()}:
+            sources[_key(place)].append(file.path)
     ours = {_key(place) for place in (() if summary is None else summary_files(summary))}
-    for one in inputs:
-        places = [(out / name, "--out") for name in results_of(one)]
+    for file in inputs:
+        places = [(out / name, "--out") for name in results_of(file)]
         if json is not None:
-            places.append((json / json_name(one.name), "--json"))
+            places.append((json / json_name(file.name), "--json"))
         for place, option in places:
             key = _key(place)
             if any(_is_same(place, source) for source in sources.get(key, ())):
                 raise InputsRefused(
-                    f"Results of {one.path} would overwrite the input {place}. Name another folder with "
+                    f"Results of {file.path} would overwrite the input {place}. Name another folder with "
                     f"{option}."
                 )
             if key in ours:
                 raise InputsRefused(
-                    f"Results of {one.path} and the summary of the batch would both be written to "
+                    f"Results of {file.path} and the summary of the batch would both be written to "
                     f"{place}. Name another place for the summary with --summary."
                 )
             if place.suffix == ".json" and place.is_file() and not is_result_json(place):
                 raise InputsRefused(
-                    f"{place} exists and was not written by torsionbook: results of {one.path} would "
+                    f"{place} exists and was not written by torsionbook: results of {file.path} would "
                     f"replace it. Rename it, or name another folder with {option}."
                 )
 

@@ -109,7 +109,7 @@ class Record:
             stamp=Stamp(**content["stamp"]),
             warnings=tuple(content["warnings"]),
             errors=tuple(content["errors"]),
-            outputs=tuple(Output(**one) for one in content["outputs"]),
+            outputs=tuple(Output(**output) for output in content["outputs"]),
         )
 
 

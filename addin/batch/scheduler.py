@@ -107,9 +107,9 @@ class Batch:
         Stopped
             If nothing more can be recorded.
         """
-        todo = [one for one in inputs if not self._is_done(one)]
-        for one in todo:
-            self.records.pop(one.name, None)
+        todo = [file for file in inputs if not self._is_done(file)]
+        for file in todo:
+            self.records.pop(file.name, None)
         self.kept = len(inputs) - len(todo)
         groups = self._examined(todo)
         if not self.stop():
@@ -117,20 +117,20 @@ class Batch:
 
     # ---- what is done already --------------------------------------------------------------------
 
-    def _is_done(self, one: Input) -> bool:
+    def _is_done(self, file: Input) -> bool:
         """Whether the record of a file still holds."""
-        record = self.records.get(one.name)
+        record = self.records.get(file.name)
         if record is None or not record.settled or record.version != self._version:
             return False
         if record.settings != self.overrides:
             return False
-        if self.json and self._json_of(one.name) not in {output.name for output in record.outputs}:
+        if self.json and self._json_of(file.name) not in {output.name for output in record.outputs}:
             return False
-        if record.source != str(one.path) or not _unchanged(one.path, record.stamp):
+        if record.source != str(file.path) or not _unchanged(file.path, record.stamp):
             return False
         if record.done and not record.outputs:  # they are where nobody looks now
             return False
-        if not record.done and self._old_results(one.name):
+        if not record.done and self._old_results(file.name):
             return False
         return self.folder.holds(record.outputs)
 
@@ -140,8 +140,8 @@ class Batch:
         """Files by case, those that cannot be calculated recorded."""
         self.listener.begin("reading", len(todo))
         groups: dict[str, list[Input]] = {}
-        for one in todo:
-            self.workers.add(Task(examine, Examine(one.name, str(one.path)), one))
+        for file in todo:
+            self.workers.add(Task(examine, Examine(file.name, str(file.path)), file))
         for task, answer in self.workers.answers(self.stop):
             if isinstance(answer, Crashed):
                 self._settle(self._crashed(task.tag, answer))
@@ -153,9 +153,9 @@ class Batch:
                     self.listener.note(f"{COMPILING} …")
                 groups.setdefault(answer.case_sha256, []).append(task.tag)
             self.listener.advance(None)
-        order = {one.name: i for i, one in enumerate(todo)}
+        order = {file.name: i for i, file in enumerate(todo)}
         for group in groups.values():
-            group.sort(key=lambda one: order[one.name])
+            group.sort(key=lambda file: order[file.name])
         return dict(sorted(groups.items(), key=lambda pair: order[pair[1][0].name]))
 
     # ---- calculating -----------------------------------------------------------------------------
@@ -167,23 +167,23 @@ class Batch:
         for digest, group in groups.items():
             self._add(group[0], digest, keep=len(group) > 1)
         for task, answer in self.workers.answers(self.stop):
-            one: Input = task.tag
+            file: Input = task.tag
             if isinstance(answer, Crashed):
-                record = self._crashed(one, answer)
+                record = self._crashed(file, answer)
                 results = None
             else:
                 record, results = self._placed(task.payload, answer), answer.results
-            if record.outcome == CHANGED and one.name not in self._retried:
-                self._retried.add(one.name)  # it was being saved; it is likely to be whole now
-                self._add(one, "", keep=False)
+            if record.outcome == CHANGED and file.name not in self._retried:
+                self._retried.add(file.name)  # it was being saved; it is likely to be whole now
+                self._add(file, "", keep=False)
             else:
                 record = self._settle(record)
                 self.listener.advance(record)
             others = waiting.get(task.payload.case_sha256)
             if others:
-                self._share(task.payload.case_sha256, others, one, results)
+                self._share(task.payload.case_sha256, others, file, results)
 
-    def _share(self, digest: str, others: list[Input], one: Input, results: bytes | None) -> None:
+    def _share(self, digest: str, others: list[Input], file: Input, results: bytes | None) -> None:
         """Give the results of a case to the other files that state it."""
         if results is None:  # it came to nothing: the next file tries by itself
             self._add(others.pop(0), digest, keep=bool(others))
@@ -194,26 +194,26 @@ class Batch:
             place.write_bytes(results)
             more = {"known_file": str(place)}
         for other in others:
-            self._add(other, digest, same_as=one.name, **more)
+            self._add(other, digest, same_as=file.name, **more)
         others.clear()
 
-    def _add(self, one: Input, digest: str, **more: Any) -> None:
+    def _add(self, file: Input, digest: str, **more: Any) -> None:
         """Give a file to the workers."""
         work = Work(
-            one.name,
-            str(one.path),
-            target=str(self.folder.place(result_name(one.name))),
+            file.name,
+            str(file.path),
+            target=str(self.folder.place(result_name(file.name))),
             root=str(self.folder.path),
             case_sha256=digest,
             ignore_lock=self.ignore_lock,
             may_be_open=self.may_be_open,
             overrides=self.overrides,
-            json=self._json_of(one.name),
-            history=one.history,
+            json=self._json_of(file.name),
+            history=file.history,
             staging=str(self._new_place()) if self.send == "files" else "",
             **more,
         )
-        self.workers.add(Task(calculate, work, one))
+        self.workers.add(Task(calculate, work, file))
 
     def _json_of(self, name: str) -> str:
         """Where the JSON of a file belongs, as the name of an output; empty if none is wanted."""
@@ -303,13 +303,13 @@ class Batch:
         """Results of an earlier calculation of a file that are in place, by their names."""
         earlier = self._earlier.get(name)
         known = earlier.outputs if earlier is not None and earlier.done else ()
-        names = dict.fromkeys((result_name(name), *(one.name for one in known)))
+        names = dict.fromkeys((result_name(name), *(output.name for output in known)))
         if self.json is not None:
             names[self._json_of(name)] = None
-        for one in self.folder.elsewhere.get(name, ()):
+        for output in self.folder.elsewhere.get(name, ()):
             # A journal that somebody made up shall not have files renamed that are none of ours.
-            if one.name.endswith(Path(json_name(name)).name) and self.folder.holds((one,)):
-                names[one.name] = None
+            if output.name.endswith(Path(json_name(name)).name) and self.folder.holds((output,)):
+                names[output.name] = None
         # a JSON may hold errors
         return [
             name
@@ -323,32 +323,33 @@ class Batch:
         They are renamed, never deleted, as somebody may have written into them. Where the reason passes
         by itself they stay under their names, and the record says what they are.
         """
-        said = []
+        sentences = []
         for name in self._old_results(record.name):
             if record.outcome not in OUTDATED:
-                said.append(f"{name} is still the result of an earlier calculation.")
+                sentences.append(f"{name} is still the result of an earlier calculation.")
                 continue
             try:
                 aside = self.folder.set_aside(name)
-                said.append(AN_EARLIER.format(name, aside.name))
+                sentences.append(AN_EARLIER.format(name, aside.name))
             except OSError as wrong:
-                said.append(NOT_RENAMED.format(name, wrong.strerror or wrong))
-        return replace(record, sentence=" ".join([record.sentence, *said]).strip())
+                sentences.append(NOT_RENAMED.format(name, wrong.strerror or wrong))
+        return replace(record, sentence=" ".join([record.sentence, *sentences]).strip())
 
     def _without_old_histories(self, record: Record) -> Record:
         """A file with results, whose histories of another kind or name are no longer true."""
         earlier = self._earlier.get(record.name)
-        old = {one.name for one in earlier.outputs if ".history." in one.name} if earlier else set()
-        old -= {one.name for one in record.outputs}
+        outputs = earlier.outputs if earlier else ()
+        old = {output.name for output in outputs if ".history." in output.name}
+        old -= {output.name for output in record.outputs}
         if not old:
             return record
         others = (other for other in self.records.values() if other.done)
-        old -= {one.name for other in others for one in other.outputs}
-        said = []
+        old -= {output.name for other in others for output in other.outputs}
+        sentences = []
         for name in sorted(filter(self._is_there, old)):
             with contextlib.suppress(OSError):  # open elsewhere: the record names the right one
-                said.append(AN_EARLIER.format(name, self.folder.set_aside(name).name))
-        return replace(record, warnings=(*record.warnings, *said))
+                sentences.append(AN_EARLIER.format(name, self.folder.set_aside(name).name))
+        return replace(record, warnings=(*record.warnings, *sentences))
 
     def _is_there(self, name: str) -> bool:
         return self.folder.place(name).is_file()
@@ -365,12 +366,12 @@ class Batch:
             sentence = file_problem(place, wrong).message
         return failed(record.name, record.source, outcome_of(wrong), sentence, stamp=record.stamp)
 
-    def _crashed(self, one: Input, answer: Crashed) -> Record:
+    def _crashed(self, file: Input, answer: Crashed) -> Record:
         sentence = (
-            f"{one.name} was stopped twice: {answer.sentence}. Perhaps memory ran out: calculate "
+            f"{file.name} was stopped twice: {answer.sentence}. Perhaps memory ran out: calculate "
             "it alone with torsionbook recalc; if that fails too, please report it."
         )
-        return failed(one.name, str(one.path), CRASHED, sentence)
+        return failed(file.name, str(file.path), CRASHED, sentence)
 
 
 def _unchanged(path: Path, stamp: Stamp) -> bool:

@@ -121,7 +121,7 @@ def run_programme(
     typed = _base(base, folder)
     read = VariedTable(table)
     columns, names = read_columns(read.headers(), typed)
-    varied = tuple(one for one in columns if one is not None)
+    varied = tuple(column for column in columns if column is not None)
     total = read.count()
     comma = read.has_decimal_commas(columns)
     parts = _Parts(folder, _schema(varied))
@@ -145,13 +145,13 @@ def run_programme(
     chunk = Chunk(pickle.dumps(typed), varied, (), overrides, comma)
     work = _Work(chunk, names, parts, programme, listener)
     chunks = enumerate(_chunked(read.rows()))
-    tasks = (one for number, rows in chunks for one in work.tasks(number, rows))
+    tasks = (new_task for number, rows in chunks for new_task in work.tasks(number, rows))
     try:
-        for one in islice(tasks, AHEAD * workers.threads):
-            workers.add(one)
+        for new_task in islice(tasks, AHEAD * workers.threads):
+            workers.add(new_task)
         for task, answer in workers.answers(stop):
-            for one in (*work.taken(task, answer), *islice(tasks, 1)):
-                workers.add(one)
+            for new_task in (*work.taken(task, answer), *islice(tasks, 1)):
+                workers.add(new_task)
     except OSError as wrong:
         raise Stopped(
             f"Results cannot be written ({wrong.strerror or wrong}). Results written so far are "
@@ -255,7 +255,7 @@ def _schema(columns: Sequence[Varied]) -> pa.Schema:
         *(pa.field(c.header, kinds["double" if c.spec.is_number else "string"]) for c in columns),
         *(pa.field(name, kinds[kind]) for name, kind, _ in RESULT_COLUMNS),
     ]
-    return pa.schema(fields, metadata=stated_columns([one.name for one in fields]))
+    return pa.schema(fields, metadata=stated_columns([column.name for column in fields]))
 
 
 class _Parts:

@@ -124,10 +124,10 @@ _T = TypeVar("_T", Field, TableSpec)
 
 def _named(word: str, known: Sequence[_T], what: str) -> _T:
     """The input of a name or JSON key, capitals aside."""
-    for one in known:
-        if word.casefold() in (one.name.casefold(), one.key):
-            return one
-    meant = nearest(word, [one.name for one in known])
+    for record in known:
+        if word.casefold() in (record.name.casefold(), record.key):
+            return record
+    meant = nearest(word, [record.name for record in known])
     advice = f" Did you mean '{meant}'?" if meant else ""
     raise _WrongColumn(f"{what} '{shortened(word)}' does not exist.{advice}")
 

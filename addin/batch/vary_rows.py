@@ -61,12 +61,12 @@ def calculate_rows(task: Chunk) -> list[dict[str, Any]]:
     """
     base: TypedCase = pickle.loads(task.base)
     known: dict[str, dict[str, Any]] = {}
-    found = []
+    results = []
     for number, name, values in task.rows:
         began = time.perf_counter()
         row = {"row": number, "name": name} | _calculated(task, values, base, known)
-        found.append(row | {"seconds": time.perf_counter() - began})
-    return found
+        results.append(row | {"seconds": time.perf_counter() - began})
+    return results
 
 
 def _calculated(
@@ -86,7 +86,7 @@ def _calculated(
         if problems:
             reasons = [_reason(problem, columns, typed) for problem in problems]
             return inputs | {"outcome": WRONG_INPUT, "reason": "\n".join(reasons)}
-        inputs |= {one.header: _in_case(one, data) for one in relative}
+        inputs |= {column.header: _in_case(column, data) for column in relative}
         case = Case(**(vars(data) | dict(task.overrides)))
         digest = case_digest(data)
         if digest not in known:

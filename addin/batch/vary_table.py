@@ -114,7 +114,7 @@ class VariedTable:
             return False
         # Excel writes semicolons where the comma is the decimal sign, tabs anywhere.
         comma = _COMMA if separator == ";" else _SURE_COMMA
-        numbers = [i for i, one in enumerate(columns) if one is not None and one.spec.is_number]
+        numbers = [i for i, column in enumerate(columns) if column and column.spec.is_number]
         return any(comma.fullmatch(row[i]) for row in self.rows() for i in numbers if i < len(row))
 
     def _csv(self) -> Iterator[list[str]]:

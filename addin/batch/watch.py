@@ -62,17 +62,17 @@ class Watch:
         Abandoned, Stopped
             As of `Batch.process`.
         """
-        for one in first:
-            self._keep(one)
+        for file in first:
+            self._keep(file)
         while not self._batch.stop():
             ready = self.ready(self._find())
             if ready:
-                for one in ready:
-                    self._batch.records.pop(one.name, None)
-                before = {one.name: _stamp(one.path) for one in ready}
+                for file in ready:
+                    self._batch.records.pop(file.name, None)
+                before = {file.name: _stamp(file.path) for file in ready}
                 self._batch.process(ready)
-                for one in ready:
-                    self._keep(one, before[one.name])
+                for file in ready:
+                    self._keep(file, before[file.name])
                 self._after(ready)
             until = time.monotonic() + self._look
             while not self._batch.stop() and time.monotonic() < until:
@@ -80,27 +80,27 @@ class Watch:
 
     def ready(self, inputs: Sequence[Input]) -> list[Input]:
         """Files that were saved since they were calculated and rest now."""
-        found = []
+        ready = []
         now = time.monotonic()
-        for one in inputs:
-            stamp = _stamp(one.path)
-            before, self._seen[one.name] = self._seen.get(one.name), stamp  # type: ignore[assignment]
+        for file in inputs:
+            stamp = _stamp(file.path)
+            before, self._seen[file.name] = self._seen.get(file.name), stamp  # type: ignore[assignment]
             if stamp is None or stamp != before:
                 continue
-            again = now >= self._retry.get(one.name, float("inf"))
-            if (stamp != self._done.get(one.name) or again) and _opens(one.path):
-                found.append(one)
-        return found
+            again = now >= self._retry.get(file.name, float("inf"))
+            if (stamp != self._done.get(file.name) or again) and _opens(file.path):
+                ready.append(file)
+        return ready
 
-    def _keep(self, one: Input, stamp: Stamp | None = None) -> None:
+    def _keep(self, file: Input, stamp: Stamp | None = None) -> None:
         """Remember in which state a file was calculated, and whether to try it again."""
-        record = self._batch.records.get(one.name)
-        self._retry.pop(one.name, None)
+        record = self._batch.records.get(file.name)
+        self._retry.pop(file.name, None)
         if record is None:
             return
-        self._done[one.name] = stamp or Stamp(record.stamp.size, record.stamp.modified, "")
+        self._done[file.name] = stamp or Stamp(record.stamp.size, record.stamp.modified, "")
         if not record.settled:
-            self._retry[one.name] = time.monotonic() + TRY_AGAIN
+            self._retry[file.name] = time.monotonic() + TRY_AGAIN
 
 
 def _stamp(path: Path) -> Stamp | None:

@@ -139,17 +139,17 @@ def batch(
 
     def find_later() -> list[Input]:
         """What is there while it is watched; nothing while a new file is in the way of results."""
-        found = find()
+        inputs_now = find()
         try:
-            check_places(found, out, json, book)
+            check_places(inputs_now, out, json, book)
         except InputsRefused as wrong:
-            if str(wrong) not in told:
-                told.add(str(wrong))
+            if str(wrong) not in refusals:
+                refusals.add(str(wrong))
                 typer.echo(str(wrong), err=True)
             return []
-        return found
+        return inputs_now
 
-    told: set[str] = set()
+    refusals: set[str] = set()
     inputs = find()
     if vary is None:
         try:
@@ -300,7 +300,7 @@ def _named(inputs: Sequence[Input]) -> str:
     """How many files were named, and the first of them."""
     if len(inputs) == 1:
         return "--watch is given"
-    some = ", ".join(one.name for one in inputs[:3])
+    some = ", ".join(file.name for file in inputs[:3])
     return f"{len(inputs)} files are named ({some}{', ...' if len(inputs) > 3 else ''})"
 
 
@@ -346,7 +346,7 @@ def _processed(work: Batch, inputs: Sequence[Input], stop: Stop) -> str:
     if stop.reason:
         return stop.reason
     # Where every file has its outcome, nothing was interrupted.
-    left = any(one.name not in work.records for one in inputs)
+    left = any(file.name not in work.records for file in inputs)
     return f"Interrupted. {_AGAIN}" if stop.asked and left else ""
 
 
@@ -354,11 +354,11 @@ def _watched(
     work: Batch, find: Callable[[], list[Input]], inputs: Sequence[Input], book: Path, stop: Stop
 ) -> None:
     """Calculate what is saved until Ctrl-C."""
-    everything = {one.name: one for one in inputs}
+    everything = {file.name: file for file in inputs}
     work.listener = Listener()
 
     def after(ready: Sequence[Input]) -> None:
-        everything.update((one.name, one) for one in ready)
+        everything.update((file.name, file) for file in ready)
         for record in _rows(work, ready):
             verdict = f"verdict {record.verdict}"
             typer.echo(
@@ -378,8 +378,8 @@ def _rows(work: Batch, inputs: Sequence[Input]) -> list[Record]:
     """A record for each file, also for those that were not reached."""
     sentence = "The batch ended before this file was calculated. Run again with --resume."
     return [
-        work.records.get(one.name) or Record(one.name, str(one.path), NOT_BEGUN, sentence)
-        for one in inputs
+        work.records.get(file.name) or Record(file.name, str(file.path), NOT_BEGUN, sentence)
+        for file in inputs
     ]
 
 
@@ -413,19 +413,19 @@ def _say(
     work: Batch, records: Sequence[Record], ended: str, began: float, written: Sequence[Path]
 ) -> None:
     """The end of a batch, in words."""
-    failed = [one for one in records if not one.done and one.version]
-    for one in failed[:_LISTED]:
-        typer.echo(f"{one.name}: {one.outcome}: {one.sentence}", err=True)
+    failed = [record for record in records if not record.done and record.version]
+    for record in failed[:_LISTED]:
+        typer.echo(f"{record.name}: {record.outcome}: {record.sentence}", err=True)
     if len(failed) > _LISTED:
         typer.echo(f"... and {len(failed) - _LISTED} more; the summary lists all.", err=True)
     seconds = time.monotonic() - began
     counts = _counts(records)
     kept = f" ({work.kept} of them in an earlier batch)" if work.kept else ""
-    same = sum(bool(one.same_as) for one in records)
+    same = sum(bool(record.same_as) for record in records)
     shared = f" {same} had the same case as another file, calculated once." if same else ""
     files = "1 file" if len(records) == 1 else f"{len(records)} files"
     typer.echo(f"{files} in {_duration(seconds)}: {counts}{kept}.{shared}")
-    verdicts = Counter(one.verdict for one in records if one.done)
+    verdicts = Counter(record.verdict for record in records if record.done)
     if verdicts:
         counted = "; ".join(f"{count} {verdict}" for verdict, count in sorted(verdicts.items()))
         typer.echo(f"Verdicts: {counted}.")
@@ -445,9 +445,9 @@ def _status(
 ) -> int:
     if stop.asked and ended:
         return INTERRUPTED
-    if stop.reason or not summarised or any(not one.done for one in records):
+    if stop.reason or not summarised or any(not record.done for record in records):
         return WRONG_INPUT
-    if strict and any(one.results.get("verdict") == "fail" for one in records):
+    if strict and any(record.results.get("verdict") == "fail" for record in records):
         return WRONG_INPUT
     return status.DONE
 
@@ -516,7 +516,7 @@ def _progress() -> Iterator[Listener]:
             def advance(self, record: Record | None) -> None:
                 self.bad += record is not None and not record.done
                 shown.advance(self.task)
-                speed = next(one.speed for one in shown.tasks if one.id == self.task)
+                speed = next(task.speed for task in shown.tasks if task.id == self.task)
                 rate = f"{speed:.1f}/s" if speed else ""
                 shown.update(self.task, rate=rate, bad=f"{self.bad} not done" if self.bad else "")
 

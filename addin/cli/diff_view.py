@@ -17,16 +17,16 @@ from addin.diff.wording import change_in_words, in_words, telling
 _WIDTH = 120
 
 
-def show(found: Differences, everything: bool = False) -> None:
+def show(differences: Differences, everything: bool = False) -> None:
     """Print the differences: verdicts first, then inputs, then results."""
     console = Console(width=max(Console().width, _WIDTH))
-    for letter, side in (("A", found.first), ("B", found.second)):
+    for letter, side in (("A", differences.first), ("B", differences.second)):
         console.print(_about(letter, side))
     console.print()
-    _verdicts(console, found)
-    _inputs(console, found)
-    _results(console, found, everything)
-    _studies(console, found, everything)
+    _verdicts(console, differences)
+    _inputs(console, differences)
+    _results(console, differences, everything)
+    _studies(console, differences, everything)
 
 
 def _about(letter: str, side: ComparedFile) -> Text:
@@ -55,76 +55,76 @@ def _colour(verdict: str) -> str:
     return "green" if verdict.startswith("pass") else "yellow" if verdict else ""
 
 
-def _verdicts(console: Console, found: Differences) -> None:
-    checks = [one for one in found.verdicts if one.table == "Verdicts"]
-    others = [one for one in found.verdicts if one.table != "Verdicts"]
+def _verdicts(console: Console, differences: Differences) -> None:
+    checks = [change for change in differences.verdicts if change.table == "Verdicts"]
+    others = [change for change in differences.verdicts if change.table != "Verdicts"]
     table = _table("Checks", "Check", "A", "B", "Limit", "Verdict A", "Verdict B", right=(1, 2, 3))
-    for one in sorted(checks, key=lambda check: not check.changed):
-        table.add_row(*_check(one))
+    for change in sorted(checks, key=lambda check: not check.changed):
+        table.add_row(*_check(change))
     if checks:
         console.print(table, "")
     table = _table("Other verdicts that changed", "Table", "Row", "Verdict A", "Verdict B")
-    for one in others:
-        verdicts = (Text(verdict, _colour(verdict)) for verdict in (one.before, one.after))
-        table.add_row(one.table, one.row, *verdicts)
+    for change in others:
+        verdicts = (Text(verdict, _colour(verdict)) for verdict in (change.before, change.after))
+        table.add_row(change.table, change.row, *verdicts)
     if others:
         console.print(table, "")
 
 
-def _check(one: VerdictChange) -> list[str | Text]:
-    weight = "bold " if one.changed else ""
+def _check(change: VerdictChange) -> list[str | Text]:
+    weight = "bold " if change.changed else ""
     return [
-        Text(one.row, weight.strip()),
-        one.result_before,
-        one.result_after,
-        one.limit,
-        Text(one.before or "–", f"{weight}{_colour(one.before)}".strip()),
-        Text(one.after or "–", f"{weight}{_colour(one.after)}".strip()),
+        Text(change.row, weight.strip()),
+        change.result_before,
+        change.result_after,
+        change.limit,
+        Text(change.before or "–", f"{weight}{_colour(change.before)}".strip()),
+        Text(change.after or "–", f"{weight}{_colour(change.after)}".strip()),
     ]
 
 
-def _inputs(console: Console, found: Differences) -> None:
-    if found.inputs is None:
+def _inputs(console: Console, differences: Differences) -> None:
+    if differences.inputs is None:
         console.print("Inputs: not compared, because a result JSON contains none.\n")
         return
-    if not found.inputs:
-        console.print(f"Inputs: no difference in {found.same_inputs} quantities.\n")
+    if not differences.inputs:
+        console.print(f"Inputs: no difference in {differences.same_inputs} quantities.\n")
         return
-    title = f"Inputs that differ ({found.same_inputs} quantities are the same)"
-    console.print(_changes(title, found.inputs), "")
+    title = f"Inputs that differ ({differences.same_inputs} quantities are the same)"
+    console.print(_changes(title, differences.inputs), "")
 
 
 def _changes(title: str, changes: Sequence[Change]) -> Table:
     table = _table(title, "Table", "Row", "Column", "A", "B", "Change", right=(3, 4, 5))
-    for one in changes:
-        style = "dim" if one.administrative else ""
+    for change in changes:
+        style = "dim" if change.administrative else ""
         table.add_row(
-            one.table, one.row, one.column, in_words(one, one.before), in_words(one, one.after),
-            change_in_words(one), style=style,
+            change.table, change.row, change.column, in_words(change, change.before),
+            in_words(change, change.after), change_in_words(change), style=style,
         )  # fmt: skip
     return table
 
 
-def _results(console: Console, found: Differences, everything: bool) -> None:
-    if not found.results:
-        console.print(f"Results: no difference in {found.same_results} quantities.")
+def _results(console: Console, differences: Differences, everything: bool) -> None:
+    if not differences.results:
+        console.print(f"Results: no difference in {differences.same_results} quantities.")
         return
-    left = _by_table(console, found.results, everything)
-    console.print(f"{found.same_results} results are the same.{_further(left)}")
+    left = _by_table(console, differences.results, everything)
+    console.print(f"{differences.same_results} results are the same.{_further(left)}")
 
 
 def _by_table(console: Console, results: Sequence[Change], everything: bool) -> int:
     """Results table by table; how many are not shown."""
     by_table: dict[str, list[Change]] = {}
-    for one in results:
-        by_table.setdefault(one.table, []).append(one)
-    told = 0
+    for change in results:
+        by_table.setdefault(change.table, []).append(change)
+    listed = 0
     for name, changes in by_table.items():
         shown = changes if everything else telling(name, changes)
-        told += len(shown)
+        listed += len(shown)
         if shown:
             console.print(_changes(_of_table(name, changes, shown), shown), "")
-    return len(results) - told
+    return len(results) - listed
 
 
 def _further(left: int) -> str:
@@ -133,9 +133,9 @@ def _further(left: int) -> str:
     return f" {left} further differences: --all shows them; --xlsx and --json write them."
 
 
-def _studies(console: Console, found: Differences, everything: bool) -> None:
+def _studies(console: Console, differences: Differences, everything: bool) -> None:
     """What differs on the study sheets; nothing where no file has any."""
-    studies = found.studies
+    studies = differences.studies
     if not (studies.anything or studies.same_results):
         return
     console.print()
@@ -152,7 +152,7 @@ def _of_table(name: str, changes: Sequence[Change], shown: Sequence[Change]) -> 
     """Title of a table of results."""
     parts = [f"{table(name).caption}: {len(changes)} differences"]
     for kind, words in (("row removed", "only in A"), ("row added", "only in B")):
-        count = sum(one.kind == kind for one in changes)
+        count = sum(change.kind == kind for change in changes)
         if count:
             parts.append(f"{count} rows {words}")
     if len(shown) < len(changes):

@@ -76,14 +76,14 @@ def recalc(
             )
             for file, (target, json_file), history in zip(files, targets, histories, strict=True)
         ]
-    for one in done:
-        list_problems(one.source, one.problems, bool(one.written))
-        for sentence in one.warnings:
-            typer.echo(f"{one.source}: note: {printable(sentence)}", err=True)
+    for outcome in done:
+        list_problems(outcome.source, outcome.problems, bool(outcome.written))
+        for sentence in outcome.warnings:
+            typer.echo(f"{outcome.source}: note: {printable(sentence)}", err=True)
     _summary(done)
-    if any(one.problems for one in done):
+    if any(outcome.problems for outcome in done):
         raise typer.Exit(WRONG_INPUT)
-    if strict and any(_overall(one) == "fail" for one in done):
+    if strict and any(_overall(outcome) == "fail" for outcome in done):
         raise typer.Exit(WRONG_INPUT)
 
 
@@ -109,24 +109,27 @@ def _histories(
         for file, (target, _) in zip(files, targets, strict=True)
     ]
     stems = history_stems(results)
-    return [Path(one).name if stems[one] == one else "" for one in results]
+    return [Path(result).name if stems[result] == result else "" for result in results]
 
 
-def _overall(one: RecalculationOutcome) -> str:
-    if one.calculation is None:
+def _overall(outcome: RecalculationOutcome) -> str:
+    if outcome.calculation is None:
         return "not calculated"
-    return next(v.verdict for v in one.calculation.results.verdicts)
+    return next(v.verdict for v in outcome.calculation.results.verdicts)
 
 
 def _summary(done: Sequence[RecalculationOutcome]) -> None:
     """The end of a run: file, first modes, worst margin, peak, start, starts, verdict."""
-    calculated = [one for one in done if one.calculation is not None]
+    calculated = [outcome for outcome in done if outcome.calculation is not None]
     if not calculated:
         return
     headers = ("First modes [Hz]", "Worst margin", "Largest peak", "Start", "Starts", "Verdict")
     rows = [
-        [one.source.name, *(printable(cell) for cell in (*_summary_cells(one), _overall(one)))]
-        for one in calculated
+        [
+            outcome.source.name,
+            *(printable(cell) for cell in (*_summary_cells(outcome), _overall(outcome))),
+        ]
+        for outcome in calculated
     ]
     if shutil.get_terminal_size().columns >= TABLE_WIDTH:
         print_table([(header, "text") for header in ("File", *headers)], rows)
@@ -135,13 +138,13 @@ def _summary(done: Sequence[RecalculationOutcome]) -> None:
             typer.echo(name)
             for header, cell in zip(headers, cells, strict=True):
                 typer.echo(f"  {header:<17} {cell}")
-    print_written(path for one in calculated for path in one.written)
+    print_written(path for outcome in calculated for path in outcome.written)
 
 
-def _summary_cells(one: RecalculationOutcome) -> list[str]:
-    assert one.calculation is not None
+def _summary_cells(recalculated: RecalculationOutcome) -> list[str]:
+    assert recalculated.calculation is not None
 
-    calculation = one.calculation
+    calculation = recalculated.calculation
     figures = key_figures(calculation.results, calculation.tables.get("StartupPeaks", ()))
     modes = ", ".join(f"{f:.4g}" for f in figures.frequencies)
     margin, peak, starts = "–", "–", "–"
@@ -157,5 +160,5 @@ def _summary_cells(one: RecalculationOutcome) -> list[str]:
         starts = NoNumber.UNLIMITED
     elif figures.starts is not None:
         starts = f"{math.floor(figures.starts):,}"
-    outcome = "–" if one.calculation.results.start is None else figures.outcome
+    outcome = "–" if recalculated.calculation.results.start is None else figures.outcome
     return [modes, margin, peak, outcome, starts]

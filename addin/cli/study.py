@@ -96,7 +96,7 @@ def _run(study: Study, file: Path, given: Mapping[str, Any]) -> None:
     """
     options = {option.name: given[option.name] for option in study.options}
     _check_options(study, file, options)
-    settings = {one.name: options[one.name] for one in study.options if one.is_setting}
+    settings = {option.name: options[option.name] for option in study.options if option.is_setting}
     destination, json_file = study_targets(
         file, study.command, given["out"], given["json"], given["in_place"]
     )

@@ -152,12 +152,12 @@ def stages_of(file: Path, tell: Callable[[str], None]) -> Callable[[str], None]:
 @contextmanager
 def progress() -> Iterator[Callable[[str], None]]:
     """A line that says what is being done, where somebody watches; a rare long wait is always told."""
-    told: set[str] = set()
+    announced: set[str] = set()
 
     def rare(text: str) -> None:
         stage = text.rpartition(": ")[2]
-        if is_compiling(stage) and stage not in told:
-            told.add(stage)
+        if is_compiling(stage) and stage not in announced:
+            announced.add(stage)
             typer.echo(f"{text} …", err=True)
 
     if not sys.stderr.isatty():

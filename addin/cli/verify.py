@@ -65,14 +65,14 @@ def verify(
     if json is not None:
         _refuse_clashes(files, case, json, folder)
     for file in files:
-        found = verify_file(file, case=case, within=Agreement(_WITHIN[within]))
-        passed = passed and found.passes
-        for line in lines(found, everything):
+        verification = verify_file(file, case=case, within=Agreement(_WITHIN[within]))
+        passed = passed and verification.passes
+        for line in lines(verification, everything):
             typer.echo(line)
         if json is not None:
             target = json / f"{file.stem}.verify.json" if folder else json
             try:
-                write_json(target, as_json(found))
+                write_json(target, as_json(verification))
             except OSError as wrong:
                 typer.echo(file_problem(target, wrong).message, err=True)
                 passed = False

@@ -40,16 +40,16 @@ class Storage:
         CompoundFileError
             If there is none.
         """
-        found: bytes | Storage = self
+        entry: bytes | Storage = self
         for name in path:
-            entries = found.entries if isinstance(found, Storage) else {}
+            entries = entry.entries if isinstance(entry, Storage) else {}
             folded = {known.casefold(): entry for known, entry in entries.items()}
             if name.casefold() not in folded:
                 raise CompoundFileError(f"The VBA project has no stream {'/'.join(path)}.")
-            found = folded[name.casefold()]
-        if isinstance(found, Storage):
+            entry = folded[name.casefold()]
+        if isinstance(entry, Storage):
             raise CompoundFileError(f"{'/'.join(path)} of the VBA project is not a stream.")
-        return found
+        return entry
 
 
 # --- reading --------------------------------------------------------------------------------------
@@ -91,10 +91,10 @@ class _Reader:
 
     def _sector(self, number: int) -> bytes:
         start = (number + 1) * self._size
-        found = self._data[start : start + self._size]
-        if number > _LARGEST_SECTOR or not found:
+        content = self._data[start : start + self._size]
+        if number > _LARGEST_SECTOR or not content:
             raise CompoundFileError("The VBA project is damaged (a sector is missing).")
-        return found.ljust(self._size, b"\0")
+        return content.ljust(self._size, b"\0")
 
     def _numbers(self, data: bytes) -> tuple[int, ...]:
         return struct.unpack(f"<{len(data) // 4}I", data[: len(data) // 4 * 4])
@@ -149,17 +149,17 @@ class _Reader:
         class_id = self._directory[at + 80 : at + 96]
         (child,) = struct.unpack_from("<I", self._directory, at + 76)
         (state,) = struct.unpack_from("<I", self._directory, at + 96)
-        found = Storage({}, class_id, state)
-        for one in self._siblings(child):
-            at = one * _ENTRY
+        storage = Storage({}, class_id, state)
+        for number in self._siblings(child):
+            at = number * _ENTRY
             (length,) = struct.unpack_from("<H", self._directory, at + 64)
             name = self._directory[at : at + max(length - 2, 0)].decode("utf-16-le")
             kind = self._directory[at + 66]
             if kind == _STORAGE:
-                found.entries[name] = self.storage(one, depth + 1)
+                storage.entries[name] = self.storage(number, depth + 1)
             elif kind == _STREAM:
-                found.entries[name] = self._content(one)
-        return found
+                storage.entries[name] = self._content(number)
+        return storage
 
     def _siblings(self, first: int) -> Iterator[int]:
         waiting, seen = [first], set()

@@ -295,7 +295,7 @@ def _zone(file: Path) -> str:
     """The zone that Windows keeps in a stream beside the file's content; empty without one."""
     try:
         with open(f"{file}:Zone.Identifier", encoding="utf-8", errors="replace") as stream:
-            found = re.search(r"ZoneId\s*=\s*(\d)", stream.read())
+            zone = re.search(r"ZoneId\s*=\s*(\d)", stream.read())
     except OSError:
         return ""
-    return found[1] if found else ""
+    return zone[1] if zone else ""

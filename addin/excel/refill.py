@@ -49,9 +49,9 @@ class Results:
 def results_of(workbook: Workbook) -> Results:
     """What was written into a workbook."""
     blocks = tuple(
-        (sheet, one.rect, tuple(one.grid))
+        (sheet, block.rect, tuple(block.grid))
         for sheet, written in workbook.written.items()
-        for one in written
+        for block in written
     )
     tables = tuple(
         table
@@ -132,11 +132,11 @@ def _rows(
     rows: Sequence[Sequence[Any]], rect: Rect, top: int, bottom: int
 ) -> list[list[str | bool | float | None]]:
     """Rows of a rectangle as Excel takes them; what was not given is blank."""
-    found = []
+    cells = []
     for number in range(top - rect.top, bottom - rect.top + 1):
         row = list(rows[number]) if number < len(rows) else []
-        found.append([excel_value(v) for v in row + [None] * (rect.width - len(row))])
-    return found
+        cells.append([excel_value(v) for v in row + [None] * (rect.width - len(row))])
+    return cells
 
 
 def _resize(book: Any, table: Table, results: Results) -> None:
@@ -227,17 +227,17 @@ def _protected(book: Any, results: Results) -> str:
 
 def _kept(files: Sequence[Path], book: Any) -> list[str]:
     """Histories beside the workbook; a sentence where that is no folder."""
-    told = []
+    sentences = []
     folder = Path(str(book.api.FullName)).parent  # an address, where OneDrive keeps the workbook
     for path in files:
         if folder.is_dir():
             shutil.copyfile(path, folder / path.name)
         else:
-            told.append(
+            sentences.append(
                 f"The histories {path.name} were not saved: {book.name} is not on a local disk. "
                 "Save it on one, or run torsionbook recalc."
             )
-    return told
+    return sentences
 
 
 def _tell(app: Any, text: str) -> None:

@@ -37,14 +37,16 @@ RESERVED = frozenset(
 )
 
 
-def exported(function: Callable[..., Any], one: Function, argument: Any) -> Callable[..., Any]:
+def exported(
+    function: Callable[..., Any], described: Function, argument: Any
+) -> Callable[..., Any]:
     """A function with the signature and help of one of the registry.
 
     Parameters
     ----------
     function : callable
         Takes the cells, with its own name. [as typed]
-    one : Function
+    described : Function
         One of `excel_functions`, whose signature and help it gets.
     argument : callable
         xlwings' decorator of an argument.
@@ -55,16 +57,16 @@ def exported(function: Callable[..., Any], one: Function, argument: Any) -> Call
         The function, each argument a block of cells.
     """
     function.__qualname__ = function.__name__
-    function.__doc__ = one.help
+    function.__doc__ = described.help
     function.__annotations__ = {}  # xlwings would choose its converters by them
     kind = inspect.Parameter.POSITIONAL_OR_KEYWORD
     function.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
         [
             inspect.Parameter(a.name, kind, default=None if a.optional else inspect._empty)
-            for a in one.arguments
+            for a in described.arguments
         ]
     )
-    for a in one.arguments:
+    for a in described.arguments:
         # The shape is always asked for: xlwings' default depends on the size of the range, and
         # its version 1 shall change it.
         function = argument(a.name, ndim=2, err_to_str=True, doc=a.help)(function)
@@ -75,13 +77,13 @@ def excel_functions() -> tuple[Function, ...]:
     """All functions of the registry, with names and help as Excel takes them."""
     return tuple(
         replace(
-            one,
-            help=_cut(one.help),
+            function,
+            help=_cut(function.help),
             arguments=tuple(
-                replace(a, name=_name(a.name), help=_cut(a.help)) for a in one.arguments
+                replace(a, name=_name(a.name), help=_cut(a.help)) for a in function.arguments
             ),
         )
-        for _, one in sorted(FUNCTIONS.items())
+        for _, function in sorted(FUNCTIONS.items())
     )
 
 

@@ -49,14 +49,14 @@ def _answer(name: str, cells: tuple[Any, ...]) -> list[list[Any]]:
     return [["" if value is None else value for value in row] for row in rows]
 
 
-def _exported(one: Function) -> Callable[..., Any]:
+def _exported(described: Function) -> Callable[..., Any]:
     """A function as xlwings wants it: with its name, signature and help."""
 
     def function(*cells: Any) -> list[list[Any]]:
-        return _answer(one.name, cells)
+        return _answer(described.name, cells)
 
-    function.__name__ = one.name
-    return xw.func(category=CATEGORY)(exported(function, one, xw.arg))
+    function.__name__ = described.name
+    return xw.func(category=CATEGORY)(exported(function, described, xw.arg))
 
 
 for _one in excel_functions():

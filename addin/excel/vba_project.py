@@ -120,8 +120,8 @@ class VbaProject:
         str or None
             None if there is no such module.
         """
-        found = self.module(name)
-        return None if found is None else found.source(self.code_page)
+        module = self.module(name)
+        return None if module is None else module.source(self.code_page)
 
     def with_modules(self, new: Iterable[Module], without: Collection[str] = ()) -> VbaProject:
         """The project with some modules added or put in the place of those of the same name."""
@@ -172,13 +172,13 @@ def _without_modules(root: Storage, streams: Collection[str]) -> Storage:
     assert isinstance(held, Storage)  # its stream ``dir`` was read
     gone = {*streams, "dir", "_vba_project"}
     kept = {
-        name: one
-        for name, one in held.entries.items()
+        name: entry
+        for name, entry in held.entries.items()
         if name.casefold() not in gone and not name.casefold().startswith("__srp_")
     }
     entries: dict[str, bytes | Storage] = {
-        name: one
-        for name, one in root.entries.items()
+        name: entry
+        for name, entry in root.entries.items()
         if name.casefold() not in (vba.casefold(), "project", "projectwm")
     }
     entries["VBA"] = Storage(kept, held.class_id, held.state)
@@ -186,18 +186,18 @@ def _without_modules(root: Storage, streams: Collection[str]) -> Storage:
 
 
 def _records(data: bytes) -> list[Record]:
-    found: list[Record] = []
+    records: list[Record] = []
     at = 0
     while at + 6 <= len(data):
         kind, size = struct.unpack_from("<HI", data, at)
         size = 6 if kind == _VERSION else size
         if at + 6 + size > len(data):
             break
-        found.append((kind, data[at + 6 : at + 6 + size]))
+        records.append((kind, data[at + 6 : at + 6 + size]))
         at += 6 + size
-    if at != len(data) or not found or found[-1][0] != _END:
+    if at != len(data) or not records or records[-1][0] != _END:
         raise VbaProjectError("The list of modules of the VBA project is damaged.")
-    return found
+    return records
 
 
 def _modules(
@@ -209,19 +209,19 @@ def _modules(
         kind, _, name = line.partition("=")
         if line.startswith(_KINDS):
             words[name.partition("/")[0].casefold()] = kind
-    one: list[Record] = []
+    collected: list[Record] = []
     for record in records:
-        one.append(record)
+        collected.append(record)
         if record[0] != _TERMINATOR:
             continue
-        held = dict(one)
+        held = dict(collected)
         if _NAME not in held or _OFFSET not in held:
             raise VbaProjectError("The list of modules of the VBA project is damaged.")
-        name = _utf16(one, _NAME_UNICODE) or held[_NAME].decode(code_page)
-        stored = _utf16(one, _STREAM_UNICODE) or name
+        name = _utf16(collected, _NAME_UNICODE) or held[_NAME].decode(code_page)
+        stored = _utf16(collected, _STREAM_UNICODE) or name
         word = words.get(name.casefold(), "Module")
-        yield Module(name, tuple(one), root.stream("VBA", stored), word)
-        one = []
+        yield Module(name, tuple(collected), root.stream("VBA", stored), word)
+        collected = []
 
 
 def _utf16(records: Iterable[Record], kind: int) -> str:

@@ -170,8 +170,8 @@ def _with_our_modules(there: bytes | None) -> bytes:
 
 def _settings(there: dict[str, Setting] | None, interpreter: str) -> dict[str, Setting]:
     """Settings of the workbook: ours, the interpreter it names, and what else the user has set."""
-    found = there or {}
-    python = interpreter or _value(found, INTERPRETER, "") or usual_interpreter()
+    known = there or {}
+    python = interpreter or _value(known, INTERPRETER, "") or usual_interpreter()
     ours: dict[str, Setting] = {
         INTERPRETER: python,
         "UDF Modules": UDF_MODULE,
@@ -183,7 +183,7 @@ def _settings(there: dict[str, Setting] | None, interpreter: str) -> dict[str, S
         "Show Console": False,
     }
     names = {name.casefold() for name in ours}
-    return ours | {name: v for name, v in found.items() if name.casefold() not in names}
+    return ours | {name: v for name, v in known.items() if name.casefold() not in names}
 
 
 def _value(settings: dict[str, Setting], name: str, otherwise: Setting) -> Setting:

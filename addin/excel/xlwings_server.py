@@ -37,15 +37,17 @@ def _answer(name: str, cells: tuple[Any, ...]) -> list[list[Any]]:
     return [["" if value is None else value for value in row] for row in rows]
 
 
-def _exported(one: Function) -> Callable[..., Any]:
+def _exported(described: Function) -> Callable[..., Any]:
     """A function as xlwings Server wants it: with its name, signature and help."""
 
     async def function(*cells: Any) -> list[list[Any]]:
-        return await asyncio.to_thread(_answer, one.name, cells)
+        return await asyncio.to_thread(_answer, described.name, cells)
 
-    function.__name__ = one.name.lower()
-    named = xlwings_server.func(name=one.name.removeprefix(f"{NAMESPACE}_"), namespace=NAMESPACE)
-    return named(exported(function, one, xlwings_server.arg))
+    function.__name__ = described.name.lower()
+    named = xlwings_server.func(
+        name=described.name.removeprefix(f"{NAMESPACE}_"), namespace=NAMESPACE
+    )
+    return named(exported(function, described, xlwings_server.arg))
 
 
 for _one in excel_functions():

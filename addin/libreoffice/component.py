@@ -60,8 +60,8 @@ class Worker:
                 return self._exchange(message)
             except BROKEN as wrong:
                 self._end()
-                said = NOT_STARTED.format(python=self.command[0], wrong=wrong)
-                return {"error": said.strip()}
+                sentence = NOT_STARTED.format(python=self.command[0], wrong=wrong)
+                return {"error": sentence.strip()}
 
     def _start(self):
         # LibreOffice points these at its own Python.
@@ -83,10 +83,10 @@ class Worker:
         return json.loads(self._read(length).decode("utf-8"))
 
     def _read(self, count):
-        found = self.process.stdout.read(count)
-        if len(found) < count:
+        content = self.process.stdout.read(count)
+        if len(content) < count:
             raise EOFError("Its process stopped.")
-        return found
+        return content
 
     def _end(self):
         process, self.process = self.process, None
@@ -134,10 +134,10 @@ class Functions(unohelper.Base, XFunctions, XServiceInfo):
         """What the cells show: one value, or rows."""
         if Functions.worker is None:
             Functions.worker = Worker(_settings()["command"])
-        found = Functions.worker.ask(
-            {"function": function, "arguments": [_plain(one) for one in arguments]}
+        answer = Functions.worker.ask(
+            {"function": function, "arguments": [_plain(argument) for argument in arguments]}
         )
-        rows = _cells(found["rows"] if "rows" in found else [[found["error"]]])
+        rows = _cells(answer["rows"] if "rows" in answer else [[answer["error"]]])
         return rows[0][0] if scalar else rows
 
     def getImplementationName(self):

@@ -29,9 +29,9 @@ def method_name(function: str) -> str:
 
 def parameter_names(arguments: tuple[str, ...]) -> tuple[str, ...]:
     """Names of the parameters of a method."""
-    found = tuple(identifier(name) for name in arguments)
-    assert len(set(found)) == len(found), found
-    return found
+    parameters = tuple(identifier(name) for name in arguments)
+    assert len(set(parameters)) == len(parameters), parameters
+    return parameters
 
 
 def programmatic_name(function: str) -> str:

@@ -223,13 +223,13 @@ class _Reading:
                 self._read_rows(table.name, rows)
         self.studies = {k: content[k] for k in _STUDIES if content.get(k) is not None}
 
-    def _read_format(self, found: Any) -> None:
-        if found != CASE_FORMAT or isinstance(found, bool):
-            found = _short(found)
-            what = "has no key 'format'" if found is None else f"has format {found!r}"
+    def _read_format(self, stated: Any) -> None:
+        if stated != CASE_FORMAT or isinstance(stated, bool):
+            stated = _short(stated)
+            what = "has no key 'format'" if stated is None else f"has format {stated!r}"
             self.findings.add(
                 (SCALAR_TABLE, None, "format"),
-                found,
+                stated,
                 f'"format": {CASE_FORMAT}',
                 f'the case {what}; this version reads "format": {CASE_FORMAT}. Write that line at the '
                 "top.",

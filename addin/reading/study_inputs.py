@@ -175,7 +175,7 @@ def units_for_words(typed: TypedCase, case: TypedCase) -> dict[tuple[str, str], 
     dict of (str, str) to DisplayUnit
         See `StudyInputs`: the unit of a row of `Tuning` first, then that of its cell in the case. [units]
     """
-    found: dict[tuple[str, str], DisplayUnit] = {}
+    units: dict[tuple[str, str], DisplayUnit] = {}
     for quantity, places in _TYPED_IN.items():
         for table, column, named in places:
             for row in (*case.tables.get(table, ()), *typed.tables.get(table, ())):
@@ -184,16 +184,16 @@ def units_for_words(typed: TypedCase, case: TypedCase) -> dict[tuple[str, str], 
                     continue
                 unit = _word_unit(entry.unit, entry.scale)
                 if isinstance(name, str):
-                    found.setdefault((name, quantity), unit)
+                    units.setdefault((name, quantity), unit)
                 if quantity != BACKLASH:  # a gap of teeth is a length, that of a coupling an angle
-                    found.setdefault(("", quantity), unit)
+                    units.setdefault(("", quantity), unit)
     for line in typed.tables.get("Tuning", ()):
         whose, what, unit_text = (line.get(key) for key in ("Element", "Quantity", "Unit"))
         if isinstance(whose, str) and isinstance(what, str) and isinstance(unit_text, str):
             scale, relative = _scale(unit_text, what, 0, Findings())
             if not relative:
-                found[whose, what] = _word_unit(unit_text, scale)
-    return found
+                units[whose, what] = _word_unit(unit_text, scale)
+    return units
 
 
 def _word_unit(name: str, scale: UnitScale) -> DisplayUnit:

@@ -238,8 +238,8 @@ def _quoted_as_typed(
     )
 
 
-def _is_number(found: object) -> TypeGuard[float]:
-    return isinstance(found, (int, float)) and not isinstance(found, bool) and found != 0
+def _is_number(value: object) -> TypeGuard[float]:
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and value != 0
 
 
 # --- words --------------------------------------------------------------------------------------

@@ -74,7 +74,7 @@ _LISTED = 12
 def _own_names() -> frozenset[str]:
     """Names of the product itself, which stand for something else; without capitals."""
     names = set(open_workbook(template_path("blank_us.xlsx"), read_only=True).defined_names)
-    return frozenset(name.casefold() for name in names | {one.name for one in SCALARS})
+    return frozenset(name.casefold() for name in names | {spec.name for spec in SCALARS})
 
 
 @dataclass
@@ -121,15 +121,17 @@ class Locations:
         """
         if table == SCALAR_TABLE:
             return self.scalars.get(column, (SCALAR_SHEET, ""))
-        found = self.tables.get(table)
-        if found is None:
+        excel_table = self.tables.get(table)
+        if excel_table is None:
             return input_table(table).sheet, ""
         if row is None:
-            return self.units.get((table, column), (found.sheet, ""))
+            return self.units.get((table, column), (excel_table.sheet, ""))
         at = self.columns.get((table, column))
         if at is None:
-            return found.sheet, ""
-        return found.sheet, cell_name(found.data.top + self.table_row(table, row) - 1, at)
+            return excel_table.sheet, ""
+        return excel_table.sheet, cell_name(
+            excel_table.data.top + self.table_row(table, row) - 1, at
+        )
 
 
 @dataclass(frozen=True)
@@ -212,8 +214,8 @@ class _Reading:
         self.locations = Locations()
         self.warnings: list[str] = []
         self.lost: dict[str, list[str]] = {}  # sheet that is not there → names that lead to it
-        self.names = {name.casefold(): one for name, one in workbook.defined_names.items()}
-        self.tables = {name.casefold(): one for name, one in workbook.tables.items()}
+        self.names = {name.casefold(): defined for name, defined in workbook.defined_names.items()}
+        self.tables = {name.casefold(): defined for name, defined in workbook.tables.items()}
 
     def result(self) -> WorkbookInput:
         """Everything read and checked."""
@@ -240,7 +242,7 @@ class _Reading:
 
     def _studies(self) -> StudiesRead | None:
         """The study sheets, where the workbook has any: read apart, so that they spoil no case."""
-        present = [one for one in STUDY_INPUT_TABLES if one.name.casefold() in self.tables]
+        present = [spec for spec in STUDY_INPUT_TABLES if spec.name.casefold() in self.tables]
         if not present:
             return None
         apart = _Reading(self.workbook)
@@ -305,7 +307,7 @@ class _Reading:
         if match is None:
             return ""
         sheet = (match.group(1) or match.group(2)).replace("''", "'")
-        there = {one.casefold() for one in self.workbook.sheet_names}
+        there = {sheet_name.casefold() for sheet_name in self.workbook.sheet_names}
         return "" if sheet.casefold() in there else sheet
 
     def _note_lost_sheets(self) -> None:
@@ -373,11 +375,11 @@ class _Reading:
         self._warn_of_rows(spec, table)
         self._silence_missing_columns(spec)
 
-    def _note_missing_table(self, spec: TableSpec, found: Table | None) -> None:
-        if found is not None:
+    def _note_missing_table(self, spec: TableSpec, table: Table | None) -> None:
+        if table is not None:
             message = "the table has no header row. Switch it on (Table Design > Header Row)."
         else:
-            known = {one.name.casefold() for one in INPUT_TABLES}
+            known = {other.name.casefold() for other in INPUT_TABLES}
             others = [name for name in self.workbook.tables if name.casefold() not in known]
             meant = nearest(spec.name, others, 0.75)
             hint = f" Table '{meant}' is similar; rename it." if meant else ""
@@ -390,7 +392,7 @@ class _Reading:
     def _note_missing_column(self, spec: TableSpec, column: Field, table: Table) -> None:
         if column.name in _OPTIONAL:
             return
-        known = {_header(one.name) for one in (*spec.columns, *spec.extra_columns)}
+        known = {_header(other.name) for other in (*spec.columns, *spec.extra_columns)}
         others = [name for name in table.columns if _header(name) not in known]
         meant = nearest(column.name, others, 0.5)
         hint = f" Column '{meant}' is similar; rename it." if meant else ""
@@ -593,10 +595,11 @@ def _number_formats(workbook: Workbook) -> list[str]:
 def _located(problem: Problem, typed: TypedCase, locations: Locations) -> CellProblem:
     """A problem with rows as the engineer counts them, its cell, and the number as typed."""
     sheet, cell = locations.cell(problem.table, problem.row, problem.column)
-    told = in_typed_units(problem, typed)
-    row = None if told.row is None else locations.table_row(told.table, told.row)
-    kind = "unit cell" if row is None and told.table != SCALAR_TABLE else "cell"
-    return placed(replace(told, row=row, message=_renumbered(told, locations)), sheet, cell, kind)
+    problem = in_typed_units(problem, typed)
+    row = None if problem.row is None else locations.table_row(problem.table, problem.row)
+    kind = "unit cell" if row is None and problem.table != SCALAR_TABLE else "cell"
+    message = _renumbered(problem, locations)
+    return placed(replace(problem, row=row, message=message), sheet, cell, kind)
 
 
 _ROW_IN_WORDS = re.compile(r"(?:table (\w+), )?\brow (\d+)\b")

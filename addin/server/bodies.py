@@ -130,8 +130,8 @@ async def while_connected(request: Request, work: Awaitable[T]) -> T:
             return task.result()
         raise Refused(400, "The client has closed the connection.")
     finally:
-        for one in (task, gone):
-            one.cancel()
+        for waiting in (task, gone):
+            waiting.cancel()
         await asyncio.gather(task, gone, return_exceptions=True)
 
 

@@ -49,7 +49,7 @@ class Call:
     def _kinds(self) -> tuple[str, ...]:
         """Kinds of the function's arguments; none of a function that is not known."""
         function = FUNCTIONS.get(self.name)
-        return () if function is None else tuple(one.kind for one in function.arguments)
+        return () if function is None else tuple(argument.kind for argument in function.arguments)
 
     @property
     def takes_model(self) -> bool:
@@ -104,7 +104,7 @@ def read_calls(content: Any, most: int) -> list[Call]:
             f"There are {len(calls):,} calls; one request may contain at most {most:,}. Split "
             "them over several requests.",
         )
-    return [read_call(one, f"calls[{i}]") for i, one in enumerate(calls)]
+    return [read_call(item, f"calls[{i}]") for i, item in enumerate(calls)]
 
 
 def read_call(content: Any, place: str) -> Call:

@@ -83,10 +83,10 @@ class Client:
         Refusal
             If there is no answer.
         """
-        (found,) = self.batch([(name, *arguments)])
-        if isinstance(found, Refusal):
-            raise found
-        return found
+        (answer,) = self.batch([(name, *arguments)])
+        if isinstance(answer, Refusal):
+            raise answer
+        return answer
 
     def batch(self, calls: Iterable[Sequence[Any]]) -> list[list[list[Any]] | Refusal]:
         """The answers of many calls in one request.
@@ -101,13 +101,13 @@ class Client:
         list of (list of list, or Refusal)
             In the same order; what has no answer says why. [shown units]
         """
-        found: list[Any] = [_as_json(name, given) for name, *given in calls]
-        sent = ",".join(one for one in found if isinstance(one, str))
+        prepared: list[Any] = [_as_json(name, given) for name, *given in calls]
+        sent = ",".join(text for text in prepared if isinstance(text, str))
         if not sent:
-            return found
+            return prepared
         body = f'{{"calls": [{sent}]}}'.encode()
-        said = iter(json.loads(self._post("/api/v1/batch", body, "application/json"))["results"])
-        return [_answer(next(said)) if isinstance(one, str) else one for one in found]
+        results = iter(json.loads(self._post("/api/v1/batch", body, "application/json"))["results"])
+        return [_answer(next(results)) if isinstance(text, str) else text for text in prepared]
 
     def model(self, path: str | Path) -> str:
         """The handle of the model in a workbook or a case JSON.
@@ -139,8 +139,8 @@ class Client:
         headers = {**self._headers, "Content-Type": kind}
         request = urllib.request.Request(self._address + route, body, headers)
         try:
-            with urllib.request.urlopen(request, timeout=self._timeout) as said:
-                return bytes(said.read())
+            with urllib.request.urlopen(request, timeout=self._timeout) as response:
+                return bytes(response.read())
         except urllib.error.HTTPError as refused:
             raise _refusal(refused) from None
         except urllib.error.URLError as wrong:
@@ -172,15 +172,15 @@ def _as_json(name: str, given: Sequence[Any]) -> str | Refusal:
 def _without_nan(value: Any) -> Any:
     """NaN is a blank, as in a table of pandas."""
     if isinstance(value, (list, tuple)):
-        return [_without_nan(one) for one in value]
+        return [_without_nan(item) for item in value]
     return None if isinstance(value, float) and math.isnan(value) else value
 
 
-def _answer(one: dict[str, Any]) -> Any:
+def _answer(result: dict[str, Any]) -> Any:
     """The rows of one call, or why there are none."""
-    if "error" in one:
-        return Refusal(one["error"]["message"], one["error"]["code"])
-    return one["value"]
+    if "error" in result:
+        return Refusal(result["error"]["message"], result["error"]["code"])
+    return result["value"]
 
 
 def _refusal(refused: urllib.error.HTTPError) -> Refusal:

@@ -14,8 +14,8 @@ def is_key(settings: Settings, given: str | None) -> bool:
     if not settings.keys:
         return True
     sent = (given or "").encode("utf-8", "surrogatepass")
-    found = [hmac.compare_digest(sent, key.encode()) for key in settings.keys]
-    return any(found)
+    matches = [hmac.compare_digest(sent, key.encode()) for key in settings.keys]
+    return any(matches)
 
 
 def key_of(headers: Headers) -> str | None:

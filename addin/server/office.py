@@ -33,7 +33,7 @@ def functions_json() -> dict[str, Any]:
     return {
         "allowCustomDataForDataTypeAny": True,
         "allowErrorForDataTypeAny": True,
-        "functions": [_metadata(one) for one in FUNCTIONS.values()],
+        "functions": [_metadata(function) for function in FUNCTIONS.values()],
     }
 
 

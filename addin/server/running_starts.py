@@ -46,8 +46,8 @@ class _Shared:
 
     def tell(self, stage: str) -> None:
         self.stage = stage
-        for one in list(self.tellers):
-            one(stage)
+        for tell in list(self.tellers):
+            tell(stage)
 
 
 class Starts:

@@ -235,8 +235,8 @@ class Stream:
         """One request is over, whatever came of it."""
         if self._running.get(answering.identity) is task:
             del self._running[answering.identity]
-        found = answering.found or {"cancelled": True}
-        self._out.put_nowait(({"id": answering.identity, **found}, answering))
+        answer = answering.found or {"cancelled": True}
+        self._out.put_nowait(({"id": answering.identity, **answer}, answering))
 
     async def _answer(self, answering: _Answering, work: Work) -> None:
         try:
@@ -280,11 +280,11 @@ class Stream:
             self._free(first)
             raise
         self._out.put_nowait(({"id": answering.identity, "partial": partly}, first))
-        found = await self._starts.ready(model, self._teller(answering.identity))
-        if isinstance(found, FunctionError):
-            raise found
+        calculation = await self._starts.ready(model, self._teller(answering.identity))
+        if isinstance(calculation, FunctionError):
+            raise calculation
         await self._turn(answering)
-        return {"value": await self._calls.in_thread(start_view, model, found)}
+        return {"value": await self._calls.in_thread(start_view, model, calculation)}
 
     async def _study(self, asked: StudyRequest, answering: _Answering) -> dict[str, Any]:
         """The JSON of a study of a case."""

@@ -53,7 +53,9 @@ def read_study(message: Mapping[str, Any]) -> StudyRequest:
     settings = message.get("settings", {})
     if not isinstance(settings, dict):
         raise Refused(400, 'settings is not an object. Give one such as {"samples": 1000}.')
-    options = {one.name: _limited(one) for one in STUDIES[command].options if one.is_setting}
+    options = {
+        option.name: _limited(option) for option in STUDIES[command].options if option.is_setting
+    }
     for name, value in settings.items():
         if name not in options:
             known = f"Available: {', '.join(options)}" if options else "It has none"
@@ -91,10 +93,10 @@ def study_of(asked: StudyRequest, tell: Callable[[str], None]) -> dict[str, Any]
     study = STUDIES[asked.command]
     tell("reading")
     read = read_case_json(asked.case)
-    found, problems, warnings = calculate_study(study, read, serial_map(), asked.settings, tell)
-    if found is None:
+    result, problems, warnings = calculate_study(study, read, serial_map(), asked.settings, tell)
+    if result is None:
         errors = errors_to_json(problems, product_version(), warnings)["errors"]
         message = input_errors(problems)
         return {"error": {"message": message, "code": "#VALUE!"}, "errors": errors}
-    content = to_json(study, found, read, warnings)
+    content = to_json(study, result, read, warnings)
     return {"value": json.loads(json.dumps(content, allow_nan=False))}  # plain values alone

@@ -31,7 +31,7 @@ PAGE_CHARTS = (
     "interference",
     *(f"history {k + 1}" for k in range(HISTORIES)),
 )
-_DATA = tuple(dict.fromkeys(one.table for name in PAGE_CHARTS for one in CHARTS[name].series))
+_DATA = tuple(dict.fromkeys(series.table for name in PAGE_CHARTS for series in CHARTS[name].series))
 SPEED_TABLES = ("NaturalFrequencies", "SeparationMargins", "SteadyState", "ModeShapes")
 START_TABLES = ("Verdicts", "StartupPeaks", "AllowableStarts", "TorqueReversals", "Effects")
 
@@ -55,10 +55,10 @@ def speed_view(model: Model) -> dict[str, Any]:
         If the train cannot be calculated.
     """
     try:
-        found = at_speed(model.case)
+        results = at_speed(model.case)
     except ModelError as wrong:
         raise FunctionError(str(wrong), "#NUM!") from None
-    view = RunView(case=model.case, tables=speed_tables(found), interference=found.interference)
+    view = RunView(case=model.case, tables=speed_tables(results), interference=results.interference)
     return _shown(model, view, SPEED_TABLES) | {"complete": False, "warnings": []}
 
 
@@ -122,20 +122,20 @@ def _spec(spec: ChartSpec, labels: Mapping[str, Any]) -> dict[str, Any]:
         "legend": spec.legend,
         "series": [
             {
-                "table": one.table,
-                "x": one.x,
-                "y": one.y,
-                "name": words(one.name),
-                "colour": PALETTE.get(one.colour, one.colour),
-                "width": one.width,
-                "dashed": one.dash == "dash",
-                "row": one.row,
-                "marked": bool(one.marker),
-                "beside": one.name_beside,
-                "values": bool(one.values_beside),
-                "listed": one.in_legend,
+                "table": series.table,
+                "x": series.x,
+                "y": series.y,
+                "name": words(series.name),
+                "colour": PALETTE.get(series.colour, series.colour),
+                "width": series.width,
+                "dashed": series.dash == "dash",
+                "row": series.row,
+                "marked": bool(series.marker),
+                "beside": series.name_beside,
+                "values": bool(series.values_beside),
+                "listed": series.in_legend,
             }
-            for one in spec.series
+            for series in spec.series
         ],
     }
 
@@ -160,12 +160,12 @@ def _table(name: str, rows: Sequence[Mapping[str, Any]], system: str) -> list[li
 
 def _columns(names: tuple[str, ...], rows: list[list[Any]]) -> dict[str, list[Any]]:
     """Columns by name, without the blanks at their ends."""
-    found: dict[str, list[Any]] = {}
+    columns: dict[str, list[Any]] = {}
     for name, values in zip(names, map(list, zip(*rows, strict=True)), strict=True):
         while values and values[-1] is None:
             values.pop()
-        found[name] = values
-    return found
+        columns[name] = values
+    return columns
 
 
 def _about(model: Model) -> Mapping[str, str]:

@@ -35,12 +35,12 @@ class Process:
 
     def __init__(self, serve: Callable[[Connection], None]) -> None:
         context = multiprocessing.get_context("spawn")
-        self.line, theirs = context.Pipe()
+        self.line, child_end = context.Pipe()
         self._process: BaseProcess = context.Process(
-            target=_begin, args=(serve, theirs), daemon=True
+            target=_begin, args=(serve, child_end), daemon=True
         )
         self._process.start()
-        theirs.close()  # so that a process that ends is seen as the end of the line
+        child_end.close()  # so that a process that ends is seen as the end of the line
 
     @property
     def pid(self) -> int:
