@@ -223,18 +223,15 @@ def _write_files(book: Any, styles: _Styles, files: Rows, heading: str) -> None:
         for at, (column, value) in enumerate(zip(FILE_COLUMNS, row, strict=True)):
             _write(sheet, offset, at, value, styles.number(column.form) if column.form else styles.text)  # fmt: skip
     last = _FIRST + max(len(files), 1)
-    sheet.autofilter(_FIRST, 0, last, len(FILE_COLUMNS) - 1)
-    sheet.freeze_panes(_FIRST + 1, 1)
     _colour(sheet, styles, last, "Outcome", {DONE: styles.good}, styles.bad)
     _colour(sheet, styles, last, "Verdict", {"pass": styles.good, "fail": styles.bad}, None)
     # Four pages side by side in letters that can be read. Digests and times stay on the screen.
-    sheet.set_paper(9)  # A4
     sheet.set_print_scale(74)
     sheet.set_v_pagebreaks([_HEADERS.index(first) for first in _PAGES])
     sheet.print_area(0, 0, last, _HEADERS.index("Warnings"))
     sheet.print_across()
     sheet.repeat_columns(0)
-    _page(sheet, "Files")
+    _page(sheet, "Files", last, len(FILE_COLUMNS))
 
 
 def _colour(
@@ -268,11 +265,8 @@ def _write_errors(book: Any, styles: _Styles, errors: Sequence[Mapping[str, Any]
         sheet.set_row(offset, min(max(heights), _HIGHEST))
         for at, (_, key, _) in enumerate(ERROR_COLUMNS):
             _write(sheet, offset, at, error.get(key), styles.wrapped)
-    sheet.autofilter(_FIRST, 0, _FIRST + max(len(errors), 1), len(ERROR_COLUMNS) - 1)
-    sheet.freeze_panes(_FIRST + 1, 1)
-    sheet.set_paper(9)  # A4
     sheet.fit_to_pages(1, 0)
-    _page(sheet, "Errors")
+    _page(sheet, "Errors", _FIRST + max(len(errors), 1), len(ERROR_COLUMNS))
 
 
 def _write(sheet: Any, row: int, column: int, value: Any, style: Any) -> None:
@@ -285,7 +279,11 @@ def _write(sheet: Any, row: int, column: int, value: Any, style: Any) -> None:
         sheet.write_string(row, column, _text(value), style)
 
 
-def _page(sheet: Any, name: str) -> None:
+def _page(sheet: Any, name: str, last: int, columns: int) -> None:
+    """A sheet whose headers stay in sight, on the screen and on paper."""
+    sheet.autofilter(_FIRST, 0, last, columns - 1)
+    sheet.freeze_panes(_FIRST + 1, 1)
+    sheet.set_paper(9)  # A4
     sheet.set_landscape()
     sheet.set_margins(left=0.4, right=0.4, top=0.5, bottom=0.6)
     sheet.repeat_rows(_FIRST)

@@ -190,38 +190,35 @@ def _chunked(rows: Iterable[list[Any]]) -> Iterator[list[list[Any]]]:
         yield chunk
 
 
+@dataclass
 class _Work:
     """Tasks of a programme and what comes back."""
 
-    def __init__(
-        self,
-        like: Chunk,
-        names: int | None,
-        parts: _Parts,
-        programme: Programme,
-        listener: Listener,
-    ) -> None:
-        self._like, self._names = like, names
-        self._parts, self._programme, self._listener = parts, programme, listener
-        self._open: dict[int, tuple[int, list[dict[str, Any]]]] = {}
+    like: Chunk  #: A chunk without rows.
+    names: int | None  #: Index of the column of names.
+    parts: _Parts  #: Takes the results.
+    programme: Programme  #: Takes counts and reasons.
+    listener: Listener  #: Told of each row.
+    #: Chunks under way: how many rows each has, and the results that are there.
+    open: dict[int, tuple[int, list[dict[str, Any]]]] = field(default_factory=dict)
 
     def tasks(self, number: int, rows: Sequence[Sequence[Any]]) -> Iterator[Task]:
         """The task of a chunk; none if an earlier run has done it."""
-        if self._parts.has(number):
-            self._programme.kept += len(rows)
+        if self.parts.has(number):
+            self.programme.kept += len(rows)
             for _ in rows:
-                self._listener.advance(None)
+                self.listener.advance(None)
             return
         first = number * ROWS + 1
         named = tuple(self._split(first + i, row) for i, row in enumerate(rows))
-        self._open[number] = (len(rows), [])
-        yield Task(calculate_rows, replace(self._like, rows=named), number)
+        self.open[number] = (len(rows), [])
+        yield Task(calculate_rows, replace(self.like, rows=named), number)
 
     def _split(self, number: int, row: Sequence[Any]) -> tuple[int, str | None, tuple[Any, ...]]:
-        if self._names is None:
+        if self.names is None:
             return number, None, tuple(row)
-        values = [value for i, value in enumerate(row) if i != self._names]
-        name = row[self._names] if self._names < len(row) else None
+        values = [value for i, value in enumerate(row) if i != self.names]
+        name = row[self.names] if self.names < len(row) else None
         return number, None if name is None else str(name), tuple(values)
 
     def taken(self, task: Task, answer: Any) -> Iterator[Task]:
@@ -234,15 +231,15 @@ class _Work:
                 return
             number, name, _ = chunk.rows[0]
             answer = [{"row": number, "name": name, "outcome": CRASHED, "reason": answer.sentence}]
-        size, rows = self._open[task.tag]
+        size, rows = self.open[task.tag]
         rows += answer
         for row in answer:
-            self._listener.advance(None)
-            if row["outcome"] != DONE and len(self._programme.reasons) < REASONS:
-                self._programme.reasons.append(f"row {row['row']}: {row['reason']}")
+            self.listener.advance(None)
+            if row["outcome"] != DONE and len(self.programme.reasons) < REASONS:
+                self.programme.reasons.append(f"row {row['row']}: {row['reason']}")
         if len(rows) == size:
-            self._parts.write(task.tag, sorted(rows, key=lambda row: row["row"]))
-            del self._open[task.tag]
+            self.parts.write(task.tag, sorted(rows, key=lambda row: row["row"]))
+            del self.open[task.tag]
 
 
 def _schema(columns: Sequence[Varied]) -> pa.Schema:

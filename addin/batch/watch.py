@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from addin.batch.folder import stamp_of
@@ -24,35 +25,21 @@ TRY_AGAIN = 10.0
 _ASK = 0.1
 
 
+@dataclass
 class Watch:
-    """Files that are watched.
+    """Files that are watched."""
 
-    Parameters
-    ----------
-    batch : Batch
-        Calculates them.
-    find : callable
-        Returns the inputs that are there now; none if there are none.
-    after : callable
-        Called with the inputs that have been calculated, after each round.
-    look : float
-        Time between two looks. [s]
-    """
-
-    def __init__(
-        self,
-        batch: Batch,
-        find: Callable[[], Sequence[Input]],
-        after: Callable[[Sequence[Input]], None],
-        look: float = LOOK,
-    ) -> None:
-        self._batch = batch
-        self._find = find
-        self._after = after
-        self._look = look
-        self._seen: dict[str, Stamp] = {}
-        self._done: dict[str, Stamp] = {}
-        self._retry: dict[str, float] = {}
+    batch: Batch  #: Calculates them.
+    #: Returns the inputs that are there now; none if there are none.
+    find: Callable[[], Sequence[Input]]
+    #: Called with the inputs that have been calculated, after each round.
+    after: Callable[[Sequence[Input]], None]
+    look: float = LOOK  #: Time between two looks. [s]
+    #: State of each file at the last look, and when it was calculated.
+    seen: dict[str, Stamp | None] = field(default_factory=dict)
+    done: dict[str, Stamp] = field(default_factory=dict)
+    #: When a file is tried again that could not be calculated for a passing reason. [s]
+    retry: dict[str, float] = field(default_factory=dict)
 
     def run(self, first: Sequence[Input]) -> None:
         """Watch until the batch is asked to stop.
@@ -64,18 +51,18 @@ class Watch:
         """
         for file in first:
             self._keep(file)
-        while not self._batch.stop():
-            ready = self.ready(self._find())
+        while not self.batch.stop():
+            ready = self.ready(self.find())
             if ready:
                 for file in ready:
-                    self._batch.records.pop(file.name, None)
+                    self.batch.records.pop(file.name, None)
                 before = {file.name: _stamp(file.path) for file in ready}
-                self._batch.process(ready)
+                self.batch.process(ready)
                 for file in ready:
                     self._keep(file, before[file.name])
-                self._after(ready)
-            until = time.monotonic() + self._look
-            while not self._batch.stop() and time.monotonic() < until:
+                self.after(ready)
+            until = time.monotonic() + self.look
+            while not self.batch.stop() and time.monotonic() < until:
                 time.sleep(_ASK)
 
     def ready(self, inputs: Sequence[Input]) -> list[Input]:
@@ -84,23 +71,23 @@ class Watch:
         now = time.monotonic()
         for file in inputs:
             stamp = _stamp(file.path)
-            before, self._seen[file.name] = self._seen.get(file.name), stamp  # type: ignore[assignment]
+            before, self.seen[file.name] = self.seen.get(file.name), stamp
             if stamp is None or stamp != before:
                 continue
-            again = now >= self._retry.get(file.name, float("inf"))
-            if (stamp != self._done.get(file.name) or again) and _opens(file.path):
+            again = now >= self.retry.get(file.name, float("inf"))
+            if (stamp != self.done.get(file.name) or again) and _opens(file.path):
                 ready.append(file)
         return ready
 
     def _keep(self, file: Input, stamp: Stamp | None = None) -> None:
         """Remember in which state a file was calculated, and whether to try it again."""
-        record = self._batch.records.get(file.name)
-        self._retry.pop(file.name, None)
+        record = self.batch.records.get(file.name)
+        self.retry.pop(file.name, None)
         if record is None:
             return
-        self._done[file.name] = stamp or Stamp(record.stamp.size, record.stamp.modified, "")
+        self.done[file.name] = stamp or Stamp(record.stamp.size, record.stamp.modified, "")
         if not record.settled:
-            self._retry[file.name] = time.monotonic() + TRY_AGAIN
+            self.retry[file.name] = time.monotonic() + TRY_AGAIN
 
 
 def _stamp(path: Path) -> Stamp | None:

@@ -17,7 +17,7 @@ from addin.contract.version import product_version
 from addin.server import office, uploads
 from addin.server.answers import Refused, answer, encoded
 from addin.server.bodies import read_json, while_connected
-from addin.server.calls import Calls, read_calls
+from addin.server.calls import Asked, Calls, read_calls
 from addin.server.openapi import document
 from addin.server.processes import Work
 from addin.server.requests import RequestGuard
@@ -56,7 +56,7 @@ def create_app(settings: Settings) -> Starlette:
         content, size = await read_json(request, limits.body, limits.body_time)
         wanted = read_calls(content, limits.calls)
         with closing(calls.new_unsent_cells()) as room:
-            answers = await while_connected(request, calls.answers(wanted, room, size))
+            answers = await while_connected(request, calls.answers(Asked(wanted, room, size)))
             return answer(await calls.encoded({"results": answers}))
 
     async def workbook(request: Request) -> Response:

@@ -191,6 +191,18 @@ class UnsentCells:
             self._cells, self._is_sent = 0, True
 
 
+@dataclass(frozen=True)
+class Asked:
+    """Calls of one request."""
+
+    calls: Sequence[Call]  #: What is asked for.
+    room: UnsentCells  #: Counts the cells of the answer.
+    size: int = 0  #: Size of the request. [B]
+    tell: Tell | None = None  #: Called with each stage. [words]
+    #: Awaited before an answer takes memory; for one call only.
+    turn: Callable[[], Awaitable[None]] | None = None
+
+
 class Calls:
     """Answers calls: short ones in threads, long ones once their start is there.
 
@@ -220,38 +232,24 @@ class Calls:
         """Count of the cells of one answer, to be closed when it is sent."""
         return UnsentCells(self._unsent)
 
-    async def answers(
-        self,
-        calls: Sequence[Call],
-        room: UnsentCells,
-        size: int = 0,
-        tell: Tell | None = None,
-        turn: Callable[[], Awaitable[None]] | None = None,
-    ) -> list[Answer]:
+    async def answers(self, asked: Asked) -> list[Answer]:
         """Answers in the order of the calls.
 
         Parameters
         ----------
-        calls : sequence of Call
-            What is asked for.
-        room : UnsentCells
-            Counts the cells.
-        size : int
-            Size of the request. [B]
-        tell : callable, optional
-            Called with each stage. [words]
-        turn : callable, optional
-            Awaited before an answer takes memory; for one call only.
+        asked : Asked
+            The calls.
 
         Returns
         -------
         list of dict
             ``value``, rows of cells, or ``error`` each. [shown units]
         """
-        pool = self._heavy if size > HEAVY else self._short
+        calls = asked.calls
+        pool = self._heavy if asked.size > HEAVY else self._short
         # those without a model first: a TV_MODEL among them makes the handle that others ask about
         bare = [i for i, each in enumerate(calls) if not each.takes_model]
-        answers = await self._in_thread(pool, calls, bare, room, turn)
+        answers = await self._in_thread(pool, asked, bare)
         at_once: list[int] = []
         waiting: dict[tuple[str, str], tuple[Model, list[int]]] = {}
         for i, each in enumerate(calls):
@@ -264,9 +262,9 @@ class Calls:
             else:
                 waiting.setdefault((model.handle, what), (model, []))[1].append(i)
         parts = await asyncio.gather(
-            self._in_thread(pool, calls, at_once, room, turn),
+            self._in_thread(pool, asked, at_once),
             *(
-                self._with_result(calls, indices, (model, what), room, tell, turn)
+                self._with_result(asked, indices, model, what)
                 for (_, what), (model, indices) in waiting.items()
             ),
         )
@@ -284,35 +282,26 @@ class Calls:
         return await asyncio.get_running_loop().run_in_executor(self._long, act)
 
     async def _with_result(
-        self,
-        calls: Sequence[Call],
-        wanted: Sequence[int],
-        result: tuple[Model, str],
-        room: UnsentCells,
-        tell: Tell | None,
-        turn: Callable[[], Awaitable[None]] | None,
+        self, asked: Asked, wanted: Sequence[int], model: Model, what: str
     ) -> dict[int, Answer]:
         """Calls about one model, once its result is there; they get it from here."""
-        model, what = result
         try:
-            value = await self._starts.ready(model, tell, what)
+            value = await self._starts.ready(model, asked.tell, what)
         except (Busy, TooLong, RuntimeError) as wrong:
             return {i: error(str(wrong), "#N/A") for i in wanted}
         brought = partial(handed, model, what, value)
-        return await self._in_thread(self._long, calls, wanted, room, turn, brought)
+        return await self._in_thread(self._long, asked, wanted, brought)
 
     async def _in_thread(
         self,
         pool: ThreadPoolExecutor,
-        calls: Sequence[Call],
+        asked: Asked,
         wanted: Sequence[int],
-        room: UnsentCells,
-        turn: Callable[[], Awaitable[None]] | None,
         brought: Callable[[], AbstractContextManager[Any]] = nullcontext,
     ) -> dict[int, Answer]:
         """Some of the calls, turn about with those of other requests, as many as the time allows."""
-        if wanted and turn is not None:
-            await turn()
+        if wanted and asked.turn is not None:
+            await asked.turn()
         answers: dict[int, Answer] = {}
         remaining = iter(wanted)
         given_up = threading.Event()
@@ -327,7 +316,7 @@ class Calls:
                     i = next(remaining, None)
                     if i is None:
                         break
-                    answers[i] = room.refused or _answer(calls[i], room)
+                    answers[i] = asked.room.refused or _answer(asked.calls[i], asked.room)
 
         loop = asyncio.get_running_loop()
         try:

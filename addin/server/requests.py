@@ -6,6 +6,7 @@ import asyncio
 import logging
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from urllib.parse import urlsplit
 
 from starlette.datastructures import Headers
@@ -19,23 +20,15 @@ from addin.worksheet.models import OWNER
 LOG = logging.getLogger("torsionbook.server")
 
 
+@dataclass(eq=False)
 class PendingSocket:
-    """A WebSocket that has not sent its key yet.
+    """A WebSocket that has not sent its key yet."""
 
-    Parameters
-    ----------
-    guard : RequestGuard
-        Who counts it.
-    address : str
-        Where it comes from. [name]
-    """
-
-    def __init__(self, guard: RequestGuard, address: str) -> None:
-        self._guard = guard
-        self.address = address
-        self._limit: asyncio.Timeout | None = None
-        self._is_closed = False
-        self.has_entered = False
+    guard: RequestGuard  #: Who counts it.
+    address: str  #: Where it comes from. [name]
+    has_entered: bool = False  #: It has sent its key.
+    _limit: asyncio.Timeout | None = None
+    _is_closed: bool = False
 
     def enter(self, key: str) -> None:
         """It has sent its key: from now on it counts as a request.
@@ -45,7 +38,7 @@ class PendingSocket:
         Refused
             If there are too many requests.
         """
-        self._guard.enter(self)
+        self.guard.enter(self)
         OWNER.set(f"{key}@{self.address}")
 
     def wait(self, limit: asyncio.Timeout) -> None:

@@ -20,7 +20,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from addin.server.answers import Refused, encoded
 from addin.server.bodies import parsed
-from addin.server.calls import Calls, UnsentCells, error, is_large, read_call
+from addin.server.calls import Asked, Calls, UnsentCells, error, is_large, read_call
 from addin.server.keys import is_key, key_of
 from addin.server.processes import Busy, TooLong
 from addin.server.requests import PendingSocket
@@ -262,7 +262,7 @@ class Stream:
         wanted = read_call(message, "The message")
         turn = partial(self._turn, answering)
         tell = self._teller(answering.identity)
-        (answer,) = await self._calls.answers([wanted], answering.room, size, tell, turn)
+        (answer,) = await self._calls.answers(Asked([wanted], answering.room, size, tell, turn))
         return answer
 
     async def _view(self, handle: str, answering: _Answering) -> dict[str, Any]:

@@ -45,7 +45,7 @@ def test_a_calculated_file_is_left_alone_until_it_is_saved(file):
     watch = Watch(batch, list, print)
     watch.ready([file])
     batch.records["a.xlsx"] = Record("a.xlsx", str(file.path), DONE)
-    watch._keep(file, watch._seen["a.xlsx"])
+    watch._keep(file, watch.seen["a.xlsx"])
     assert watch.ready([file]) == []
     os.utime(file.path, ns=(5, 5))
     assert watch.ready([file]) == []
@@ -68,7 +68,7 @@ def test_a_passing_reason_is_tried_again_after_a_while(file, monkeypatch):
     watch = Watch(batch, list, print)
     watch.ready([file])
     batch.records["a.xlsx"] = failed("a.xlsx", str(file.path), LOCKED, "open")
-    watch._keep(file, watch._seen["a.xlsx"])
+    watch._keep(file, watch.seen["a.xlsx"])
     assert watch.ready([file]) == []
     later = time.monotonic() + TRY_AGAIN
     monkeypatch.setattr("addin.batch.watch.time.monotonic", lambda: later)

@@ -28,7 +28,7 @@ from addin.server import stream as server_stream
 from addin.server import tasks
 from addin.server.answers import Refused
 from addin.server.bodies import parsed, read_body
-from addin.server.calls import Call, Calls
+from addin.server.calls import Asked, Call, Calls
 from addin.server.processes import MOST_MEMORY, Busy, Work
 from addin.server.running_starts import Starts
 from addin.server.settings import Limits, Settings, SettingsError, check_certificate
@@ -344,10 +344,10 @@ def test_no_call_is_made_whose_answer_has_no_room(monkeypatch):
     async def scene():
         calls = Calls(Starts(None), Limits())
         with closing(calls.new_unsent_cells()) as room:
-            found = await calls.answers([Call("TV_CONVERT", [])] * 2000, room)
+            found = await calls.answers(Asked([Call("TV_CONVERT", [])] * 2000, room))
             assert calls._unsent.cells == 8
             monkeypatch.setattr(server_calls, "MOST_UNSENT", 11)
-            other = await calls.answers([Call("TV_CONVERT", [])], calls.new_unsent_cells())
+            other = await calls.answers(Asked([Call("TV_CONVERT", [])], calls.new_unsent_cells()))
         assert calls._unsent.cells == 0
         calls.close()
         return found, other
@@ -369,11 +369,13 @@ def test_requests_of_many_calls_take_turns(monkeypatch):
     async def scene():
         calls = Calls(Starts(None), Limits())
         many = [
-            asyncio.create_task(calls.answers([Call("TV_SLOW", [])] * 60, calls.new_unsent_cells()))
+            asyncio.create_task(
+                calls.answers(Asked([Call("TV_SLOW", [])] * 60, calls.new_unsent_cells()))
+            )
             for _ in range(16)
         ]
         await asyncio.sleep(0.2)
-        (found,) = await calls.answers([Call("TV_CONVERT", [])], calls.new_unsent_cells())
+        (found,) = await calls.answers(Asked([Call("TV_CONVERT", [])], calls.new_unsent_cells()))
         assert found == {"value": [[1.0]]}
         assert not any(task.done() for task in many)
         for task in many:
@@ -396,11 +398,13 @@ def test_a_call_that_was_never_begun_is_told_that_it_waited(monkeypatch):
     async def scene():
         calls = Calls(Starts(None), Limits(short_time=0.3))
         begun = [
-            asyncio.create_task(calls.answers([Call("TV_CONVERT", [])], calls.new_unsent_cells()))
+            asyncio.create_task(
+                calls.answers(Asked([Call("TV_CONVERT", [])], calls.new_unsent_cells()))
+            )
             for _ in range(8)
         ]
         await asyncio.sleep(0.05)
-        (waited,) = await calls.answers([Call("TV_CONVERT", [])], calls.new_unsent_cells())
+        (waited,) = await calls.answers(Asked([Call("TV_CONVERT", [])], calls.new_unsent_cells()))
         assert await calls.encoded({"a": 1}) == b'{"a":1}'  # JSON has threads of its own
         took = await asyncio.gather(*begun)
         gate.set()

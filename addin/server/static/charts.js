@@ -23,11 +23,11 @@ export function ticks(least, largest, count) {
   }
   const power = 10 ** Math.floor(Math.log10(rough));
   const step = [1, 2, 2.5, 5, 10].map(m => m * power).find(s => s >= rough * 0.999);
-  const found = [];
+  const places = [];
   for (let k = Math.ceil(least / step - 1e-9); k * step <= largest + 1e-9 * step; k += 1) {
-    found.push(Math.abs(k * step) < 1e-12 * step ? 0 : k * step);
+    places.push(Math.abs(k * step) < 1e-12 * step ? 0 : k * step);
   }
-  return found;
+  return places;
 }
 
 /** A number for an axis: no power of ten below a million, no rounding noise. */
@@ -124,17 +124,17 @@ export function chart(what) {
  */
 export function fromRecord(record, tables, extras = {}) {
   const series = [], points = [...(extras.points || [])], marks = [];
-  for (const one of record.series) {
-    const x = tables[one.table][one.x], y = tables[one.table][one.y];
-    if (one.row !== null) {
-      if (typeof x[one.row] !== "number" || !one.name) continue;
-      const at = { x: x[one.row], y: y[one.row], text: one.name };
-      if (one.marked) points.push(at);
+  for (const curve of record.series) {
+    const x = tables[curve.table][curve.x], y = tables[curve.table][curve.y];
+    if (curve.row !== null) {
+      if (typeof x[curve.row] !== "number" || !curve.name) continue;
+      const at = { x: x[curve.row], y: y[curve.row], text: curve.name };
+      if (curve.marked) points.push(at);
       else marks.push({ ...at, anchor: "middle", dy: -3 });
-    } else if (one.values) {
+    } else if (curve.values) {
       y.forEach((value, i) => marks.push({ x: x[i], y: value, ...extras.values(value, i) }));
     } else if (x.length) {
-      series.push({ name: record.legend && one.listed ? one.name : "", x, y, colour: one.colour, width: 0.9 * one.width, dash: one.dashed ? "6 3" : "none" });
+      series.push({ name: record.legend && curve.listed ? curve.name : "", x, y, colour: curve.colour, width: 0.9 * curve.width, dash: curve.dashed ? "6 3" : "none" });
     }
   }
   if (!series.length) return null;
@@ -147,10 +147,10 @@ function legendOf(what, width) {
   if (named.length < 2 && !what.legend) return [];
   if (what.pointsName && (what.points || []).length) named.push({ name: what.pointsName, dot: true });
   let at = 66, row = 0;
-  return named.map(one => {
-    const needed = 30 + LETTER * one.name.length;
+  return named.map(entry => {
+    const needed = 30 + LETTER * entry.name.length;
     if (at > 66 && at + needed > width) { at = 66; row += 1; }
-    const placed = { ...one, at, row };
+    const placed = { ...entry, at, row };
     at += needed + 10;
     return placed;
   });

@@ -36,22 +36,22 @@
   /** Ask the server; its refusals come as errors with its own sentence. */
   async function ask(path, options) {
     for (let tried = 1; ; tried += 1) {
-      let said;
+      let response;
       try {
-        said = await fetch(path, { method: "POST", ...options, headers: headers(options.headers) });
+        response = await fetch(path, { method: "POST", ...options, headers: headers(options.headers) });
       } catch (failed) {
         if (failed.name === "AbortError") throw failed;
         throw wrong("The calculation server cannot be reached. Is it running, and its certificate trusted?");
       }
-      if (said.ok) return said;
-      if (said.status === 503 && tried < TRIES) {
+      if (response.ok) return response;
+      if (response.status === 503 && tried < TRIES) {
         await new Promise(done => setTimeout(done, PAUSE * tried));
         continue;
       }
       let content = {};
-      try { content = await said.json(); } catch { /* not from our server: a proxy, perhaps */ }
-      const message = (content.error || {}).message || `The server answered with status ${said.status}. Try again, or ask its administrator.`;
-      throw Object.assign(wrong(message), { status: said.status, content });
+      try { content = await response.json(); } catch { /* not from our server: a proxy, perhaps */ }
+      const message = (content.error || {}).message || `The server answered with status ${response.status}. Try again, or ask its administrator.`;
+      throw Object.assign(wrong(message), { status: response.status, content });
     }
   }
 
@@ -62,7 +62,7 @@
     const begin = () => {
       const taken = waiting.splice(0, most);
       timer = waiting.length ? setTimeout(begin, 0) : null;
-      work(taken).catch(failed => taken.forEach(one => one.reject(failed.message ? failed : wrong(String(failed)))));
+      work(taken).catch(failed => taken.forEach(request => request.reject(failed.message ? failed : wrong(String(failed)))));
     };
     return asked => new Promise((resolve, reject) => {
       waiting.push({ asked, resolve, reject });
@@ -73,13 +73,13 @@
   // --- short calls: one request for many cells -----------------------------------------------------
 
   const send = together(async taken => {
-    const calls = taken.map(one => one.asked);
-    const said = await ask("/api/v1/batch", {
+    const calls = taken.map(request => request.asked);
+    const response = await ask("/api/v1/batch", {
       body: JSON.stringify({ calls }), headers: { "Content-Type": "application/json" },
     });
-    const { results } = await said.json();
-    taken.forEach((one, i) => {
-      if (results[i].error) one.reject(results[i].error); else one.resolve(results[i].value);
+    const { results } = await response.json();
+    taken.forEach((request, i) => {
+      if (results[i].error) request.reject(results[i].error); else request.resolve(results[i].value);
     });
   }, MOST_CALLS);
 
@@ -103,7 +103,7 @@
         const lost = refusal || wrong("The connection to the calculation server was lost. Calculate again.");
         socket = opening = refusal = null;
         reject(lost);
-        for (const one of running.values()) one.reject(lost);
+        for (const request of running.values()) request.reject(lost);
         running.clear();
       };
     });
@@ -113,17 +113,17 @@
   let refusal = null;
 
   function receive(message) {
-    const one = running.get(message.id);
-    if (!one) {
+    const request = running.get(message.id);
+    if (!request) {
       if (message.id === null && message.error) refusal = message.error;
       return;
     }
-    if ("stage" in message) { one.stage(message.stage); return; }
-    if ("partial" in message) { one.partial(message.partial); return; }
+    if ("stage" in message) { request.stage(message.stage); return; }
+    if ("partial" in message) { request.partial(message.partial); return; }
     running.delete(message.id);
-    if (message.cancelled) one.reject(Object.assign(wrong("Cancelled."), { cancelled: true }));
-    else if (message.error) one.reject(message.error);
-    else one.resolve(message.value);
+    if (message.cancelled) request.reject(Object.assign(wrong("Cancelled."), { cancelled: true }));
+    else if (message.error) request.reject(message.error);
+    else request.resolve(message.value);
   }
 
   /** Ask for something long. Gives the promise of its end and a way to give it up. */
@@ -170,11 +170,11 @@
   async function withBlanks(given, addresses) {
     const asked = given.map((value, i) => (holdsZero(value) ? (addresses || [])[i] : null));
     if (!asked.some(Boolean)) return given;
-    const types = await Promise.all(asked.map(one => (one ? typesAt(one) : null)));
+    const types = await Promise.all(asked.map(address => (address ? typesAt(address) : null)));
     return given.map((value, i) => {
-      const found = types[i], rows = rowsOf(value);
-      if (!found || found.length !== rows.length) return value;
-      return rows.map((row, r) => row.map((cell, c) => (found[r][c] === "Empty" ? null : cell)));
+      const kinds = types[i], rows = rowsOf(value);
+      if (!kinds || kinds.length !== rows.length) return value;
+      return rows.map((row, r) => row.map((cell, c) => (kinds[r][c] === "Empty" ? null : cell)));
     });
   }
 
@@ -190,7 +190,7 @@
           return range;
         });
         await context.sync();
-        taken.forEach((one, i) => one.resolve(ranges[i].valueTypes));
+        taken.forEach((request, i) => request.resolve(ranges[i].valueTypes));
       });
     } catch {
       throw wrong("Excel did not report which cells are blank and which are 0. Calculate again.");

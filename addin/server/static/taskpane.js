@@ -18,10 +18,10 @@ const open = { name: "", bytes: null, model: null, running: null, view: null };
 // --- small things ---------------------------------------------------------------------------------
 
 function made(tag, text = null, className = "") {
-  const one = document.createElement(tag);
-  if (text !== null) one.textContent = text;
-  if (className) one.className = className;
-  return one;
+  const node = document.createElement(tag);
+  if (text !== null) node.textContent = text;
+  if (className) node.className = className;
+  return node;
 }
 
 function say(text, kind = "") {
@@ -60,7 +60,7 @@ function table(rows, missing, minor = () => false) {
   const [head, ...body] = rows;
   const columns = head.map((_, j) => j).filter(j => body.some(row => row[j] !== null));
   const isNumber = j => body.every(row => row[j] === null || typeof row[j] === "number" || row[j] === "unlimited" || row[j] === "unbounded");
-  const found = made("table"), top = found.createTHead().insertRow(), rest = found.createTBody();
+  const drawn = made("table"), top = drawn.createTHead().insertRow(), rest = drawn.createTBody();
   const kind = j => `${isNumber(j) ? "number" : ""} ${minor(head[j].replace(/ \[.*/, "")) ? "minor" : ""}`.trim();
   for (const j of columns) {
     const [, name, unit] = /^(.*?)(?: \[(.*)\])?$/.exec(head[j]);
@@ -78,17 +78,17 @@ function table(rows, missing, minor = () => false) {
       line.append(cell);
     }
   }
-  return found;
+  return drawn;
 }
 
 /** A table in its place, under its name in the view; where columns are left out in a narrow pane, a button shows them. */
 function putTable(id, name, rows, missing) {
   const { minor, workbook } = open.view.left_out[name];
   const isFurtherShape = header => Number((/^Mode (\d+)$/.exec(header) || [])[1]) > FEW_SHAPES;
-  const found = table(without(rows, workbook), missing, header => minor.includes(header) || isFurtherShape(header));
+  const drawn = table(without(rows, workbook), missing, header => minor.includes(header) || isFurtherShape(header));
   at(id).classList.remove("all");
-  at(id).replaceChildren(found);
-  if (!found.querySelector(".minor")) return;
+  at(id).replaceChildren(drawn);
+  if (!drawn.querySelector(".minor")) return;
   const more = made("button", "All columns", "more noprint");
   more.type = "button";
   more.addEventListener("click", () => { more.textContent = at(id).classList.toggle("all") ? "Fewer columns" : "All columns"; });
@@ -103,14 +103,14 @@ function without(rows, names) {
 }
 
 function figure(id, svg, caption = "") {
-  const one = made("figure");
+  const drawn = made("figure");
   if (caption) {
     const words = made("figcaption");
     words.append(made("b", caption));
-    one.append(words);
+    drawn.append(words);
   }
-  one.append(svg);
-  at(id).append(one);
+  drawn.append(svg);
+  at(id).append(drawn);
 }
 
 // --- drawing a model ------------------------------------------------------------------------------
@@ -189,7 +189,7 @@ function showSteady([head, ...body]) {
 
 function showNotes(sentences) {
   const list = at("notes").querySelector("ul");
-  list.replaceChildren(...sentences.map(one => made("li", one)));
+  list.replaceChildren(...sentences.map(sentence => made("li", sentence)));
   at("notes").hidden = !sentences.length;
 }
 
@@ -210,12 +210,12 @@ function drawnTrain(columns, labels) {
 
 /** Where a curve passes a level: points for a chart. */
 function crossings(xs, ys, level) {
-  const found = [];
+  const points = [];
   for (let i = 1; i < xs.length; i += 1) {
     const [a, b] = [ys[i - 1] - level, ys[i] - level];
-    if (a * b < 0) found.push({ x: xs[i - 1] + (xs[i] - xs[i - 1]) * a / (a - b), y: level, text: "" });
+    if (a * b < 0) points.push({ x: xs[i - 1] + (xs[i] - xs[i - 1]) * a / (a - b), y: level, text: "" });
   }
-  return found;
+  return points;
 }
 
 /** How far each of some rising labels is moved up, so that neighbours can be read. */
@@ -255,7 +255,7 @@ function placeOf(name, charts, wait) {
 
 function showProblems(failed) {
   const errors = (failed.content || {}).errors || [];
-  at("problems").querySelector("ol").replaceChildren(...errors.map(one => made("li", one.message)));
+  at("problems").querySelector("ol").replaceChildren(...errors.map(error => made("li", error.message)));
   at("problems").hidden = !errors.length;
   say(errors.length ? `${open.name}: ${errors.length === 1 ? "one error" : `${errors.length} errors`}.` : failed.message, "bad");
   if (failed.status === 401) at("connection").open = true;
@@ -277,8 +277,8 @@ async function take(name, bytes) {
   if (!ENDINGS.test(name)) { say(`${name} is not a workbook: choose an .xlsx or .xlsm file, or a case .json.`, "bad"); return; }
   say(`reading ${name}`, "busy");
   try {
-    const said = await ask(`/api/v1/model?name=${encodeURIComponent(name)}`, { body: bytes });
-    open.model = (await said.json()).model;
+    const response = await ask(`/api/v1/model?name=${encodeURIComponent(name)}`, { body: bytes });
+    open.model = (await response.json()).model;
   } catch (failed) {
     showProblems(failed);
     return;
@@ -309,9 +309,9 @@ async function download() {
   busy(true);
   say("recalculating the workbook", "busy");
   try {
-    const said = await ask(`/api/v1/workbook?name=${encodeURIComponent(open.name)}`, { body: open.bytes, signal: control.signal });
+    const response = await ask(`/api/v1/workbook?name=${encodeURIComponent(open.name)}`, { body: open.bytes, signal: control.signal });
     const link = made("a");
-    link.href = URL.createObjectURL(await said.blob());
+    link.href = URL.createObjectURL(await response.blob());
     link.download = open.name.replace(/(\.xls[xm])$/i, ".out$1");
     link.click();
     setTimeout(() => URL.revokeObjectURL(link.href), 10000);
@@ -377,7 +377,7 @@ addEventListener("afterprint", () => { if (open.view) showCharts(open.view); });
 /** The open workbook as a file, piece by piece as Office hands it over. */
 async function openWorkbook() {
   const promised = (object, method, ...given) => new Promise((resolve, reject) => {
-    object[method](...given, found => (found.status === "failed" ? reject(found.error) : resolve(found.value)));
+    object[method](...given, answer => (answer.status === "failed" ? reject(answer.error) : resolve(answer.value)));
   });
   const file = await promised(Office.context.document, "getFileAsync", Office.FileType.Compressed, { sliceSize: 1 << 20 });
   try {
@@ -414,4 +414,4 @@ if (window.Office) {
   });
 }
 
-fetch("/version").then(said => said.json()).then(about => { at("version").textContent = `${about.name} ${about.version}`; }, () => {});
+fetch("/version").then(response => response.json()).then(about => { at("version").textContent = `${about.name} ${about.version}`; }, () => {});
