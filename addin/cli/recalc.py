@@ -10,6 +10,7 @@ from typing import Annotated
 
 import typer
 
+from addin.calculation.calculation import Calculation
 from addin.calculation.key_figures import key_figures
 from addin.cli.options import (
     Files,
@@ -83,7 +84,8 @@ def recalc(
     _summary(done)
     if any(outcome.problems for outcome in done):
         raise typer.Exit(WRONG_INPUT)
-    if strict and any(_overall(outcome) == "fail" for outcome in done):
+    results = [outcome.calculation.results for outcome in done if outcome.calculation is not None]
+    if strict and any(result.verdicts[0].verdict == "fail" for result in results):
         raise typer.Exit(WRONG_INPUT)
 
 
@@ -112,25 +114,16 @@ def _histories(
     return [Path(result).name if stems[result] == result else "" for result in results]
 
 
-def _overall(outcome: RecalculationOutcome) -> str:
-    if outcome.calculation is None:
-        return "not calculated"
-    return next(v.verdict for v in outcome.calculation.results.verdicts)
-
-
 def _summary(done: Sequence[RecalculationOutcome]) -> None:
     """The end of a run: file, first modes, worst margin, peak, start, starts, verdict."""
-    calculated = [outcome for outcome in done if outcome.calculation is not None]
-    if not calculated:
+    rows = [
+        [outcome.source.name, *map(printable, _summary_cells(outcome.calculation))]
+        for outcome in done
+        if outcome.calculation is not None
+    ]
+    if not rows:
         return
     headers = ("First modes [Hz]", "Worst margin", "Largest peak", "Start", "Starts", "Verdict")
-    rows = [
-        [
-            outcome.source.name,
-            *(printable(cell) for cell in (*_summary_cells(outcome), _overall(outcome))),
-        ]
-        for outcome in calculated
-    ]
     if shutil.get_terminal_size().columns >= TABLE_WIDTH:
         print_table([(header, "text") for header in ("File", *headers)], rows)
     else:
@@ -138,13 +131,10 @@ def _summary(done: Sequence[RecalculationOutcome]) -> None:
             typer.echo(name)
             for header, cell in zip(headers, cells, strict=True):
                 typer.echo(f"  {header:<17} {cell}")
-    print_written(path for outcome in calculated for path in outcome.written)
+    print_written(path for outcome in done if outcome.calculation for path in outcome.written)
 
 
-def _summary_cells(recalculated: RecalculationOutcome) -> list[str]:
-    assert recalculated.calculation is not None
-
-    calculation = recalculated.calculation
+def _summary_cells(calculation: Calculation) -> list[str]:
     figures = key_figures(calculation.results, calculation.tables.get("StartupPeaks", ()))
     modes = ", ".join(f"{f:.4g}" for f in figures.frequencies)
     margin, peak, starts = "–", "–", "–"
@@ -160,5 +150,5 @@ def _summary_cells(recalculated: RecalculationOutcome) -> list[str]:
         starts = NoNumber.UNLIMITED
     elif figures.starts is not None:
         starts = f"{math.floor(figures.starts):,}"
-    outcome = "–" if recalculated.calculation.results.start is None else figures.outcome
-    return [modes, margin, peak, outcome, starts]
+    outcome = "–" if calculation.results.start is None else figures.outcome
+    return [modes, margin, peak, outcome, starts, figures.verdict]
