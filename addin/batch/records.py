@@ -72,7 +72,7 @@ class Record:
     stamp: Stamp = Stamp(0, 0, "")  #: The state that was calculated.
     case_sha256: str = ""  #: Digest of the case; empty if it could not be read. [hexadecimal]
     same_as: str = ""  #: File whose calculation these results are; empty for its own.
-    #: Fields of `addin.calculation.key_figures.Headline`; empty unless done. [SI]
+    #: Fields of `addin.calculation.key_figures.KeyFigures`; empty unless done. [SI]
     results: Mapping[str, Any] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()  #: What the engineer should know.
     #: Problems in the form of the contract, and ``cell``.

@@ -7,7 +7,8 @@ module          responsibility
                 program
 `pool`          processes of this machine that do tasks: progress, time limit, cancel; one that
                 dies is replaced
-`stop`          ctrl-C and the system's request to end, and how many cores there are
+`stop`          ctrl-C and the system's request to end, what led to an exception, and how many
+                cores there are
 `cluster`       the work of a batch on an existing Dask cluster
 `parallel_map`  units of work over processes or a cluster: in order, with progress, ended by
                 Ctrl-C
