@@ -132,7 +132,7 @@ def test_maps_and_charts_follow_the_study(folder: Path) -> None:
     path = folder / "train.tune.xlsx"
     (axes,) = rows_of(path, "TuningAxes")
     assert axes["First variable"] == f"{HIGH} stiffness, % of the unchanged case"
-    assert axes["Second variable"] == f"Load inertia; best over {LOW}"
+    assert axes["Second variable"] == f"Load inertia; with the best {LOW}"
     assert [axes[f"Line {k}"] for k in (1, 2, 3, 4)] == ["3 kg m²", "4 kg m²", "5 kg m²", "–"]
     starts, margins = rows_of(path, "TuningStarts"), rows_of(path, "TuningMargins")
     assert [row["Of as is"] for row in starts] == pytest.approx([50.0, 80.0, 100.0])
