@@ -8,9 +8,10 @@ import sys
 import tomllib
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from sheet_ranges import model_arguments
+from strategies import example_count
 from windows_layer import ERRORS, MISSING
 
 from addin.excel.signatures import MOST_HELP, RESERVED, excel_functions
@@ -134,7 +135,7 @@ def test_stresses_in_a_range_keep_their_shape(excel, handle):
     assert len(answer) == 2
 
 
-@settings(max_examples=60)
+@example_count(60)
 @given(
     st.lists(
         st.lists(st.one_of(st.none(), st.floats(allow_nan=False, allow_infinity=False)), min_size=3, max_size=3),

@@ -6,15 +6,16 @@ import random
 
 import olefile
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from olevba_reader import decompress_stream
+from strategies import example_count
 
 from addin.excel.compound_file import Storage, read_compound_file, write_compound_file
 from addin.excel.errors import CompoundFileError, VbaCompressionError
 from addin.excel.ovba import compress, decompress
 
-SLOW = settings(max_examples=60)
+FEW = example_count(60)
 TEXTS = st.one_of(
     st.binary(max_size=300),
     st.text(alphabet="abc \r\n\tEndFunction()", max_size=9000).map(str.encode),
@@ -24,13 +25,13 @@ TEXTS = st.one_of(
 # --- compression ----------------------------------------------------------------------------------
 
 
-@SLOW
+@FEW
 @given(TEXTS)
 def test_what_is_compressed_comes_back(data):
     assert decompress(compress(data)) == data
 
 
-@SLOW
+@FEW
 @given(TEXTS.filter(bool))
 def test_oletools_reads_what_is_compressed(data):
     assert bytes(decompress_stream(bytearray(compress(data)))) == data
@@ -83,7 +84,7 @@ def test_damaged_sources_are_named(data):
         decompress(data)
 
 
-@SLOW
+@FEW
 @given(st.binary(max_size=200))
 def test_no_bytes_break_the_decompressor(data):
     try:
@@ -106,7 +107,7 @@ TREES = st.lists(
 ).map(lambda pairs: Storage(dict(pairs)))
 
 
-@SLOW
+@FEW
 @given(TREES)
 def test_what_is_written_reads_back_here_and_in_olefile(tree):
     data = write_compound_file(tree)
@@ -170,7 +171,7 @@ def test_a_file_cut_off_is_named(cut):
         read_compound_file(whole[:cut])
 
 
-@SLOW
+@FEW
 @given(st.integers(0, 2**32 - 1), st.integers(1, 30))
 def test_no_damage_breaks_the_reader(seed, count):
     """Any bytes changed: it reads something or says that it is damaged, in bounded time."""

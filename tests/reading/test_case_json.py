@@ -8,9 +8,10 @@ import math
 from dataclasses import replace
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from small_workbook import SmallWorkbook
+from strategies import example_count
 
 from addin.contract.tables import INPUT_TABLES, SCALARS, Field
 from addin.reading.case_json import case_to_json, read_case_json
@@ -224,7 +225,7 @@ CASES = st.builds(
 
 
 @pytest.mark.slow
-@settings(max_examples=60)
+@example_count(60)
 @given(CASES)
 def test_any_case_survives_the_way_through_json(data):
     content = json.loads(json.dumps(case_to_json(data)))

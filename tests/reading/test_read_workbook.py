@@ -12,6 +12,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from small_workbook import TABLE_ROWS, Calculated, Formatted, SmallWorkbook
+from strategies import example_count
 
 from addin.contract.tables import INPUT_TABLES, SCALARS
 from addin.reading.workbook import read_workbook
@@ -589,7 +590,7 @@ TYPED = st.sampled_from(
 UNITS = st.sampled_from(["", "%", "pu", "rpm", "N*m", "kg*m^2", "lb*ft", "1", "nonsense", "Hz"])
 
 
-@settings(max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(example_count(40), suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(
     cells=st.dictionaries(st.sampled_from(PLACES), TYPED, max_size=6),
     scalars=st.dictionaries(st.sampled_from([s.name for s in SCALARS]), TYPED, max_size=3),

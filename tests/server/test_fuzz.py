@@ -9,9 +9,10 @@ import string
 
 import jsonschema
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from sheet_ranges import TEMPLATES
+from strategies import example_count
 
 from addin.server.openapi import document
 
@@ -88,7 +89,7 @@ def post(client, path, body, kind="application/json"):
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("quiet")
-@settings(max_examples=150)
+@example_count(150)
 @given(sent=from_schema(SCHEMAS["Batch"]))
 def test_batches_as_described(client, sent):
     said = post(client, "/api/v1/batch", json.dumps(sent))
@@ -97,14 +98,14 @@ def test_batches_as_described(client, sent):
 
 
 @pytest.mark.usefixtures("quiet")
-@settings(max_examples=100)
+@example_count(100)
 @given(sent=st.one_of(anything, st.fixed_dictionaries({"calls": anything})))
 def test_other_json(client, sent):
     check(post(client, "/api/v1/batch", json.dumps(sent)), "/api/v1/batch")
 
 
 @pytest.mark.usefixtures("quiet")
-@settings(max_examples=100)
+@example_count(100)
 @given(sent=st.binary(max_size=200) | st.text(string.printable, max_size=200).map(str.encode))
 @pytest.mark.parametrize("path", ["/api/v1/batch", "/api/v1/model"])
 def test_other_bytes(client, path, sent):
@@ -113,7 +114,7 @@ def test_other_bytes(client, path, sent):
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("quiet")
-@settings(max_examples=60)
+@example_count(60)
 @given(
     sent=anything.map(json.dumps)
     | st.fixed_dictionaries(
@@ -134,7 +135,7 @@ def test_cases_that_are_none(client, sent, name):
 
 
 @pytest.mark.usefixtures("quiet")
-@settings(max_examples=60)
+@example_count(60)
 @given(at=st.integers(0, len(SHEET) - 1), put=st.binary(min_size=1, max_size=40), cut=st.booleans())
 def test_damaged_workbooks(client, at, put, cut):
     body = SHEET[:at] + put + (b"" if cut else SHEET[at + len(put) :])
@@ -143,7 +144,7 @@ def test_damaged_workbooks(client, at, put, cut):
         check(client.post("/api/v1/workbook", content=body), "/api/v1/workbook")
 
 
-@settings(max_examples=60)
+@example_count(60)
 @given(messages=st.lists(anything.map(json.dumps) | st.text(max_size=30), max_size=5))
 def test_messages_of_a_stream(client, messages):
     """Whatever comes before it, a proper question is answered."""

@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 import openpyxl
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from rich_workbooks import parts_of, with_parts
+from strategies import example_count
 
 from addin.xlsx import Formula, open_workbook
 from addin.xlsx.errors import CellRefused, WorkbookMismatch
@@ -242,7 +243,7 @@ constants = st.one_of(
 
 
 @pytest.mark.slow
-@settings(max_examples=60)
+@example_count(60)
 @given(st.lists(st.tuples(cells, constants), max_size=40))
 def test_random_edits_read_back(
     tmp_path_factory: pytest.TempPathFactory, built: dict[str, Path], edits: list[Any]

@@ -7,9 +7,10 @@ from typing import Any
 import openpyxl
 import pytest
 import xlsxwriter
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from rich_workbooks import parts_of, rich_workbook, with_parts
+from strategies import example_count
 
 from addin.xlsx import Formula, ObstaclesFound, TableData, open_workbook
 from addin.xlsx.errors import WorkbookMismatch
@@ -299,7 +300,7 @@ def test_several_writes_to_one_table(train: Path) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=25)
+@example_count(25)
 @given(st.lists(st.integers(0, 30), min_size=1, max_size=4))
 def test_random_resizes(
     tmp_path_factory: pytest.TempPathFactory, built: dict[str, Path], counts: list[int]
