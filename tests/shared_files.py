@@ -38,8 +38,10 @@ def made_once(factory: pytest.TempPathFactory, name: str, make: Callable[[Path],
     Tests copy what they change: the folder belongs to all of them.
     """
     base = factory.getbasetemp()
-    if "PYTEST_XDIST_WORKER" in os.environ:
-        base = base.parent  # each process has a folder of its own in that of the run
+    # Each process of a run has a folder of its own in that of the run. The variable alone would not do:
+    # a test that starts pytest itself hands it down.
+    if base.name == f"popen-{os.environ.get('PYTEST_XDIST_WORKER')}":
+        base = base.parent
     folder = base / "shared" / name
     finished = folder.with_name(f"{name}.finished")
     folder.parent.mkdir(exist_ok=True)
