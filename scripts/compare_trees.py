@@ -13,9 +13,10 @@ the shortest decimal that gives back every bit), strings as they are. What may d
 * sentences listed old → new in `scripts/compare_sentences.toml` and, one a line with {…} for what is put
   in, in `scripts/compare_sentences.tsv`: what is put in must be the same. Never in the fields of a problem
   other than its message;
-* what follows from those sentences: heights of rows, widths of columns of a report, where the prompt of a
-  cell is cut to the 255 characters that Excel allows (sheet Trace has the same sentences whole), and the
-  digests that a study keeps of its rows, texts included.
+* what follows from those sentences: heights of rows; widths of columns and the drawings of a report (look at
+  them; the workbook's chart data, which are compared, hold the same numbers); where the prompt of a cell is
+  cut to the 255 characters that Excel allows (sheet Trace has the same sentences whole); and the digests that
+  a study keeps of its rows, texts included.
 
 Texts that a workbook keeps in its list of shared strings are compared in the cells that show them.
 
@@ -638,6 +639,7 @@ def shared_strings(part: str) -> list[str]:
 
 _TOKEN = re.compile(r"<[^>]*>|[^<]+")
 _HEIGHT = re.compile(r' (?:ht|customHeight)="[^"]*"')
+_WIDTHS, _WIDTH = ("<w:gridCol ", "<w:tcW "), re.compile(r' w:w="\d+"')
 _ATTRIBUTE = re.compile(r"""([\w:.-]+)\s*=\s*("[^"]*"|'[^']*')""")
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 
@@ -677,7 +679,7 @@ def _compare_tags(where: str, old: str, new: str, found: Comparison) -> None:
     if old.startswith("<row ") and _HEIGHT.sub("", old) == _HEIGHT.sub("", new):
         found.aside["height of a row"] += 1
         return
-    if old.startswith("<w:gridCol ") and new.startswith("<w:gridCol "):
+    if old.startswith(_WIDTHS) and _WIDTH.sub("", old) == _WIDTH.sub("", new):
         found.aside["width of a column of a report"] += 1
         return
     rest = [_ATTRIBUTE.sub(lambda m: m[1], tag) for tag in (old, new)]
@@ -946,6 +948,8 @@ def _compare_content(
         compare_xml(where, texts[0], texts[1], positions(texts[0], times), found)
     elif ending == "csv":
         compare_csv(where, before.decode("utf-8-sig"), after.decode("utf-8-sig"), found)
+    elif "!word/media/" in where:
+        found.aside["drawing of a report"] += 1
     else:
         found.differs(where, f"{len(before)} bytes", f"{len(after)} other bytes")
 
