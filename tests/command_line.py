@@ -18,13 +18,13 @@ ROOT = Path(__file__).resolve().parents[1]
 WIDTH = {"COLUMNS": "140"}
 
 
-def torsionbook(*words: object, cwd: Path) -> subprocess.CompletedProcess[str]:
-    """Run the command line in this process, in a folder."""
+def torsionbook(*words: object, cwd: Path, **variables: str) -> subprocess.CompletedProcess[str]:
+    """Run the command line in this process, in a folder, with further environment variables."""
     from addin.cli.app import app
 
     typed = list(map(str, words))
     with contextlib.chdir(cwd):
-        done = CliRunner(env=WIDTH).invoke(app, typed)
+        done = CliRunner(env=WIDTH | variables).invoke(app, typed)
     if done.exception is not None and not isinstance(done.exception, SystemExit):
         raise done.exception
     return subprocess.CompletedProcess(typed, done.exit_code, done.stdout, done.stderr)
@@ -40,7 +40,9 @@ def environment() -> dict[str, str]:
     return {**os.environ, **WIDTH, "PYTHONPATH": str(ROOT), "PYTHONIOENCODING": "utf-8"}
 
 
-def torsionbook_process(*words: object, cwd: Path) -> subprocess.CompletedProcess[str]:
+def torsionbook_process(
+    *words: object, cwd: Path, **variables: str
+) -> subprocess.CompletedProcess[str]:
     """Run the command line as a user does, in a process of its own."""
     return subprocess.run(
         command(*words),
@@ -48,6 +50,6 @@ def torsionbook_process(*words: object, cwd: Path) -> subprocess.CompletedProces
         capture_output=True,
         text=True,
         encoding="utf-8",
-        env=environment(),
+        env=environment() | variables,
         timeout=600,
     )

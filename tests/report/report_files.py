@@ -2,46 +2,23 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
-import os
 import shutil
 import subprocess
-import sys
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
+import command_line
 import docx
 import pytest
-from click.testing import Result
-from typer.testing import CliRunner
-
-from addin.cli.app import app
 
 ROOT = Path(__file__).resolve().parents[2]
 #: 2026-01-02 03:04:05 UTC.
 EPOCH = "1767323045"
-
-
-def torsionbook(*words: object, cwd: Path) -> Result:
-    """A command in this process, which is quicker, with the date fixed."""
-    settings = {"COLUMNS": "140", "SOURCE_DATE_EPOCH": EPOCH}
-    with contextlib.chdir(cwd):
-        return CliRunner().invoke(app, [*map(str, words)], env=settings)
-
-
-def in_its_own_process(*words: object, cwd: Path) -> subprocess.CompletedProcess[str]:
-    """The command line as a user runs it, with the date fixed."""
-    settings = {"PYTHONPATH": str(ROOT), "PYTHONIOENCODING": "utf-8", "COLUMNS": "140"}
-    return subprocess.run(
-        [sys.executable, "-m", "addin.cli", *map(str, words)],
-        cwd=cwd,
-        capture_output=True,
-        text=True,
-        encoding="utf-8",
-        env={**os.environ, **settings, "SOURCE_DATE_EPOCH": EPOCH},
-        timeout=300,
-    )
+#: The command line, in this process or in one of its own, with the date fixed.
+torsionbook = partial(command_line.torsionbook, SOURCE_DATE_EPOCH=EPOCH)
+in_its_own_process = partial(command_line.torsionbook_process, SOURCE_DATE_EPOCH=EPOCH)
 
 
 def pdf_text(path: Path, *options: str) -> str:
@@ -88,6 +65,6 @@ class Made:
 def make(folder: Path, source: Path, results: Path) -> Made:
     """A report of a file whose results are already in a JSON."""
     done = torsionbook("report", source, "--pdf", "r.pdf", "--docx", "r.docx", cwd=folder)
-    assert done.exit_code == 0, done.stderr
+    assert done.returncode == 0, done.stderr
     found = json.loads(results.read_text(encoding="utf-8"))
     return Made(folder / "r.pdf", folder / "r.docx", found, done.stdout)

@@ -312,7 +312,7 @@ def test_wrong_inputs_are_listed_as_by_check(tmp_path):
     (tmp_path / "case.json").write_text(json.dumps(wrong), encoding="utf-8")
     checked = torsionbook("check", "case.json", cwd=tmp_path)
     done = torsionbook("report", "case.json", "--pdf", "c.pdf", "--docx", "c.docx", cwd=tmp_path)
-    assert checked.exit_code == done.exit_code == 1
+    assert checked.returncode == done.returncode == 1
     assert len(checked.stderr.splitlines()) == 3
     assert done.stderr.splitlines() == checked.stderr.splitlines()
     assert sorted(p.name for p in tmp_path.iterdir()) == ["case.json"]
@@ -323,11 +323,11 @@ def test_a_file_that_is_there_is_kept_unless_forced(tmp_path):
     (tmp_path / "case.json").write_text(json.dumps(SMALL), encoding="utf-8")
     (tmp_path / "c.pdf").write_bytes(b"mine")
     done = torsionbook("report", "case.json", "--pdf", "c.pdf", "--docx", "c.docx", cwd=tmp_path)
-    assert (done.exit_code, (tmp_path / "c.pdf").read_bytes()) == (1, b"mine")
+    assert (done.returncode, (tmp_path / "c.pdf").read_bytes()) == (1, b"mine")
     assert "c.pdf exists" in done.stderr
     assert not (tmp_path / "c.docx").exists()
     done = torsionbook("report", "case.json", "--pdf", "c.pdf", "--force", cwd=tmp_path)
-    assert done.exit_code == 0
+    assert done.returncode == 0
     assert (tmp_path / "c.pdf").read_bytes().startswith(b"%PDF-")
 
 
@@ -370,7 +370,7 @@ def test_results_of_other_inputs_are_told(proposed, examples, tmp_path):
     book[sheet][cell.replace("$", "")].value = 2.0
     book.save(tmp_path / "edited.xlsx")
     done = torsionbook("report", "edited.xlsx", "--pdf", "edited.pdf", cwd=tmp_path)
-    assert done.exit_code == 0, done.stderr
+    assert done.returncode == 0, done.stderr
     text = flat(pdf_text(tmp_path / "edited.pdf", "-l", "1"))
     said = "The results stored in the workbook belong to other inputs, with SHA-256 "
     assert said in text

@@ -137,12 +137,12 @@ def test_the_same_train_shows_no_change(tmp_path):
 def test_a_wrong_earlier_revision_is_named_and_nothing_written(tmp_path):
     (tmp_path / "bad.json").write_text('{"format": 1, "stations": [{"station": "A"}]}', "utf-8")
     done = torsionbook("report", PROPOSED, "--pdf", "a.pdf", "--against", "bad.json", cwd=tmp_path)
-    assert done.exit_code == 1
+    assert done.returncode == 1
     assert "bad.json: " in done.stderr
     assert "Inertia" in done.stderr
     assert not (tmp_path / "a.pdf").exists()
     done = torsionbook("report", PROPOSED, "--pdf", "a.pdf", "--against", PROPOSED, cwd=tmp_path)
-    assert done.exit_code == 2
+    assert done.returncode == 2
     said = flat(re.sub(r"[│╭╮╰╯─]", "", done.stderr))
     assert "the same file. Name an earlier revision of it." in said
 
