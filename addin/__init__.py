@@ -3,8 +3,7 @@
 =============  ===================================================================================
 module         responsibility
 =============  ===================================================================================
-`contract`     the one description of inputs and outputs: fields, units, tables, sheets and texts.
-               data, and look-ups in it
+`contract`     the one description of inputs and outputs: fields, units, tables, sheets and texts
 `calculation`  one case through `engine.run`; key figures and the audit trail
 `charts`       the numbers behind charts, for every renderer, in the units shown on the sheets
 `workers`      work in other processes

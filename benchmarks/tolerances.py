@@ -101,7 +101,7 @@ class Whole:
 def whole(design: str, samples: int, jobs: int) -> Whole:
     """Plan, samples and result over processes; their time is that of their own clocks."""
     from addin.contract.version import product_version
-    from addin.workers.parallel_map import open_parallel_map
+    from addin.workers.opened_map import open_parallel_map
 
     case: Case = sample_case(design)
     began, own = time.perf_counter(), time.process_time()

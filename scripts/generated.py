@@ -44,10 +44,12 @@ def write_generated(root: Path) -> list[Path]:
     from addin.reference.effects_page import effects_page
     from addin.reference.functions_page import functions_page
     from addin.reference.json_schemas import write_schemas
+    from addin.reference.record_checks import check_records
     from addin.reference.results_page import results_page
     from addin.reference.study_commands import study_commands
     from addin.template.build import build_all
 
+    check_records()
     pages = {
         "docs/results.md": results_page(),
         "docs/functions.md": functions_page(),

@@ -8,6 +8,7 @@ TORSIONBOOK_SOFFICE=path    the LibreOffice to use, when it is not where one loo
 TORSIONBOOK_EXPLORE_SEED, from which the tests are put in order.
 """
 
+import io
 import os
 import random
 import re
@@ -75,6 +76,29 @@ REQUIREMENTS = {
 }
 
 
+#: Rooms whose tests need the compiled loops from the start, and rooms whose tests need none. The first
+#: of two test processes begins with the former and compiles, the second with the latter (the halves are
+#: counted by tests: it begins among those of `contract`); all others come when there is nothing left to
+#: compile, and share the workbooks that the second process makes.
+_CALCULATING = (
+    "acceptance",
+    "engine",
+    "hard_cases",
+    "numerics",
+    "properties",
+    "regression",
+    "validation",
+)
+_NOT_CALCULATING = ("reading", "template", "contract", "boundaries", "xlsx", "excel", "hostile")
+
+
+def _turn(item: pytest.Item) -> int:
+    """Place of a test's room in the order in which rooms are tested."""
+    order = (*_CALCULATING, *_NOT_CALCULATING)
+    room = next(iter(item.path.parts[len(Path(__file__).parent.parts) :]), "")
+    return order.index(room) if room in order else len(order)
+
+
 def _slow_beyond_the_first(items: list[pytest.Item]) -> None:
     """Where a test is marked `first_ones(n)`, all its parameters but the first n are slow."""
     seen: Counter[str] = Counter()
@@ -97,6 +121,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         if slow:
             config.hook.pytest_deselected(items=slow)
             items[:] = [item for item in items if item not in slow]
+    items.sort(key=_turn)
     if EXPLORE_SEED is not None:
         # Not the same ones each time where the time ends in the middle of a pass.
         random.Random(EXPLORE_SEED).shuffle(items)
@@ -311,3 +336,16 @@ def derived(tmp_path_factory: pytest.TempPathFactory) -> Path:
     from tests.shared_files import made_once, write_derived
 
     return made_once(tmp_path_factory, "derived", write_derived)
+
+
+@pytest.fixture
+def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Reports whose figures are a dot: for tests that read text, as most of the time is drawing."""
+    from matplotlib.figure import Figure
+
+    from addin.report.figures import Pictures
+
+    dot = io.BytesIO()
+    Figure(figsize=(0.1, 0.1)).savefig(dot, format="png", dpi=10)
+    pictures = {"png": dot.getvalue(), "svg": b'<svg xmlns="http://www.w3.org/2000/svg"/>'}
+    monkeypatch.setattr(Pictures, "_saved", lambda self, drawing, form: pictures[form])

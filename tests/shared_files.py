@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
 import os
 import shutil
@@ -13,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from script_modules import script_module
 
 #: Longest time that one process waits for what another makes, s.
 PATIENCE = 600.0
@@ -122,10 +122,4 @@ def calculate_studies(folder: Path) -> None:
 
 def write_derived(folder: Path) -> None:
     """Every file that `make generated` writes: pages, schemas, the list of sentences, templates."""
-    place = Path(__file__).resolve().parents[1] / "scripts" / "generated.py"
-    spec = importlib.util.spec_from_file_location("generated", place)
-    assert spec is not None
-    assert spec.loader is not None
-    script = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(script)
-    script.write_generated(folder)
+    script_module("generated").write_generated(folder)

@@ -155,12 +155,17 @@ def _json_kind(path: Path) -> str:
 
 def is_summary(path: Path) -> bool:
     """Look at the sheets of a workbook."""
+    return sheets_of(path) == SUMMARY_SHEETS
+
+
+def sheets_of(path: Path) -> tuple[str, ...]:
+    """Names of the sheets of a workbook; none where it is no workbook."""
     try:
         with zipfile.ZipFile(path) as package, package.open("xl/workbook.xml") as part:
             text = part.read(_MOST_SHEETS).decode("utf-8", "replace")
     except (OSError, KeyError, zipfile.BadZipFile, NotImplementedError, RuntimeError):
-        return False
-    return tuple(re.findall(r'<sheet name="([^"]*)"', text)) == SUMMARY_SHEETS
+        return ()
+    return tuple(re.findall(r'<sheet name="([^"]*)"', text))
 
 
 def is_summary_csv(path: Path) -> bool:

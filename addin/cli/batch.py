@@ -250,7 +250,10 @@ def _varied(
     try:
         import pyarrow  # noqa: F401  (said in time)
     except ImportError:
-        raise failed("Results of --vary are Parquet: pip install 'torsionbook[parquet]'") from None
+        raise failed(
+            "Results of --vary are Parquet, and pyarrow is not installed. Run pip install -r "
+            "requirements/parquet.txt in the checkout, or install the wheel with its extra [parquet]."
+        ) from None
     if table.resolve() == (out / "results.parquet").resolve():
         raise typer.BadParameter(
             f"Results would overwrite the table {table}. Name another folder with --out."

@@ -7,13 +7,14 @@ from typing import Annotated
 
 import typer
 
+from addin.batch.own_files import sheets_of
 from addin.cli.diff_view import show
 from addin.cli.status import WRONG_INPUT
-from addin.cli.terminal import print_written, writing
+from addin.cli.terminal import print_written, refuse_no_json, writing
 from addin.diff.compare import compare_files
 from addin.diff.files import CannotBeCompared
 from addin.diff.wording import as_json
-from addin.diff.workbook import write_book
+from addin.diff.workbook import DIFF_SHEETS, write_book
 from addin.xlsx.whole_files import write_json
 
 
@@ -50,6 +51,10 @@ def diff(
     for target in (xlsx, json):
         if target is not None and target.resolve() in sources:
             raise typer.BadParameter(f"{target} is one of the inputs. Choose another name.")
+    if json is not None:
+        refuse_no_json(json)
+    if xlsx is not None and xlsx.exists() and sheets_of(xlsx)[:3] != DIFF_SHEETS:
+        raise typer.BadParameter(f"{xlsx} exists and is not a comparison. Choose another name.")
     try:
         differences = compare_files(a, b, recalculate=recalculate)
     except CannotBeCompared as wrong:

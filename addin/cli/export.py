@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from addin.cli.terminal import read_or_stop, writing
+from addin.cli.terminal import read_or_stop, refuse_no_json, writing
 from addin.reading.case_json import case_to_json
 from addin.xlsx.whole_files import write_json
 
@@ -20,6 +20,9 @@ def export(
 
     Example: `torsionbook export train.xlsx case.json`
     """
+    if case.resolve() == file.resolve():
+        raise typer.BadParameter(f"{case} is the input. Choose another name.")
+    refuse_no_json(case)
     read = read_or_stop(file)
     with writing(case):
         write_json(case, case_to_json(read.data))

@@ -29,6 +29,7 @@ from addin.cli.terminal import (
     print_written,
     progress,
     refuse_clashes,
+    refuse_no_json,
     stages_of,
 )
 from addin.contract.problems import printable
@@ -62,6 +63,9 @@ def recalc(
     overrides = case_overrides(method, tolerance)
     targets = [_targets(file, out, json, len(files) > 1) for file in files]
     refuse_clashes(files, targets, in_place)
+    for _, json_file in targets:
+        if json_file is not None:
+            refuse_no_json(json_file)
     histories = _histories(files, targets, in_place)
     with progress() as tell:
         done = [

@@ -75,8 +75,8 @@ def _refuse(name: str, path: Path, force: bool) -> None:
     """What would keep the report from being written, said before anything is calculated."""
     if not all(map(importlib.util.find_spec, PACKAGES[name])):
         raise failed(
-            "The packages for reports are not installed. Install them: "
-            "pip install torsionbook[report]"
+            "The packages for reports are not installed. Run pip install -r requirements/report.txt "
+            "in the checkout, or install the wheel with its extra [report]."
         )
     if path.is_dir():
         raise failed(f"{path} is a folder; name a file.")

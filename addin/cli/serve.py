@@ -49,7 +49,8 @@ def serve(
     """
     if not INSTALLED:
         raise failed(
-            "The server's packages are not installed. Install them: pip install torsionbook[server]"
+            "The packages of the server are not installed. Run pip install -r "
+            "requirements/server.txt in the checkout, or install the wheel with its extra [server]."
         )
     asked: dict[str, Any] = {} if workers is None else {"workers": workers}
     with failing_on(SettingsError):

@@ -27,7 +27,7 @@ from addin.cli.terminal import (
     print_written,
     progress,
     refuse_no_folder,
-    refuse_no_place,
+    refuse_no_json,
     study_targets,
 )
 from addin.contract.problems import printable
@@ -37,7 +37,8 @@ from addin.studies.registry import study_of_command
 from addin.studies.run_study import StudyFiles, study_one
 from addin.studies.study import Option, Study, StudyResult
 from addin.workers.cluster import ClusterRefused
-from addin.workers.parallel_map import Cancelled, UnitLost, open_parallel_map
+from addin.workers.opened_map import open_parallel_map
+from addin.workers.parallel_map import Cancelled, UnitLost
 from addin.workers.stop import Abandoned, Stop, Stopped
 
 
@@ -149,7 +150,7 @@ def _check_options(study: Study, file: Path, options: Mapping[str, Any]) -> None
         elif option.kind is Path and value is not None:
             if value.resolve() == file.resolve():
                 raise typer.BadParameter(f"--{option.name} would overwrite the input.")
-            (refuse_no_folder if option.metavar == "FOLDER" else refuse_no_place)(value)
+            (refuse_no_folder if option.metavar == "FOLDER" else refuse_no_json)(value)
 
 
 def _show(study: Study, result: StudyResult, options: Mapping[str, Any]) -> None:

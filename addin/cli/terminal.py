@@ -12,7 +12,7 @@ import typer
 from addin.calculation.stages import is_compiling
 from addin.cli.status import WRONG_INPUT, failed
 from addin.contract.problems import CellProblem
-from addin.reading.one_file import Unreadable, file_problem, read_checked
+from addin.reading.one_file import WORKBOOK_ENDINGS, Unreadable, file_problem, read_checked
 from addin.reading.typed_case import CaseInput
 
 #: A table on the terminal is at least so wide. [characters]
@@ -62,6 +62,24 @@ def refuse_no_place(target: Path) -> None:
     refuse_no_folder(target.parent)
 
 
+def refuse_no_json(target: Path) -> None:
+    """As `refuse_no_place`, of a JSON that would replace a workbook or a document too."""
+    if target.suffix.lower() in WORKBOOK_ENDINGS:
+        raise typer.BadParameter(f"{target} is the name of a workbook; end it in .json.")
+    refuse_no_place(target)
+    if target.is_file() and _is_office_file(target):
+        raise typer.BadParameter(f"{target} is a workbook or a document. Choose another name.")
+
+
+def _is_office_file(path: Path) -> bool:
+    """Whether it begins as the files of Office do, old (compound files) and new (zip)."""
+    try:
+        with open(path, "rb") as file:
+            return file.read(4) in (b"PK\3\4", b"\xd0\xcf\x11\xe0")
+    except OSError:
+        return False  # said when it is written
+
+
 def refuse_no_folder(folder: Path) -> None:
     """Refuse a folder for results that is a file, or lies in one, before any work.
 
@@ -101,8 +119,10 @@ def study_targets(
     if json is not None and (json.is_dir() or json == out):
         json = json / f"{file.stem}.{command}.json"
     refuse_clashes([file], [(destination, json)], in_place)
-    for target in filter(None, (destination, json)):
-        refuse_no_place(target)
+    if destination is not None:
+        refuse_no_place(destination)
+    if json is not None:
+        refuse_no_json(json)
     return destination, json
 
 

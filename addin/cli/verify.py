@@ -9,6 +9,7 @@ import typer
 
 from addin.cli.options import check_choice
 from addin.cli.status import WRONG_INPUT, failing_on
+from addin.cli.terminal import refuse_no_json
 from addin.reading.one_file import file_problem
 from addin.verify.file import verify_file
 from addin.verify.findings import Agreement
@@ -83,8 +84,10 @@ def verify(
 def _refuse_clashes(files: list[Path], case: Path | None, json: Path, folder: bool) -> None:
     """Two files with one JSON, or a JSON on top of a file verified, are refused before any work."""
     sources = {file.resolve() for file in (*files, *([case] if case else []))}
-    if not folder and json.resolve() in sources:
-        raise typer.BadParameter(f"{json} is one of the inputs. Choose another name.")
+    if not folder:
+        if json.resolve() in sources:
+            raise typer.BadParameter(f"{json} is one of the inputs. Choose another name.")
+        refuse_no_json(json)
     seen: dict[str, Path] = {}
     for file in files if folder else ():
         target = json / f"{file.stem}.verify.json"

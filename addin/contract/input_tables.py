@@ -197,7 +197,7 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
             ),
             number(
                 "Endurance", "pressure", "Endurance limit (amplitude) in the basis given.",
-                blank="none",
+                blank="stress of the last S-N point",
             ),
             choice(
                 "Basis", tuple(SNBasis), "Bending data are halved for torsion.",
@@ -239,7 +239,7 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
             ),
             number(
                 "Torque", "excitation torque",
-                "Zero-to-peak torque; % means of the torque transmitted there, pu of RatedTorque.",
+                "Zero-to-peak torque; 100 % = the torque transmitted there, 1 pu = RatedTorque.",
                 blank="1 % of the torque transmitted there",
             ),
         ),

@@ -114,7 +114,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
         row_name=("Mode",), changes_shown=("Frequency", "Largest strain energy"), rank=1,
         columns=(
             integer(
-                "Mode", "Elastic modes count from 1; rigid-body modes have 0.",
+                "Mode", "Elastic modes are counted from 1; rigid-body modes have 0.",
                 "Numbered by rising frequency; rigid-body modes, whose count follows from the "
                 "topology, have 0",
                 SVD, of_case=MODAL,
@@ -523,13 +523,13 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
     ),
     table(
         "TorqueReversals", sheet="Reversals", caption="Torque reversals",
-        help="Each gear mesh and geared coupling in the start, at its From side.",
+        help="Torque reversals in the start, on the From side: each gear mesh, geared coupling, and other element with a Reversal limit.",
         row_name=("Element",),
         changes_shown=("Minimum torque", "Reversals", "Impacts", "Tooth force"), room=8,
         of_the_start=True, rank=5,
         columns=(
             text(
-                "Element", "Gear mesh or geared coupling.", kind="element",
+                "Element", "Gear mesh, geared coupling, or element with a Reversal limit.", kind="element",
                 trace=named("Elements.Element"),
             ),
             number(
@@ -546,7 +546,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             number(
                 "Time unloaded", "time",
                 "Total time of reversed torque; with a clearance, total time without contact.",
-                "Sum of the times below zero of these passages; with a clearance the time without contact",
+                "Sum of the times below zero of the counted reversals; with a clearance the time without contact",
                 f"{REVERSALS}; docs/method.md, Torque reversals", of_case=START,
             ),
             integer(
@@ -605,7 +605,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             ),
             verdict(
                 "Verdict", "pass, fail or not judged.",
-                "fail where −minimum torque > limit; not judged without a limit", REVERSALS,
+                "fail where −minimum torque > limit; without a limit pass where the torque does not reverse, else not judged", REVERSALS,
                 of_row=("TorqueReversals.Minimum torque", "TorqueReversals.Limit"),
             ),
             number(
@@ -708,7 +708,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             ),
             number(
                 "Error starts", "fraction", "Error of the allowable starts.",
-                "Same for the allowable starts", "docs/method.md, What accuracy costs",
+                "As in column Error peak, but for the allowable starts", "docs/method.md, What accuracy costs",
                 of_case=(*START, *FATIGUE), format=shown.STUDIED, error=ReportedError.ESTIMATE,
                 printed="Error of starts",
             ),

@@ -50,8 +50,8 @@ _BY_GROUP: Mapping[str, tuple[Field, ...]] = {
         number(
             "RatedTorque",
             "torque",
-            "Rated torque; base of torques in pu or % (in table Excitations % means of the "
-            "torque transmitted there).",
+            "Rated torque; base of torques in pu or % (in table Excitations 100 % = "
+            "the torque transmitted there).",
             blank="from power and speed",
             us="lbf*ft",
         ),
@@ -60,13 +60,13 @@ _BY_GROUP: Mapping[str, tuple[Field, ...]] = {
         number(
             "MinimumSpeed",
             "running speed",
-            "Lowest speed of continuous operation; % means of synchronous speed.",
+            "Lowest speed of continuous operation; 100 % = synchronous speed.",
             blank="synchronous speed",
         ),
         number(
             "MaximumSpeed",
             "running speed",
-            "Highest speed of continuous operation; % means of synchronous speed.",
+            "Highest speed of continuous operation; 100 % = synchronous speed.",
             blank="synchronous speed",
         ),
         number(
@@ -97,7 +97,7 @@ _BY_GROUP: Mapping[str, tuple[Field, ...]] = {
         number(
             "EndSpeed",
             "running speed",
-            "Speed at which the simulated start ends; % means of synchronous speed.",
+            "Speed at which the simulated start ends; 100 % = synchronous speed.",
             blank="97 % of synchronous speed",
             us="%",
             si="%",
@@ -222,7 +222,7 @@ _BY_GROUP: Mapping[str, tuple[Field, ...]] = {
         number(
             "TripSpeed",
             "running speed",
-            "Speed at which the motor is tripped and the train coasts down; % means of synchronous "
+            "Speed at which the motor is tripped and the train coasts down; 100 % = synchronous "
             "speed.",
             blank="no trip",
             us="%",

@@ -47,7 +47,7 @@ REVERSAL_NOTES: tuple[tuple[str, str], ...] = (
     (
         "Limit",
         "The maker's Reversal limit of table Elements, compared with the depth below zero; "
-        "blank = not judged. Limits in the literature:",
+        "blank = a reversal is not judged. Limits in the literature:",
     ),
     *(
         (f"{limit.applies_to}, {limit.service}", f"{limit.says} ({limit.source})")

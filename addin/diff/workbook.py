@@ -16,6 +16,8 @@ from addin.diff.wording import in_words
 from addin.verify.compare import is_number
 from addin.xlsx.whole_files import write_whole
 
+#: Sheets of a comparison; where studies differ, Studies is the fourth.
+DIFF_SHEETS = ("Diff", "Inputs", "Results")
 _HEADERS = ("Table", "Row", "Quantity", "Unit", "A", "B", "B − A", "(B − A) / A", "What")
 _WIDTHS = (21, 36, 21, 10, 20, 20, 14, 11, 50)
 _NAVY, _PALE, _GRID = "#1F3A5F", "#EEF3F8", "#BFC7D1"
@@ -92,10 +94,10 @@ def _write(differences: Differences, path: Path) -> None:
             {"title": "Differences of two torsional analyses", "author": "torsionbook"}
         )
         formats = _Formats(book)
-        _cover(book.add_worksheet("Diff"), formats, differences)
-        inputs = book.add_worksheet("Inputs")
+        _cover(book.add_worksheet(DIFF_SHEETS[0]), formats, differences)
+        inputs = book.add_worksheet(DIFF_SHEETS[1])
         _changes(inputs, formats, "Inputs", differences.inputs or (), _of_inputs(differences))
-        results = book.add_worksheet("Results")
+        results = book.add_worksheet(DIFF_SHEETS[2])
         sentence = f"{differences.same_results} results are the same. Stresses, torques and frequencies in the unit shown."
         _changes(results, formats, "Results", differences.results, sentence)
         if differences.studies.anything or differences.studies.same_results:

@@ -13,7 +13,7 @@ from collections.abc import Collection, Iterable
 from dataclasses import dataclass, field, replace
 
 from addin.excel.compound_file import Storage, read_compound_file, write_compound_file
-from addin.excel.errors import VbaProjectError
+from addin.excel.errors import ExcelError, VbaProjectError
 from addin.excel.ovba import compress, decompress
 
 # Records of the stream ``dir``.
@@ -25,6 +25,10 @@ _STANDARD, _CLASS, _TERMINATOR = 0x21, 0x22, 0x2B
 #: ``_VBA_PROJECT`` of a project that holds sources only.
 _NOTHING_COMPILED = bytes.fromhex("CC61FFFF000000")
 _NO_COOKIE = 0xFFFF
+_REPAIR = (
+    "Open the workbook in Excel, save it, and run again. If that does not help, move the inputs to a "
+    "new workbook: torsionbook new NEW.xlsm --from FILE."
+)
 
 Record = tuple[int, bytes]
 
@@ -81,26 +85,12 @@ class VbaProject:
         Raises
         ------
         ExcelError
-            If it is damaged.
+            If it is damaged; the sentence says what to do.
         """
-        root = read_compound_file(data)
-        records = _records(decompress(root.stream("VBA", "dir")))
-        kinds = [kind for kind, _ in records]
-        if _CODE_PAGE not in kinds or _COUNT not in kinds:
-            raise VbaProjectError("The VBA project has no code page or no list of modules.")
-        (number,) = struct.unpack("<H", dict(records)[_CODE_PAGE][:2])
-        code_page = "mac_roman" if number == 10000 else f"cp{number}"
         try:
-            text = root.stream("PROJECT").decode(code_page)
-        except (LookupError, UnicodeDecodeError) as problem:
-            raise VbaProjectError(
-                f"The VBA project does not match its code page ({problem})."
-            ) from None
-        lines = tuple(text.rstrip().splitlines())
-        start = next((i for i, kind in enumerate(kinds) if kind == _NAME), len(records) - 1)
-        modules = tuple(_modules(records[start:-1], root, code_page, lines))
-        rest = _without_modules(root, {m.stored_under.casefold() for m in modules})
-        return VbaProject(rest, tuple(records[:start]), modules, code_page, lines)
+            return _read(data)
+        except ExcelError as problem:
+            raise type(problem)(f"{problem} {_REPAIR}") from problem
 
     def module(self, name: str) -> Module | None:
         """A module by its name, in any capitals.
@@ -183,6 +173,27 @@ def _without_modules(root: Storage, streams: Collection[str]) -> Storage:
     }
     entries["VBA"] = Storage(kept, held.class_id, held.state)
     return Storage(entries, root.class_id, root.state)
+
+
+def _read(data: bytes) -> VbaProject:
+    root = read_compound_file(data)
+    records = _records(decompress(root.stream("VBA", "dir")))
+    kinds = [kind for kind, _ in records]
+    if _CODE_PAGE not in kinds or _COUNT not in kinds:
+        raise VbaProjectError("The VBA project has no code page or no list of modules.")
+    (number,) = struct.unpack("<H", dict(records)[_CODE_PAGE][:2])
+    code_page = "mac_roman" if number == 10000 else f"cp{number}"
+    try:
+        text = root.stream("PROJECT").decode(code_page)
+    except (LookupError, UnicodeDecodeError) as problem:
+        raise VbaProjectError(
+            f"The VBA project does not match its code page ({problem})."
+        ) from None
+    lines = tuple(text.rstrip().splitlines())
+    start = next((i for i, kind in enumerate(kinds) if kind == _NAME), len(records) - 1)
+    modules = tuple(_modules(records[start:-1], root, code_page, lines))
+    rest = _without_modules(root, {m.stored_under.casefold() for m in modules})
+    return VbaProject(rest, tuple(records[:start]), modules, code_page, lines)
 
 
 def _records(data: bytes) -> list[Record]:

@@ -269,8 +269,8 @@ class _Reading:
         if version != TEMPLATE_VERSION:
             self.warnings.append(
                 f"The workbook has template version '{version}', this program ships version '{TEMPLATE_VERSION}'. "
-                "Make a new template with torsionbook new and transfer the inputs if results look "
-                "wrong."
+                "If results look wrong, make a workbook of this version: torsionbook new NEW.xlsx --from "
+                "FILE."
             )
         return version
 

@@ -80,7 +80,7 @@ def accuracy(subject: Subject) -> Section:
     if "Sensitive" in subject.audit:
         facts.append(("Sensitive", clean(subject.audit["Sensitive"])))
     columns = ["Method", "Setting", "Error peak", "Error starts"]
-    times = "Measured times are left out of a document with a fixed date."
+    times = "Measured times are left out: SOURCE_DATE_EPOCH sets the date of this document, so that the same inputs give the same document."
     if subject.show_times:
         columns.append("Time")
         times = "Times were measured when this document was made; they vary between runs."
@@ -170,7 +170,7 @@ def checks(subject: Subject) -> Section:
     sentence = (
         "Results that follow by simple arithmetic from other results were recalculated from "
         "the numbers of this document; relative differences are listed. The checker repeats "
-        "them by hand."
+        "these calculations by hand."
     )
     by_hand = (
         "Compare the inputs with the drawings and the makers' data sheets, with their revisions.",

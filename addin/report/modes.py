@@ -81,7 +81,10 @@ def _damping(subject: Subject, rows: Sequence[Mapping[str, Any]]) -> Section:
         )
     ]
     if case.mode_damping:
-        sentences.append(f"Table ModeDamping overrides it for {len(case.mode_damping)} modes.")
+        sentences.append(
+            "Modes with a damping ratio of their own in table ModeDamping: "
+            f"{len(case.mode_damping)}."
+        )
     for kind, rows_of_kind, column, what in (
         ("element", case.elements, "damping", "viscous damping"),
         ("element", case.elements, "loss_factor", "a loss factor"),
@@ -90,7 +93,9 @@ def _damping(subject: Subject, rows: Sequence[Mapping[str, Any]]) -> Section:
         count = sum(bool(getattr(row, column)) for row in rows_of_kind)
         if count:
             which = f"{kind}s have" if count > 1 else f"{kind} has"
-            sentences.append(f"{count} {which} {what}, added in proportion to energy.")
+            sentences.append(
+                f"{count} {which} {what}, which is included in the damping ratio of each mode."
+            )
     item, neglected = "Largest neglected damping term", None
     if any(r["frequency"] and r.get("damping_ratio") for r in rows):
         sentences.append(

@@ -270,7 +270,7 @@ def largest_peak(subject: Subject) -> str:
     rated = case.ratings.rated_torque
     if not rated:
         return words
-    return f"{words}, {fixed(size * own[element] / rated, 2)} × rated torque at motor speed"
+    return f"{words}; referred to the motor {fixed(size * own[element] / rated, 2)} × rated torque"
 
 
 def scope(subject: Subject) -> Section:

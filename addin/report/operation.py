@@ -77,7 +77,7 @@ def steady_state(subject: Subject) -> Section:
     rows = subject.rows("SteadyState")
     title = "Steady-state response"
     if not rows:
-        sentence = "No forced response: every margin is kept, or no excitation is known."
+        sentence = "No forced response: no excitation has a known torque and frequency."
         return section(title, Paragraph(sentence))
     chosen = _chosen_steady(rows)
     basis = subject.calculation.results.steady.stress_basis
@@ -111,8 +111,8 @@ def _judged(rows: Sequence[Row], basis: str) -> str:
     ]
     if limited:
         sentences.append(
-            f"The zero-to-peak torque of {len(limited)} of all these elements is compared with "
-            "the maker's vibratory limit."
+            "Elements whose zero-to-peak torque is compared with the maker's vibratory limit: "
+            f"{len(limited)}."
         )
     if failing:
         more = " and others" if len(failing) > 8 else ""

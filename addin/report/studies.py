@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from addin.contract.studies.tuning import NO_VARIABLE
 from addin.recorded.studies import RecordedStudy
 from addin.report.document import Block, Paragraph, Section, Table, section
 from addin.report.numbers import clean
@@ -153,7 +154,8 @@ def _tuning(study: _Study) -> Iterator[Block | None]:
         [(str(axes[0].get(name) or name), points) for name, points in curves if points],
         across,
         "Allowable starts",
-        f"Allowable starts against {across}, one line per {up}",
+        f"Allowable starts against {across}"
+        + ("" if up == NO_VARIABLE else f", one line per {up}"),
         log=True,
     )
 

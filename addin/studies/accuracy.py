@@ -108,8 +108,8 @@ def _decimal(value: float) -> str:
 _HELP = """\
 Measure error against computing time for this case.
 
-Calculates the start by both methods at several tolerances, compares with a reference a hundred
-times finer, and writes sheet Accuracy; other results are unchanged.
+Calculates the start by the exponential method and by Newmark at several steps or tolerances,
+compares with a much more accurate reference, and writes sheet Accuracy; other results are unchanged.
 
 Example: `torsionbook accuracy train.xlsx` writes train.accuracy.xlsx."""
 

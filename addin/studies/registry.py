@@ -48,8 +48,19 @@ def study_of(spec: StudySpec) -> Study:
 
 
 def study_of_command(command: str) -> Study:
-    """The study of a command."""
-    return next(study for study in found_studies() if study.command == command)
+    """The study of a command.
+
+    Raises
+    ------
+    IncompleteRecord
+        If there is none.
+    """
+    for study in found_studies():
+        if study.command == command:
+            return study
+    raise IncompleteRecord(
+        f"command {command} has no calculation: add its Study in a file of addin/studies, or run make generated"
+    )
 
 
 def every_study() -> tuple[Study, ...]:

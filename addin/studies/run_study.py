@@ -10,9 +10,10 @@ from typing import Any
 
 from addin.calculation.audit import Stamp
 from addin.contract.digests import short_digest
+from addin.contract.field import IncompleteRecord
 from addin.contract.json_formats import RESULTS_FORMAT
 from addin.contract.problems import CellProblem, placed
-from addin.contract.tables import input_table, json_key, result_table
+from addin.contract.tables import RESULT_TABLES, input_table, json_key, result_table
 from addin.contract.version import product_version
 from addin.reading.one_file import WORKBOOK_ENDINGS, Unreadable, file_problem, read_checked
 from addin.reading.typed_case import CaseInput
@@ -166,6 +167,7 @@ def calculate_study(
         )
     except (CaseError, ModelError) as refused:
         return None, (*unread, *case_problems(refused)), warnings
+    check_tables(study, result)
     return result, (), (*warnings, *result.warnings)
 
 
@@ -177,6 +179,21 @@ def _unread(study: Study, read: CaseInput) -> tuple[CellProblem, ...]:
 
 def _warned(read: CaseInput) -> tuple[str, ...]:
     return (*read.warnings, *(() if read.studies is None else read.studies.warnings))
+
+
+def check_tables(study: Study, result: StudyResult) -> None:
+    """Refuse a result without the tables of the record of its study, or with others."""
+    key, given = study.spec.key, {*result.tables, *result.charts}
+    wanted = {spec.name for spec in study.spec.results}
+    for name in sorted(wanted - given):
+        raise IncompleteRecord(
+            f"study {key} does not give the table {name}: add it in addin/studies/{key}.py"
+        )
+    for name in sorted(given - wanted - {spec.name for spec in RESULT_TABLES}):
+        raise IncompleteRecord(
+            f"study {key} gives the table {name}, which its record does not describe: add it in "
+            f"addin/contract/studies/{key}.py, or correct the name in addin/studies/{key}.py"
+        )
 
 
 def _with_cut(result: StudyResult) -> StudyResult:

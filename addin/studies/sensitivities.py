@@ -48,7 +48,7 @@ def _sentence(derivatives: Derivatives) -> str:
         parts.append(f"{whose} {100.0 * ends[1]:+.2g} %")
     answer = "allowable starts" if rows[0].starts_ends else "peak stress"
     return (
-        f"Effect of + 1 % on the {answer} of {derivatives.governing}: {'; '.join(parts)}. "
+        f"Effect of + 1 % of each quantity on the {answer} of {derivatives.governing}: {'; '.join(parts)}. "
         + derivatives.sentences[1]
     )
 

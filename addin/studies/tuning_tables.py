@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from addin.contract.studies.tuning import LINES, MAP_MODES, MAP_ROWS
+from addin.contract.studies.tuning import LINES, MAP_MODES, MAP_ROWS, NO_VARIABLE
 from engine.operation.margins import Band
 from engine.studies.tuning.evaluate import EvaluatedCombination
 from engine.studies.tuning.options import Variable
@@ -75,14 +75,16 @@ def _axes(
     """What rows and columns of the maps stand for."""
     row: Row = {
         "first_variable": f"{across.title}, % of the unchanged case",
-        "second_variable": "none" if up is None else up.title,
+        "second_variable": NO_VARIABLE if up is None else up.title,
     }
     if shown < len(across.options):
         row["first_variable"] += f" ({shown} of {len(across.options)} values shown)"
     if up is not None and len(lines) < len(up.options):
         row["second_variable"] += f" ({len(lines)} of {len(up.options)} values shown)"
     if others:
-        row["second_variable"] += f"; with the best {', '.join(others)}"
+        row["second_variable"] += (
+            f"; for each pair of values with the best choice of {', '.join(others)}"
+        )
     names = ["all" if up is None else up.options[j].label for j in lines]
     return row | {f"line_{k}": name for k, name in enumerate([*names, *["–"] * LINES][:LINES], 1)}
 

@@ -102,7 +102,7 @@ PROVENANCE: tuple[tuple[str, str], ...] = (
         "1.5 % modal damping; the 70.0 mm (2.756 in) stress diameter so that the proposed "
         "design gives 30,000 psi peak-to-peak; S-N line and SCF typical of a keyed "
         "alloy-steel shaft; pitch radii and pressure angle of the gear. All results of the "
-        "modified design are therefore predictions.",
+        "modified design except its frequencies are therefore predictions.",
     ),
     (
         "Reference",

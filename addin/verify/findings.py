@@ -151,8 +151,8 @@ def concluded(about: Verification, counts: list[Counts], findings: list[Finding]
         outcome, sentence = "follows", f"All {results:,} results agree with the inputs."
     else:
         outcome = "does not follow"
-        failures = "1 thing does" if failing == 1 else f"{failing:,} things do"
-        sentence = f"{failures} not agree with the inputs, of {results:,} results compared."
+        differences = "1 difference" if failing == 1 else f"{failing:,} differences"
+        sentence = f"{differences} from what the inputs give; {results:,} results were compared."
         if about.recorded and not about.same_inputs:
             sentence = f"The results belong to other inputs. {sentence}"
     return replace(

@@ -81,7 +81,9 @@ def _unknown_columns(workbook: Workbook, table: Table, spec: TableSpec) -> Itera
         sentence = f"the column '{name}' is not from torsionbook and is not checked"
         if missing:
             lost = f"'{alike}'" if alike else " and ".join(f"'{header}'" for header in missing)
-            sentence = f"{sentence}, while {lost} is missing: restore its name"
+            sentence = (
+                f"{sentence}; missing: {lost}. If this column was renamed, restore its header"
+            )
         yield Finding(
             "edited" if missing else "not shown", table.sheet,
             cell_name(table.ref.top, column), sentence, spec.name, "", name, name, alike,

@@ -10,13 +10,19 @@ from addin.contract.json_formats import AUDIT_FORMAT
 from addin.verify.findings import AGREEMENTS, Agreement, Finding, Verification
 from addin.writing.results_json import storable
 
+#: Outcomes that are short as values of JSON, in words.
+_OUTCOMES = {
+    "follows": "follows from its inputs",
+    "does not follow": "does not follow from its inputs",
+}
 #: Findings listed for people unless all are asked for. [count]
 SHOWN = 30
 
 
 def lines(verification: Verification, everything: bool = False) -> Iterator[str]:
     """A verification in lines for people."""
-    yield f"{verification.source}: {verification.outcome}. {verification.sentence}"
+    outcome = _OUTCOMES.get(verification.outcome, verification.outcome)
+    yield f"{verification.source}: {outcome}. {verification.sentence}"
     if verification.made_by or verification.recorded:
         yield f"  made by {verification.made_by or 'an unknown version'}, verified by {verification.this}"
     if verification.recorded:
@@ -55,7 +61,7 @@ def in_words(finding: Finding) -> str:
 def _digests(verification: Verification) -> str:
     if verification.recorded == verification.inputs:
         return f"SHA-256 {short_digest(verification.inputs)}, as recorded"
-    return f"SHA-256 {short_digest(verification.inputs)}, recorded is {short_digest(verification.recorded)}"
+    return f"SHA-256 {short_digest(verification.inputs)}, but {short_digest(verification.recorded)} is recorded"
 
 
 def _finding(finding: Finding) -> dict[str, Any]:

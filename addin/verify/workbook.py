@@ -192,9 +192,7 @@ def _on_studies(read: WorkbookInput) -> Iterator[Finding]:
                 f"file; its numbers are not verified here, but recalculated by torsionbook {command}"
             )
             if not study.is_recorded:
-                sentence += (
-                    "; the file has no record of what it wrote, so manual edits are not detected"
-                )
+                sentence += "; the file has no record of what the study wrote, so manual edits are not detected"
             yield Finding("not compared", sheet, cell, sentence, "StudyFacts", name, fails=False)
         for table in study.edited:
             there = read.workbook.tables.get(table)
@@ -402,9 +400,7 @@ def _of_unjudged(workbook: Workbook, fresh: Workbook | None, reason: str) -> Ite
     if formulas:
         first, many = formulas[0], len(formulas)
         count = "1 live formula" if many == 1 else f"{many:,} live formulas"
-        sentence = (
-            f"{count} of torsionbook could not be checked; the place named is the first. {reason}"
-        )
+        sentence = f"{count} of torsionbook could not be checked, the first in this cell. {reason}"
         yield Finding("not judged", first.sheet, first.cell, sentence)
 
 

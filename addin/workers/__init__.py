@@ -10,7 +10,7 @@ module          responsibility
 `stop`          ctrl-C and the system's request to end, what led to an exception, and how many
                 cores there are
 `cluster`       the work of a batch on an existing Dask cluster
-`parallel_map`  units of work over processes or a cluster: in order, with progress, ended by
-                Ctrl-C
+`parallel_map`  units of work in order, with progress, ended by Ctrl-C: what a study asks for
+`opened_map`    the same over processes or a cluster, closed at the end
 ==============  ==================================================================================
 """

@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from addin.contract.field import IncompleteRecord
 from addin.contract.problems import shortened
 from addin.reading.cells import number_in_text
 from addin.xlsx.values import ERROR_CODES, ErrorValue
@@ -112,6 +113,11 @@ def registered(
         assert optional == sorted(optional), f"{name}: optional arguments come last"
         text = " ".join((answer.__doc__ or "").split("\n\n")[0].split())
         assert text, f"{name} has no documentation"
+        if name in FUNCTIONS:
+            raise IncompleteRecord(
+                f"two functions are called {name}, {FUNCTIONS[name].answer.__name__} and "
+                f"{answer.__name__}: rename one in addin/worksheet/functions"
+            )
         all_arguments = arguments if columns is None else (*arguments, ROW_COUNT)
         FUNCTIONS[name] = Function(
             name, text, all_arguments, answer, scalar, long, example, columns

@@ -88,7 +88,8 @@ def write_history(
             pd.DataFrame(columns).to_parquet(target, compression="zstd", index=False)
         except ImportError:
             raise HistoryUnavailable(
-                "KeepHistory is parquet, but pyarrow is not installed: pip install "
-                "'torsionbook[parquet]', or choose npz."
+                "KeepHistory is parquet, but pyarrow is not installed. Choose npz, or run pip install "
+                "-r requirements/parquet.txt in the checkout, or install the wheel with its extra "
+                "[parquet]."
             ) from None
     return target, hashlib.sha256(target.read_bytes()).hexdigest()

@@ -53,7 +53,7 @@ _OPTIONAL = frozenset(table.name for table in fields.WORKBOOK_TABLES) | {
 ANALYSES = (
     "Start: linear start with all teeth in contact, on which the plan is based. Start "
     "with events: the same with the effects that sheet Effects shows as on. Errors "
-    "compare a step with half of it."
+    "are the change of the results from step h to h/2."
 )
 
 

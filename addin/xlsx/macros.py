@@ -16,7 +16,7 @@ from itertools import count
 from pathlib import Path
 from xml.sax.saxutils import escape, quoteattr
 
-from addin.xlsx.errors import WorkbookRefused
+from addin.xlsx.errors import WorkbookRefused, damaged
 from addin.xlsx.formulas import CacheReport
 from addin.xlsx.save import Destination, PackageChange, SaveReport, save_package
 from addin.xlsx.state import in_any_capitals
@@ -254,7 +254,7 @@ def _before_end(data: bytes, tag: bytes, entry: str, *, prefix: bool = True) -> 
     """An element put in as the last one of another, under its namespace prefix or its own."""
     ends = list(re.finditer(rb"</((?:\w+:)?)" + tag + rb"\s*>", data))
     if not ends:
-        raise WorkbookRefused("damaged", f"The workbook has an empty list of {tag.decode()}.")
+        raise damaged(f"The workbook has an empty list of {tag.decode()}.")
     end = ends[-1]
     name = end[1] if prefix else b""
     return data[: end.start()] + b"<" + name + entry.encode() + data[end.start() :]

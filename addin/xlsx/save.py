@@ -252,7 +252,9 @@ def _put(temporary: Path, target: Path) -> None:
             f"{target.name} could not be replaced; it is probably open in Excel. Close it there and run again."
         ) from problem
     except OSError as problem:
-        raise SaveRefused(f"{target.name} could not be replaced ({problem.strerror}).") from problem
+        raise SaveRefused(
+            f"{target.name} could not be replaced ({problem.strerror}). Name another file."
+        ) from problem
     flush_folder(target.parent)
 
 

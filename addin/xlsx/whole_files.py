@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import json
 import os
+import stat
 import tempfile
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -26,18 +27,29 @@ def write_whole(path: Path, write: Callable[[Path], object]) -> None:
     OSError
         If it cannot be written; one that was there is as before.
     """
+    mode = _mode_of(path)
     handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=path.suffix)
     os.close(handle)
     try:
         write(Path(name))
-        # mkstemp makes the file private; give it the mode any other new file would get
-        mask = os.umask(0)
-        os.umask(mask)
-        os.chmod(name, 0o666 & ~mask)
+        os.chmod(name, mode)
         os.replace(name, path)
     except BaseException:
         Path(name).unlink(missing_ok=True)
         raise
+
+
+def _mode_of(path: Path) -> int:
+    """The mode of the file that is replaced, or the one that any other new file would get."""
+    if not path.exists():
+        mask = os.umask(0)
+        os.umask(mask)
+        return 0o666 & ~mask
+    if not path.is_file():  # a device or a pipe: a file would take its place
+        raise OSError(errno.EINVAL, "is no ordinary file", str(path))
+    if not os.access(path, os.W_OK):
+        raise PermissionError(errno.EACCES, "is write-protected", str(path))
+    return stat.S_IMODE(path.stat().st_mode)
 
 
 def write_json(path: Path, content: Mapping[str, Any]) -> None:

@@ -1,5 +1,7 @@
 """Starts in which gear teeth separate, and other events. All values in SI.
 
+The force law of a clearance is in `engine.stepping.contact_loop`.
+
 ====================  ============================================================================
 module                responsibility
 ====================  ============================================================================

@@ -88,15 +88,15 @@ def _missing_for_stress(case: CaseData, what: str) -> str:
 
 def _start(case: CaseData) -> Iterator[str]:
     """The start, reversals and the number of starts."""
-    if not case.motor_torque:
+    if not case.motor_torque and not case.torque_time:
         yield (
-            "No start: table MotorTorque is empty, so there are no start-up peaks, no torque reversals and "
-            "no allowable starts."
+            "No start: tables MotorTorque and TorqueTime are empty, so there are no start-up peaks, "
+            "no torque reversals and no allowable starts."
         )
         return
     meshes = [row for row in case.elements if row.kind == ElementKind.GEAR_MESH]
-    if meshes and not any(row.reversal_limit for row in case.elements):
-        yield "No verdict on torque reversals: no element has a Reversal limit."
+    if meshes and not any(row.reversal_limit is not None for row in case.elements):
+        yield "No verdict on a torque reversal: no element has a Reversal limit."
     if missing := _missing_for_stress(case, "S-N"):
         yield f"No allowable starts: {missing}."
     elif case.starts_required is None:

@@ -149,9 +149,9 @@ def _notes(
     name, peak = shaft.element, shaft.peak_nominal_stress
     if not shaft.counted:
         notes.append(
-            f"{name}: no cycle exceeds an amplitude of {in_megapascals(shaft.largest_amplitude)}, which "
-            f"is not above the endurance limit {in_megapascals(curve.endurance)}: there is no "
-            "damage, and no cycle is counted."
+            f"{name}: the largest amplitude of a cycle, {in_megapascals(shaft.largest_amplitude)}, is at "
+            f"or below the endurance limit of {in_megapascals(curve.endurance)}: there is no damage, "
+            "and no cycle is counted."
         )
     if shaft.above_first_point:
         notes.append(

@@ -175,8 +175,9 @@ def _notes(frequency: Floats, equal: list[list[int]], near: list[list[int]]) -> 
     for group in near:
         apart = float(frequency[group[-1]] / frequency[group[0]] - 1.0)
         yield (
-            f"Modes {_listed(group)} lie {100.0 * apart:.2g} % apart and exchange their shapes "
-            "within small changes: their derivatives hold only for changes well below that."
+            f"Modes {_listed(group)} lie {100.0 * apart:.2g} % apart: a small change of a "
+            "stiffness or inertia exchanges their shapes. Their derivatives hold only for changes "
+            "that shift a frequency by much less than this distance."
         )
 
 

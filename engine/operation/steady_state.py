@@ -394,8 +394,8 @@ def steady_state(
     silent = [x.name for x in excitations if not places[x.name]]
     if silent:
         warnings.append(
-            f"No forced response to {', '.join(silent)}: its torque is unknown. "
-            "Give its Torque in table Excitations, or RatedTorque."
+            f"No forced response to {', '.join(silent)}: torque unknown. "
+            "Give Torque in table Excitations, or RatedTorque."
         )
     poles = _pole_frequencies(modal)
     tasks: list[tuple[Excitation, int | None, Floats]] = []

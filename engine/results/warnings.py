@@ -154,8 +154,9 @@ def _run_warnings(start: Start, settled: bool) -> Iterator[str]:
     if start.uncoupled_dampers:
         names = ", ".join(f"'{name}'" for name in start.uncoupled_dampers)
         yield (
-            f"The dampers {names} are so strong for their inertias that the start neglects their "
-            "coupling of modes. Check their damping."
+            f"Damping of {names} is so high for the inertias it acts on that the start would need "
+            "far too short time steps: the start neglects the coupling of modes by it. Check the "
+            "damping."
         )
     if start.sensitivity is not None and start.sensitivity.sensitive:
         yield (

@@ -128,6 +128,8 @@ def _reversal(
     verdict, sentence = _verdict(element, minimum, hysteresis, contact)
     if len(began):
         sentence += f" ({_numbers(len(began), float(began[0]), float(lasted.max()), slip)})"
+    if verdict == Judgement.NOT_JUDGED:
+        sentence += "; Reversal limit is blank"
     return Reversal(
         element=str(element.element),
         kind=str(element.kind),
@@ -166,7 +168,7 @@ def _verdict(
     if element.reversal_limit is not None:
         return (Judgement.PASS if minimum >= -element.reversal_limit else Judgement.FAIL), sentence
     if reverses or parts:
-        return Judgement.NOT_JUDGED, f"{sentence}; Reversal limit is blank"
+        return Judgement.NOT_JUDGED, sentence
     return Judgement.PASS, sentence
 
 
@@ -174,7 +176,11 @@ def _numbers(count: int, first: float, longest: float, slip: float | None) -> st
     """Count, time and slip frequency in words."""
     sentence = f"{count} reversal{'s' if count > 1 else ''} from {first:.3f} s on, "
     sentence += f"the longest {1e3 * longest:.3g} ms"
-    return sentence if slip is None else f"{sentence}, deepest at 2 × slip {slip:.3g} Hz"
+    return (
+        sentence
+        if slip is None
+        else f"{sentence}, deepest at a 2 × slip frequency of {slip:.3g} Hz"
+    )
 
 
 def _slip_frequency(case: CaseData, start: Start, time: float) -> float | None:

@@ -67,6 +67,7 @@ def peak(out: dict[str, Any], element: str) -> float:
     return next(r["maximum_torque"] for r in out["startup_peaks"] if r["element"] == element)
 
 
+@pytest.mark.first_ones(1)
 @pytest.mark.parametrize("inertia", [1e-6, 1e-7, 1e-9])
 def test_load_on_a_very_light_station_is_not_lost(tmp_path: Path, inertia: float) -> None:
     """The shaft must carry the load whatever the station weighs: 55.8 N m, as with 1e-5 kg m²."""

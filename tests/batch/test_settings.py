@@ -145,6 +145,7 @@ def test_an_input_with_errors_gets_them_in_place_of_its_results(few, tmp_path, c
     assert len(list(there.glob("twin*"))) == 2
 
 
+@pytest.mark.slow
 def test_a_json_of_an_earlier_run_elsewhere_does_not_stand_for_an_input_that_turned_bad(
     few, tmp_path
 ):

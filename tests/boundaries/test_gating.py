@@ -152,6 +152,7 @@ def test_soffice_renders_pages(soffice, tmp_path):
     assert pages[0].stat().st_size > 500
 
 
+@pytest.mark.slow
 def test_soffice_says_when_it_made_nothing(soffice, tmp_path):
     broken = tmp_path / "broken.xlsx"
     broken.write_bytes(b"PK\x03\x04 not a workbook")

@@ -8,6 +8,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).resolve().parents[2]
 SCRIPT = """
 import numpy as np
@@ -33,6 +35,7 @@ def _run(folder: Path, home: Path) -> list[str]:
     return done.stdout.split(maxsplit=1)
 
 
+@pytest.mark.slow
 def test_a_package_that_cannot_be_written_uses_the_cache_of_the_user(tmp_path):
     package = tmp_path / "site"
     shutil.copytree(

@@ -9,10 +9,16 @@ import pytest
 
 from addin.contract.field import IncompleteRecord, complete, number, sentence, table
 from addin.contract.records import find_records
-from addin.contract.studies.registry import STUDIES
+from addin.contract.sheet import ChartAt
+from addin.contract.studies.registry import EVERY_CHART, STUDIES
 from addin.contract.study_spec import StudySpec
 from addin.contract.tables import RESULT_TABLES
 from addin.contract.tables import table as table_of
+from addin.reference.record_checks import check_chart, check_records, check_sheets, check_traces
+from addin.studies.registry import study_of, study_of_command
+from addin.studies.run_study import check_tables
+from addin.studies.study import StudyResult
+from addin.worksheet import registry
 
 ROOT = Path(__file__).resolve().parents[2]
 WHERE = "addin/contract/result_tables.py"
@@ -98,6 +104,11 @@ def test_rows_of_the_engine_have_the_keys_of_the_columns():
     tables = result_tables(run(sample_case("proposed")))
     for spec in RESULT_TABLES:
         known = {field.key for field in (*spec.columns, *spec.json_only)}
+        rows = tables.get(spec.name, ())
+        lacking = {field.key for field in spec.columns} - set().union(*rows)
+        assert not lacking or not rows, (
+            f"rows of {spec.name} in engine/results/tables.py: {lacking}"
+        )
         for row in tables.get(spec.name, ()):
             extra = {key for key in row if key not in known}
             if spec.repeated is not None:
@@ -105,3 +116,63 @@ def test_rows_of_the_engine_have_the_keys_of_the_columns():
             assert not extra, (spec.name, extra)
             if not spec.json_only and spec.repeated is None:
                 assert {field.key for field in spec.columns} <= set(row), spec.name
+
+
+def told_by(check, *arguments):
+    with pytest.raises(IncompleteRecord) as refused:
+        check(*arguments)
+    return str(refused.value)
+
+
+def test_what_a_record_names_is_there():
+    """A trace, a chart, a colour, a cell and an input table that no record describes are named."""
+    check_records()
+    peaks = table_of("StartupPeaks")
+    first = peaks.columns[0]
+    lost = replace(first, trace=replace(first.trace, of_row=("StartupPeaks.Middle",)))
+    assert told_by(check_traces, [replace(peaks, columns=(lost, *peaks.columns[1:]))]).startswith(
+        f"column {first.name} of table StartupPeaks is traced to StartupPeaks.Middle, which is no"
+    )
+    torque = EVERY_CHART["torque"]
+    series = torque.series[0]
+    columns = {series.table: {name for s in torque.series for name in (s.x, s.y)}}
+    assert f"chart torque draws column Middle of table {series.table}" in told_by(
+        check_chart, replace(torque, series=(replace(series, y="Middle"),)), columns
+    )
+    assert "chart torque has the unknown colour 'navvy': choose one of navy" in told_by(
+        check_chart, replace(torque, series=(replace(series, colour="navvy"),)), columns
+    )
+    sheet = STUDIES[0].sheets[0]
+    name = next(iter(sheet.tables))
+    assert told_by(check_sheets, [replace(sheet, tables={name: "foo"})]) == (
+        f"{name} is placed at 'foo' of sheet {sheet.name}: give a cell such as B12"
+    )
+    chart = ChartAt("nothing", "B3", 100, 100)
+    assert f"sheet {sheet.name} shows the chart nothing" in told_by(
+        check_sheets, [replace(sheet, charts=(chart,))]
+    )
+
+
+def test_a_study_without_a_calculation_and_two_functions_of_one_name_are_named():
+    spec = replace(STUDIES[0], key="nowhere")
+    assert told_by(study_of, spec) == (
+        "study nowhere has no calculation: add a Study in addin/studies/nowhere.py"
+    )
+    assert told_by(study_of_command, "nowhere").startswith("command nowhere has no calculation")
+    again = registry.FUNCTIONS["TV_MODE"].answer
+    assert told_by(registry.registered("TV_MODE"), again).startswith(
+        f"two functions are called TV_MODE, {again.__name__} and {again.__name__}: rename one"
+    )
+
+
+def test_a_study_gives_the_tables_of_its_record():
+    study = study_of(STUDIES[0])
+    lacking = StudyResult(None, {}, "", "")
+    assert told_by(check_tables, study, lacking).startswith(
+        f"study {study.spec.key} does not give the table "
+    )
+    tables = {spec.name: [] for spec in study.spec.results}
+    check_tables(study, replace(lacking, tables=tables))
+    assert "gives the table Foo, which its record does not describe" in told_by(
+        check_tables, study, replace(lacking, tables=tables | {"Foo": []})
+    )

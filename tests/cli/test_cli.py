@@ -227,7 +227,7 @@ def test_check_says_what_an_almost_empty_workbook_cannot_answer(tmp_path):
     first, *more = done.stdout.splitlines()[-2:]
     assert first == "x.xlsx: no errors."
     assert "No separation margins and no forced response" in more[0]
-    assert "No start: table MotorTorque is empty" in more[0]
+    assert "No start: tables MotorTorque and TorqueTime are empty" in more[0]
     whole = torsionbook("new", "y.xlsx", "--example", "proposed", cwd=tmp_path)
     whole = torsionbook("check", "y.xlsx", cwd=tmp_path)
     assert "No start" not in whole.stdout
@@ -323,7 +323,7 @@ def test_json_holds_energy_shares_and_nodes_of_every_mode(example):
     assert "damped_eigenvalues" not in results  # proportional damping
 
 
-@pytest.mark.slow
+@pytest.mark.first_ones(1)
 @pytest.mark.parametrize("kind", ["npz", "parquet"])
 def test_the_full_history_is_written_beside_the_results_on_request(example, tmp_path, kind):
     done = torsionbook("export", example / "train.xlsx", "case.json", cwd=tmp_path)

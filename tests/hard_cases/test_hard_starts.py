@@ -42,6 +42,7 @@ def _marks(name: str, slow: tuple[str, ...]) -> list[pytest.MarkDecorator]:
     return [pytest.mark.slow] if name in slow else []
 
 
+@pytest.mark.first_ones(4)
 @pytest.mark.parametrize("name", [pytest.param(name, marks=_marks(name, SLOW)) for name in STARTS])
 def test_peaks_are_within_the_tolerance_and_the_reported_error(name: str) -> None:
     hard = STARTS[name]

@@ -84,6 +84,7 @@ def test_errors_are_texts(answering):
     assert "not in the memory of this session" in told
 
 
+@pytest.mark.slow
 def test_a_process_that_died_is_started_anew(answering):
     component = answering
     functions = component.Functions(None)
@@ -95,6 +96,7 @@ def test_a_process_that_died_is_started_anew(answering):
     assert component.Functions.worker.process.pid != dead.pid
 
 
+@pytest.mark.slow
 def test_the_process_does_not_inherit_libreoffices_python(load, monkeypatch, tmp_path):
     monkeypatch.setenv("PYTHONHOME", str(tmp_path))
     monkeypatch.setenv("PYTHONPATH", str(tmp_path))

@@ -119,6 +119,7 @@ def test_it_shows_what_the_registry_says_of_the_same_inputs(calculated, shipped)
         )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_the_values_it_is_shipped_with_are_those_a_program_calculates(calculated, shipped):
     """Cell by cell; XlsxWriter writes 16 digits of a number."""
     numbers = 0

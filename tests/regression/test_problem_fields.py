@@ -44,6 +44,7 @@ def test_a_bad_case_has_the_recorded_problems(kind: str, tmp_path: Path) -> None
     assert differences(kind, tmp_path) == []
 
 
+@pytest.mark.first_ones(1)
 @pytest.mark.parametrize("first", range(4))
 def test_a_bad_workbook_has_the_recorded_problems(first: int, tmp_path: Path) -> None:
     assert differences("workbook", tmp_path, first, 4) == []

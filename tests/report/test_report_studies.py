@@ -44,6 +44,20 @@ def pictures(path: Path) -> int:
     return len(docx.Document(str(path)).inline_shapes)
 
 
+def test_each_study_has_its_chapter_with_numbers_of_its_sheet(
+    book: Path, tmp_path: Path, undrawn: None
+) -> None:
+    assert report(book, docx=tmp_path / "a.docx").problems == ()
+    text = docx_text(tmp_path / "a.docx")
+    for heading in (
+        "Tuning: all combinations", "Tolerances", "Start matrix and damage ledger",
+        "Calibration against measurements",
+    ):  # fmt: skip
+        assert heading in text
+    best, p50 = cells(book, "TuningResults")[0], cells(book, "ToleranceFrequencies")[0]["P50"]
+    assert {f"{int(best['Allowable starts']):,}", f"{p50:.2f}"} <= set(text.split())
+
+
 @pytest.mark.slow
 def test_studies_of_these_inputs_are_printed_as_they_stand(book: Path, tmp_path: Path) -> None:
     done = report(book, pdf=tmp_path / "a.pdf", docx=tmp_path / "a.docx")

@@ -124,6 +124,18 @@ def test_changes_since_an_earlier_revision(tmp_path):
         assert "No other design is compared here" not in text
 
 
+def test_an_earlier_revision_is_compared_in_words_and_tables(tmp_path, undrawn):
+    """The stiffnesses and frequencies of the paper's two systems, in one form of the report."""
+    report(MODIFIED, docx=tmp_path / "a.docx", against=PROPOSED)
+    old, new = stiffnesses(PROPOSED), stiffnesses(MODIFIED)
+    tables = docx.Document(str(tmp_path / "a.docx")).tables
+    lines = [[c.text for c in row.cells] for t in tables for row in t.rows]
+    listed = {line[1] for line in lines if line[0] == "Elements" and line[2] == "Stiffness"}
+    assert listed == {name for name in old if old[name] != new[name]}
+    assert ["mode 1", "Frequency", "Hz", "30.00", "21.00", "−30 %"] in lines
+    assert "3 inputs differ" in docx_text(tmp_path / "a.docx")
+
+
 @pytest.mark.slow
 def test_the_same_train_shows_no_change(tmp_path):
     shutil.copy(PROPOSED, tmp_path / "old.xlsx")
@@ -178,7 +190,7 @@ def test_conditions_tolerances_and_conclusions(tmp_path):
     assert ["K", "5.00"] in lines
 
 
-def test_a_makers_vibratory_limit_stands_beside_the_torque(tmp_path):
+def test_a_makers_vibratory_limit_stands_beside_the_torque(tmp_path, undrawn):
     element = CASE["elements"][0] | {"vibratory_limit": "0.4 kN*m"}
     case = CASE | {
         "elements": [element],
@@ -189,7 +201,7 @@ def test_a_makers_vibratory_limit_stands_beside_the_torque(tmp_path):
     assert report(tmp_path / "case.json", docx=tmp_path / "a.docx").problems == ()
     text = docx_text(tmp_path / "a.docx")
     assert (
-        "The zero-to-peak torque of 1 of all these elements is compared with the maker's vibratory limit"
+        "Elements whose zero-to-peak torque is compared with the maker's vibratory limit: 1."
         in text
     )
     tables = docx.Document(str(tmp_path / "a.docx")).tables

@@ -2,34 +2,18 @@
 
 from __future__ import annotations
 
-import importlib.util
 import io
 import json
 import re
-import sys
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import pytest
+from script_modules import SCRIPTS, script_module
 
-SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
-
-
-def loaded(name: str) -> ModuleType:
-    """A script as a module."""
-    spec = importlib.util.spec_from_file_location(name, SCRIPTS / f"{name}.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[name] = module
-    spec.loader.exec_module(module)
-    return module
-
-
-trees, driver, cases = map(loaded, ("compare_trees", "compare_driver", "compare_cases"))
+trees, driver, cases = map(script_module, ("compare_trees", "compare_driver", "compare_cases"))
 
 RESULTS: dict[str, Any] = {
     "format": 1,

@@ -117,6 +117,7 @@ def test_every_function_shows_the_same_doubles(excel):
         assert doubles(shown["value"]) == doubles(here), name
 
 
+@pytest.mark.slow
 def test_a_thousand_cells_are_few_requests(excel):
     posts = []
     excel.on("request", lambda sent: posts.append(sent) if sent.method == "POST" else None)

@@ -5,7 +5,7 @@ import time
 
 import jsonschema
 import pytest
-from websockets.sync.client import connect
+from messages import stream_of, until_stage, until_the_end
 
 from addin.reading.case_json import case_to_json
 from addin.reference.json_schemas import study_schema
@@ -22,20 +22,6 @@ TABLES = {
 }  # fmt: skip
 CASE = case_to_json(sample_case("proposed")) | TABLES
 STUDIES = {study.command: study for study in every_study()}
-
-
-def stream_of(address):
-    return connect(address.replace("http", "ws") + "/api/v1/stream", max_size=None)
-
-
-def until_the_end(line, identity):
-    found = []
-    while True:
-        message = json.loads(line.recv(timeout=120))
-        if message.pop("id") == identity:
-            found.append(message)
-            if {"value", "error", "cancelled"} & set(message):
-                return found
 
 
 @pytest.mark.first_ones(1)
@@ -60,8 +46,7 @@ def test_a_study_that_is_cancelled_frees_its_process(served):
     with stream_of(served) as line:
         asked = {"study": "tolerances", "case": CASE, "settings": {"samples": 100_000}}
         line.send(json.dumps({"id": 1, **asked}))
-        while " runs" not in json.loads(line.recv(timeout=120)).get("stage", ""):
-            pass
+        until_stage(line, " runs")
         line.send(json.dumps({"id": 1, "cancel": True}))
         assert until_the_end(line, 1)[-1] == {"cancelled": True}
         # the one process of this server is free for the next
@@ -74,8 +59,7 @@ def test_a_client_that_leaves_gives_its_study_up(served):
     with stream_of(served) as line:
         asked = {"study": "tolerances", "case": CASE, "settings": {"samples": 100_000}}
         line.send(json.dumps({"id": 1, **asked}))
-        while " runs" not in json.loads(line.recv(timeout=120)).get("stage", ""):
-            pass
+        until_stage(line, " runs")
     time.sleep(0.2)
     with stream_of(served) as line:
         line.send(json.dumps({"id": 2, "study": "tune", "case": CASE}))

@@ -29,10 +29,12 @@ from addin.studies.starts import STARTS
 from addin.studies.study import Study
 from addin.studies.tolerances import TOLERANCES
 from addin.studies.tuning import TUNING
-from addin.workers.parallel_map import Cancelled, map_until_cancelled, pool_map, serial_map
+from addin.workers.opened_map import pool_map
+from addin.workers.parallel_map import Cancelled, map_until_cancelled, serial_map
 from addin.workers.stop import Stop
 from tests.batch.batch_helpers import Here
 from tests.dask_cluster import ROOT
+from tests.opened import rows_of
 from tests.sample_case import sample_case
 from tests.trains import geared
 
@@ -80,14 +82,6 @@ def studied(
     return done, found
 
 
-def rows_of(path: Path, table: str) -> list[dict[str, Any]]:
-    for sheet in openpyxl.load_workbook(path):
-        if table in sheet.tables:
-            head, *rows = [[c.value for c in row] for row in sheet[sheet.tables[table].ref]]
-            return [dict(zip(head, row, strict=True)) for row in rows]
-    raise KeyError(table)
-
-
 def said_in(path: Path, name: str) -> str:
     book = openpyxl.load_workbook(path)
     ((sheet, cell),) = book.defined_names[name].destinations
@@ -97,7 +91,7 @@ def said_in(path: Path, name: str) -> str:
 # --- tolerances -----------------------------------------------------------------------------------
 
 
-@pytest.mark.slow
+@pytest.mark.first_ones(1)
 @pytest.mark.parametrize("method", ["lhs", "sobol"])
 def test_a_part_of_a_sample_is_told_as_a_part(tmp_path: Path, method: str) -> None:
     source = workbook(tmp_path, sample_case("proposed"), scatter=SCATTER)
@@ -145,7 +139,6 @@ def test_too_few_samples_are_no_result(tmp_path: Path) -> None:
 # --- tune, starts ---------------------------------------------------------------------------------
 
 
-@pytest.mark.slow
 def test_combinations_that_were_not_reached_are_named(tmp_path: Path) -> None:
     row = {"element": "High-speed shaft", "quantity": "stiffness", "unit": "%", "from": 50, "to": 150,
            "steps": 21}  # fmt: skip

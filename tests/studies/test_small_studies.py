@@ -13,6 +13,7 @@ import pytest
 from addin.contract.tables import json_key
 from addin.diff.compare import compare_files
 from addin.report.make import report
+from addin.studies.registry import study_of_command
 from addin.verify.file import verify_file
 from addin.xlsx import open_workbook
 from addin.xlsx.references import cell_name
@@ -92,7 +93,7 @@ def test_the_starts_factor_is_in_the_probability_and_in_the_ledger(folder: Path)
 
 
 def test_another_duty_makes_the_start_matrix_out_of_date(
-    folder: Path, cells: dict[str, list[dict[str, Any]]], tmp_path: Path
+    folder: Path, cells: dict[str, list[dict[str, Any]]], tmp_path: Path, undrawn: None
 ) -> None:
     """Told by verify and diff, left out of the report; the other studies stand as they are."""
     book = folder / "train.xlsx"
@@ -125,3 +126,25 @@ def test_another_duty_makes_the_start_matrix_out_of_date(
     after = cells["CalibratedFrequencies"][0]["After"]
     assert f"{after:.2f}" in text
     assert f"{cells['DamageLedger'][0]['Used']:.4g}" not in text
+
+
+#: Columns that the studies of this train leave blank.
+BLANK = {
+    "TuningResults": {"impacts", "note"},
+    "StartsByVoltage": {"unloaded_stress", "unloaded_starts"},
+    "StartMatrix": {"damping_ratio", "trip_speed", "impacts"},
+    "CalibratedParameters": {"inertia", "calibrated_inertia"},
+}
+
+
+@pytest.mark.parametrize("command", ["tune", "tolerances", "starts", "calibrate"])
+def test_every_column_of_a_study_has_values(folder: Path, command: str) -> None:
+    """A column of the record that no row delivers would stay blank without a word."""
+    spec = study_of_command(command).spec
+    content = json.loads((folder / f"{command}.json").read_text(encoding="utf-8"))
+    for table in spec.results:
+        if rows := content.get(table.key):
+            lacking = {field.key for field in table.columns} - set().union(*rows)
+            assert lacking == BLANK.get(table.name, set()), (
+                f"rows of table {table.name}, made in addin/studies/{spec.key}.py: {lacking}"
+            )

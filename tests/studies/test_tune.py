@@ -132,7 +132,10 @@ def test_maps_and_charts_follow_the_study(folder: Path) -> None:
     path = folder / "train.tune.xlsx"
     (axes,) = rows_of(path, "TuningAxes")
     assert axes["First variable"] == f"{HIGH} stiffness, % of the unchanged case"
-    assert axes["Second variable"] == f"Load inertia; with the best {LOW}"
+    assert (
+        axes["Second variable"]
+        == f"Load inertia; for each pair of values with the best choice of {LOW}"
+    )
     assert [axes[f"Line {k}"] for k in (1, 2, 3, 4)] == ["3 kg m²", "4 kg m²", "5 kg m²", "–"]
     starts, margins = rows_of(path, "TuningStarts"), rows_of(path, "TuningMargins")
     assert [row["Of as is"] for row in starts] == pytest.approx([50.0, 80.0, 100.0])
@@ -186,7 +189,7 @@ def test_formulas_of_a_workbook_with_studies_keep_their_values(
     assert "without a value" not in done.output
     cells = openpyxl.load_workbook(book, data_only=True)
     assert str(cells["Summary"]["B9"].value).startswith("FAIL: 1 of")
-    assert str(cells["Tuning results"]["B4"].value).startswith("10 combinations were calculated")
+    assert str(cells["Tuning results"]["B4"].value).startswith("10 combinations were tried")
 
 
 def test_ready_cases_give_what_their_row_says(content: dict[str, Any], folder: Path) -> None:

@@ -189,6 +189,7 @@ FIELD: dict[str, Any] = {
 }
 
 
+@pytest.mark.first_ones(1)
 @pytest.mark.first_ones(2)
 @pytest.mark.parametrize(
     ("inertias", "angle"),
@@ -274,6 +275,9 @@ def _compare(case: Case, found: Start, field_time: float, truth: Any, mean: Any)
     speed = np.array([mean(y) for y in states])
     got = np.interp(grid, found.trajectory.time, found.trajectory.mean_speed)
     assert np.max(np.abs(got - speed)) < 3e-5 * SYNCHRONOUS
+    assert found.load_angle is not None
+    lags = np.interp(grid, found.trajectory.time, found.load_angle)
+    assert np.max(np.abs(lags - [y[-1] for y in states])) < 0.02
     fine = np.linspace(field_time, found.outcome.time - 1e-6, 40_001)
     lag = truth(fine)[-1]
     well = np.floor((lag + math.pi) / (2.0 * math.pi))

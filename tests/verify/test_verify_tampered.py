@@ -34,7 +34,6 @@ def failing(found: Verification) -> list[Finding]:
     return [finding for finding in found.findings if finding.fails]
 
 
-@pytest.mark.first_ones(1)
 @pytest.mark.parametrize("table", ["AllowableStarts", "StartCycles"])
 def test_a_result_table_that_became_a_range_is_missed(tampered, table):
     found = tampered(lambda package: package.table_to_range(table))

@@ -225,7 +225,7 @@ def _reversals() -> list[dict[str, Any]]:
         "recontact_speed_angular": 0.234,
         "model": "clearance",
         "note": "Mesh: torque reverses; no Reversal limit entered (15 reversals from 4.981 s on, "
-        "the longest 7.12 ms, deepest at 2 × slip 30.2 Hz)",
+        "the longest 7.12 ms, deepest at a 2 × slip frequency of 30.2 Hz)",
     }
     coupling = dict(mesh, element="LS coupling", minimum_torque=2100.0, reversals=0, impacts=None,
                     time_unloaded=0.0, recontact_speed=None, tooth_force=None, first_time=None,

@@ -62,6 +62,7 @@ def test_libreoffice_calculates_the_cached_values(
     assert compared >= 11 + count
 
 
+@pytest.mark.slow
 def test_libreoffice_fills_what_is_left_blank_of_data_tables(soffice: Any, tmp_path: Path) -> None:
     """And finds every other value as it stands: blank cells are those that it calculates otherwise than before."""
     book = open_workbook(whatif_workbook(tmp_path / "t.xlsx"))
@@ -73,6 +74,7 @@ def test_libreoffice_fills_what_is_left_blank_of_data_tables(soffice: Any, tmp_p
         assert ours[cell].value == (None if cell in VARIED | HANGING else value), cell
 
 
+@pytest.mark.slow
 def test_libreoffice_fills_what_is_left_blank_of_circles(soffice: Any, tmp_path: Path) -> None:
     book = open_workbook(circular_workbook(tmp_path / "t.xlsx"))
     book.set_cell("In", "A1", 30.0)

@@ -69,7 +69,7 @@ def _fit(
         number("Measured", dimension, "As typed.", "As typed", _METHOD, us=us, of_row=(value,)),
         number(
             "Uncertainty", "fraction", "Standard deviation divided by the measured value.",
-            "As typed; blank = 1 % and 5 %", _METHOD, of_row=(uncertainty,),
+            "As typed; blank = 1 % of a frequency, 5 % of a peak torque", _METHOD, of_row=(uncertainty,),
         ),
         number(
             "Before", dimension, "Calculated before calibration.", "Calculated from the case",

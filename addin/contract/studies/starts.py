@@ -71,7 +71,7 @@ _INPUTS: tuple[TableSpec, ...] = (
             ),
             number(
                 "Trip speed", "running speed",
-                "Speed at which it is aborted; % means of synchronous speed.", blank=_OF_CASE,
+                "Speed at which it is aborted; 100 % = synchronous speed.", blank=_OF_CASE,
                 us="%", si="%",
             ),
             number(

@@ -246,7 +246,7 @@ _RESULTS: tuple[TableSpec, ...] = (
             *_percentiles(_TORQUE, "torque", "Torque ", us="lbf*ft"),
             number(
                 "Nominal stress", "pressure", "Of the nominal run, without SCF.",
-                "16 T D / (π (D⁴ − d⁴)) of that torque", _SAMPLE, of_row=(_TORQUE,),
+                "16 T D / (π (D⁴ − d⁴)) of Nominal torque", _SAMPLE, of_row=(_TORQUE,),
             ),
             *_percentiles(_STRESS, "pressure", "Stress "),
         ),

@@ -43,6 +43,8 @@ from engine.case.study_inputs import TUNED
 LINES = 6
 #: Options of the first variable that they have rows for; of more, so many spread over the range.
 MAP_ROWS = 13
+#: What stands for the second variable where only one is varied.
+NO_VARIABLE = "none"
 #: Modes drawn against the first variable. [count]
 MAP_MODES = 5
 _PAGE = "docs/tuning.md"
@@ -126,8 +128,8 @@ _INPUTS: tuple[TableSpec, ...] = (
             number("Stiffness", "torsional stiffness", "Torsional stiffness."),
             number(
                 "Inertia", "inertia",
-                "Inertia of the whole coupling; half of it replaces half of the fitted coupling's at "
-                "each end. Type it for all couplings of an element, or for none.",
+                "Inertia of the whole coupling. At each end, half of it replaces half of the inertia "
+                "of the fitted coupling. Type it for all couplings of an element, or for none.",
             ),
             number("Damping", "torsional damping", "Viscous damping across it.", blank=_OF_CASE),
             number("Loss factor", "ratio", "Hysteretic loss factor.", blank=_OF_CASE),
@@ -382,12 +384,12 @@ _RESULTS: tuple[TableSpec, ...] = (
             ),
             text(
                 "Modes inside", "Modes of the unchanged case inside the band.",
-                "Modes whose margin from it is less than required", STEADY,
+                "Modes whose margin from the excitation is less than required", STEADY,
                 of_case=("SeparationMargins.Margin",),
             ),
             integer(
                 "Combinations clear", "Number of combinations without a mode in the band.",
-                "Combinations in which every mode keeps the margin from it", _PAGE, of_case=_ROWS,
+                "Combinations in which every mode keeps the margin from the excitation", _PAGE, of_case=_ROWS,
             ),
             integer(
                 "Combinations", "Combinations that were calculated.",

@@ -129,8 +129,8 @@ function show(view) {
   putTable("shapes", "ModeShapes", (tables.ModeShapes || []).map(row => row.slice(0, SHAPES + 1)), "No modes.");
   showCharts(view);
   putTable("peaks", "StartupPeaks", tables.StartupPeaks, wait);
-  putTable("reversals", "TorqueReversals", tables.TorqueReversals, view.complete ? "No gear mesh and no geared coupling." : wait);
-  putTable("starts", "AllowableStarts", tables.AllowableStarts, view.complete ? "No shaft is judged for fatigue: give Material, Stress diameter and S-N points." : wait);
+  putTable("reversals", "TorqueReversals", tables.TorqueReversals, view.complete ? "No start, or no gear mesh and no geared coupling." : wait);
+  putTable("starts", "AllowableStarts", tables.AllowableStarts, view.complete ? "No start, or no shaft is judged for fatigue: give Material, Stress diameter and S-N points." : wait);
   showMargins(tables.SeparationMargins);
   showSteady(tables.SteadyState);
   showNotes(view.warnings);
@@ -182,7 +182,7 @@ function showMargins(rows, all = false) {
 function showSteady([head, ...body]) {
   const verdict = head.indexOf("Verdict"), fails = row => (row[verdict] === "fail" ? 0 : 1);
   const judged = body.filter(row => row[verdict] !== "not judged").sort((a, b) => fails(a) - fails(b));
-  putTable("steady", "SteadyState", [head, ...judged], body.length ? "No element has a limit, so none is judged." : "Every margin is kept.");
+  putTable("steady", "SteadyState", [head, ...judged], body.length ? "No element is judged: none has a limit, or the loads are unknown." : "No forced response: no excitation has a known torque and frequency.");
   const left = body.length - judged.length;
   if (left && judged.length) at("steady").append(made("p", `${left} rows that are not judged are hidden here; a workbook with results lists them.`, "missing"));
 }
@@ -246,7 +246,7 @@ function placeOf(name, charts, wait) {
     const extras = charts.ChartInterference.Modes.length ? interferenceExtras(charts.ChartInterference) : {};
     return { id: name, missing: "No diagram: the case has no speed or no line frequency.", extras };
   }
-  if (name === "torque") return { id: name, missing: "No torque curves: the case has no start.", extras: { height: 340 } };
+  if (name === "torque") return { id: name, missing: "No torque curves: the case has no RatedTorque, or no torque against speed.", extras: { height: 340 } };
   if (name === "speed-time") return { id: "speed", missing: wait, extras: { height: 340 } };
   return { id: "histories", missing: "", extras: { height: 250 } };
 }

@@ -41,8 +41,8 @@ def tv_bands(tables: Mapping[str, Any]) -> Any:
     "TV_STEADY",
     "SteadyState",
     at_speed_tables,
-    "Every margin is kept, so no forced response is needed.",
+    "No forced response: no excitation has a known torque and frequency.",
 )
 def tv_steady(tables: Mapping[str, Any]) -> Any:
-    """Forced response where a margin is not kept: torque, stress and UTS/25."""
+    """Forced response at operating speeds, and at resonance where a margin is not kept."""
     return tables["SteadyState"]

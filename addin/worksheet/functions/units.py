@@ -66,7 +66,7 @@ def _meant(unit: str, others: Iterable[str]) -> str:
                 return f"; {wrong.hint}"
     usual = dict.fromkeys(u for d in fields.DIMENSIONS.values() for u in d.units)
     meant = nearest(unit, usual)
-    return f"; did you mean {meant}?" if meant else ""
+    return f"; perhaps {meant} is meant" if meant else ""
 
 
 def _named(dimension: str) -> str:

@@ -216,8 +216,8 @@ def _speed_range(case: CaseData) -> Iterator[Problem]:
             name,
             speed,
             allowed,
-            f"The range is {low:.6g} rad/s to {high:.6g} rad/s; where one of them is blank it is "
-            "the synchronous speed.",
+            f"MinimumSpeed is {low:.6g} rad/s, MaximumSpeed {high:.6g} rad/s; a blank one is the "
+            "synchronous speed. Correct one of them.",
             "rad/s",
             quote_quantity(low, "rad/s", (*SCALARS, "MinimumSpeed"))
             + quote_quantity(high, "rad/s", (*SCALARS, "MaximumSpeed")),

@@ -165,7 +165,7 @@ def check_excitations(case: CaseData) -> Iterator[Problem]:
                 "both" if x.order is not None else None,
                 "either an Order or a Frequency",
                 "an excitation needs either an Order (multiple of a shaft speed) or a "
-                "Frequency. Fill one of the two, not both.",
+                "Frequency. Fill exactly one of the two.",
             )
         yield from cells.numbers(x, EXCITATION_NUMBERS)
         yield from cells.number(x.torque_share, Limit("Torque", POSITIVE))

@@ -32,7 +32,7 @@ def finding(case: CaseData, e: Evidence, modelled: tuple[str, ...]) -> Finding:
 def _change_of_a_mode(number: float) -> str:
     """What the bearings do to a mode, from the number that decided."""
     if math.isinf(number):
-        return "Bearings damp an otherwise undamped mode"
+        return "Bearings damp an otherwise undamped mode (relative change unlimited)"
     if number == 1.0:
         return (
             "Bearings change a mode completely (100 %: it corresponds to no mode without bearings)"

@@ -261,7 +261,7 @@ def _event_study(
     if best.step < check.step:
         text += ". " + _checked(off)
     else:
-        text += f", or as close as a step of {best.step:.2g} s allows. "
+        text += f", as far as a step of {best.step:.2g} s allows. "
     text += papers + _timed(rounds)
     sentence = _sentence(case, rows, EVENTS, NEWMARK_LINEAR, " (without clearances and events)")
     felt = planned.start.sensitivity

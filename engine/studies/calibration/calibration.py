@@ -482,8 +482,8 @@ def _basis(
     if unknown:
         which = ", ".join(str(at[m].mode) for m in sorted(unknown))
         return False, (
-            f"{stays}: {'; '.join(reasons)}. Measure mode {which} to judge its margin by "
-            f"{MARGIN_BY_BASIS['measured']:.0%}."
+            f"{stays}: {'; '.join(reasons)}. A more accurate measurement is needed of mode {which} "
+            f"to apply the margin of {MARGIN_BY_BASIS['measured']:.0%}."
         )
     already = "is confirmed" if case.margin_basis == "measured" else "becomes measured"
     return True, (

@@ -150,7 +150,8 @@ def _trips(case: CaseData) -> tuple[list[tuple[float, float, str]], list[str]]:
         if speed > highest or acceleration == 0.0:
             notes.append(
                 f"No aborted start just past {name}: at full voltage the start ends at "
-                f"{highest / synchronous:.1%} speed, before {speed / synchronous:.1%}."
+                f"{highest / synchronous:.1%} speed, below the trip speed needed for it, "
+                f"{speed / synchronous:.1%}."
             )
         else:
             span = max(runup.acceleration_at(speed), 0.0) / f

@@ -439,7 +439,10 @@ def _sentences(
         )
     )
     if sample_size(asked, plan.settings.method) != asked:
-        yield f"{asked} samples were requested; a Sobol sequence is balanced only at {drawn}."
+        yield (
+            f"{asked} samples were requested; a Sobol sequence is balanced only at powers of two, so "
+            f"the number was raised to {drawn}."
+        )
     if missing > 0:
         yield _about_the_part(plan.settings.method, n, drawn)
     troubles = [t for e in evaluated for t in e.troubles]
@@ -545,7 +548,7 @@ def _step_sentence(
         torque, starts = np.max(sample.by_step[checked], axis=0)
         times = int(np.sum(checked))
         text += (
-            f"; half that step, checked on {times} of them, changes peak torques by at most "
+            f"; half that step, checked in {times} samples, changes peak torques by at most "
             f"{_percent(float(torque))}"
         )
         if counts_starts:

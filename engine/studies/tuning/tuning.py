@@ -152,9 +152,9 @@ def _sentence(rows: tuple[Ranked, ...], as_is: Ranked | None, planned: int) -> s
     """How many were tried, how many are better, and the best."""
     if not rows:
         return f"Stopped before the first of {planned:,} combinations."
-    sentence = f"{planned:,} combinations were calculated"
+    sentence = f"{planned:,} combinations were tried"
     if len(rows) < planned:
-        sentence = f"Stopped: {len(rows):,} of {planned:,} combinations were calculated"
+        sentence = f"Stopped: {len(rows):,} of {planned:,} combinations were tried"
     impossible = sum(r.tried.answers is None for r in rows)
     if impossible:
         sentence += f", {impossible:,} of them cannot be calculated"
@@ -162,7 +162,7 @@ def _sentence(rows: tuple[Ranked, ...], as_is: Ranked | None, planned: int) -> s
     n_kept = sum(r.tried.answers is not None and not r.tried.answers.broken for r in rows)
     sentence += f"; {n_kept:,} {'meets' if n_kept == 1 else 'meet'} all judged limits"
     if as_is is None:
-        return f"{sentence}. The unchanged case was not one of them."
+        return f"{sentence}. The study was stopped before the unchanged case."
     sentence += f", {better:,} {'is' if better == 1 else 'are'} better than the unchanged case (rank {as_is.rank:,})."
     if better and len(rows) < planned:  # short: what was not calculated may be better
         return f"{sentence} The best of them is {rows[0].combination}."

@@ -49,12 +49,12 @@ def test_margins_and_forced_response_are_missing_where_it_is_said(given):
     assert ("No natural frequencies" in said) == (not case.elements)
     assert ("o separation margins" in said) == (not tables["SeparationMargins"])
     assert ("o forced response" in said) == (not tables["SteadyState"])
-    assert "No start: table MotorTorque is empty" in said
+    assert "No start: tables MotorTorque and TorqueTime are empty" in said
 
 
 def test_a_complete_case_answers_everything():
     case = sample_case("modified", starts_required=100)
-    said = ("No verdict on torque reversals: no element has a Reversal limit.",)
+    said = ("No verdict on a torque reversal: no element has a Reversal limit.",)
     assert missing_inputs(case) == said
 
 
@@ -74,7 +74,7 @@ def test_what_a_start_needs_besides_the_motor():
             {"elements": bare},
             ("No stress judged", "No allowable starts: no element has a Stress diameter"),
         ),  # fmt: skip
-        ({"motor_torque": ()}, ("No start: table MotorTorque is empty",)),
+        ({"motor_torque": ()}, ("No start: tables MotorTorque and TorqueTime are empty",)),
     ):
         case = replace(whole, **({"elements": limited} | change))
         found = missing_inputs(case)

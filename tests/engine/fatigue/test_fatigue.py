@@ -435,6 +435,16 @@ def test_the_interval_is_of_the_least_starts():
     assert starts.starts_error == pytest.approx(1 - rough.starts_low / exact.allowable_starts)
 
 
+def test_the_upper_end_is_the_least_of_all_shafts_too():
+    """The governing shaft may last longer than it says; the one beside it ends sooner for sure."""
+    rough, exact = shaft("rough", 200, 20.0), shaft("exact", 199)
+    starts = allowable_starts([rough, exact])
+    assert starts.governing == "rough"
+    assert starts.starts_low == rough.starts_low
+    assert rough.starts_high > exact.starts_high
+    assert starts.starts_high == exact.starts_high
+
+
 def test_no_judged_shaft_is_not_unlimited():
     starts = allowable_starts([])
     assert (starts.governing, starts.starts, starts.unlimited) == (None, None, False)

@@ -558,6 +558,21 @@ def test_the_frequency_told_is_that_of_the_worst_torque():
         assert np.max(everywhere) <= r.torque * 1.01
 
 
+def test_the_frequency_is_that_of_the_worst_of_several_places():
+    """Shaken at the light disk a free pair twists J1/J2 times as much: 7 N m J1/(J1 + J2) / 2ζ."""
+    pair = two_disks(0.01)
+    case = replace(
+        pair,
+        stations=tuple(replace(s, running_load=100.0) for s in pair.stations),
+        excitations=(ExcitationRow("1x", order=1.0, torque=7.0),),
+    )
+    _, steady = run(case)
+    (row,) = (r for r in steady.rows if r.mode is None)
+    assert row.applied_at == "S1"
+    assert row.frequency == pytest.approx(50.0, rel=2e-4)
+    assert row.torque == pytest.approx(7.0 * 12.0 / 16.0 / 0.02, rel=1e-3)
+
+
 @pytest.mark.parametrize(
     ("limit", "allowable", "verdict"),
     [

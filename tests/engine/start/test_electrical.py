@@ -157,7 +157,7 @@ def simulated(
 @pytest.mark.parametrize("rise", [0.1, None])
 def test_full_torque_law_converges_at_fourth_order(polarity: float, rise: float | None) -> None:
     case = Case(**MACHINE | {"field_time_constant": rise})
-    speed, end = 0.955 * SYNCHRONOUS, 1.6
+    speed, end = 0.955 * SYNCHRONOUS, 0.8
     errors = []
     for h in (4e-3, 2e-3, 1e-3):
         times = h * np.arange(round(end / h) + 1)

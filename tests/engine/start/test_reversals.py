@@ -93,6 +93,16 @@ def test_two_dips_without_a_rise_above_zero_are_one_reversal(start):
     assert r.longest_reversal == pytest.approx(0.4 + 0.2 / 3.0 - 0.2 / 1.5, abs=1e-6)
 
 
+def test_the_sentence_names_the_longest_of_several_reversals(start):
+    """Straight lines through zero at 1/6 and 7/30 s, and at 0.4 and 0.6 s."""
+    t = np.linspace(0.0, 1.0, 6001)
+    torque = 1000.0 * np.interp(t, [0, 0.1, 0.2, 0.3, 0.5, 0.7, 1], [0, 1, -0.5, 1, -1, 1, 1])
+    r = mesh_reversal(CASE, with_torque(start, t, torque, np.gradient(torque, t)))
+    assert r.longest_reversal == pytest.approx(0.2, abs=1e-5)
+    assert r.time_unloaded == pytest.approx(0.2 + 1.0 / 15.0, abs=1e-5)
+    assert "(2 reversals from 0.167 s on, the longest 200 ms" in r.sentence
+
+
 def test_a_reversal_that_is_still_open_ends_with_the_run(start):
     t = np.linspace(0.0, 1.0, 1001)
     r = mesh_reversal(CASE, with_torque(start, t, 100.0 - 200.0 * t**2, -400.0 * t))

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.special import fresnel
 
 from engine.case.case import Case
 from engine.case.data import ElementRow, LoadTorqueRow, MotorTorqueRow, StationRow, TorqueTimeRow
@@ -83,6 +84,19 @@ def test_time_out() -> None:
     assert start.outcome.time == pytest.approx(1.0, abs=2e-3)
     assert start.outcome.sentence.startswith("Time out: ")
     assert "after 1.00" in start.outcome.sentence
+
+
+def test_the_speed_at_a_time_out_is_that_of_the_last_tenth() -> None:
+    """A constant torque: the mean over the last 0.1 s is what T/J gains in 0.95 s."""
+    case = geared(
+        maximum_time=1.0,
+        motor_torque=motor(curve=((0.0, 0.6, 0.0), (1.0, 0.6, 0.0))),
+        load_torque=(),
+    )
+    inertia = 50.0 + 20.0 + 9.0 * (1.0 + 4.0)
+    end = started(case).outcome
+    assert end.outcome == "time out"
+    assert end.end_speed == pytest.approx(0.95 * 0.6 * RATED / inertia, rel=2e-3)
 
 
 def test_maximum_time_is_no_reason_to_watch_a_stalled_train_for_an_hour() -> None:
@@ -402,6 +416,23 @@ def test_prescribed_torque_on_a_link_of_1e16_ends() -> None:
     assert shaft.error < shaft.maximum
 
 
+def test_the_time_of_a_peak_is_that_of_its_larger_magnitude() -> None:
+    """A step of −T on a free pair: its shaft swings farthest half a damped period later."""
+    zeta, f = 0.05, 25.0
+    k = (2.0 * math.pi * f) ** 2 * 50.0 * 40.0 / 90.0
+    case = geared(
+        stations=(StationRow("Motor", None, 50.0), StationRow("Load", None, 40.0)),
+        elements=(ElementRow("Shaft", "shaft", "Motor", "Load", k),),
+        damping_ratio=zeta,
+        motor_torque=(),
+        load_torque=(),
+        torque_time=(TorqueTimeRow("Motor", 0.0, -900.0), TorqueTimeRow("Motor", 0.3, -900.0)),
+    )
+    (peak,) = run_prescribed(case, prepared(case)).peaks
+    assert -peak.minimum > 700.0 > peak.maximum
+    assert peak.time == pytest.approx(0.5 / f / math.sqrt(1.0 - zeta**2), rel=1e-3)
+
+
 # --- modes at twice line frequency --------------------------------------------------------------------
 
 
@@ -434,6 +465,62 @@ def test_modes_near_twice_line_are_flagged(
     if frequency == 120.0:
         assert row.time == pytest.approx(0.0, abs=5e-3)
     assert row.peak_to_peak_torque is not None
+
+
+def beside_each_other() -> Case:
+    """Two shafts on one heavy motor: modes of 60 and 68 Hz, nearer than where a sweep builds up."""
+    near = (("Shaft", "Load", 4.0, 60.0), ("Stub", "Exciter", 12.0, 67.0))
+    return geared(
+        stations=(
+            StationRow("Motor", None, 300.0),
+            *(StationRow(station, None, inertia) for _, station, inertia, _ in near),
+        ),
+        elements=tuple(
+            ElementRow(name, "shaft", "Motor", station, inertia * (2.0 * math.pi * f) ** 2)
+            for name, station, inertia, f in near
+        ),
+        load_torque=load(),
+    )
+
+
+@pytest.mark.parametrize("case", [geared(), beside_each_other()], ids=["far apart", "near"])
+def test_each_crossing_tells_the_torques_while_the_pulsation_is_near_it(case: Case) -> None:
+    """From 1.1 f, or half-way to the next mode above, to half-way to the next below; worst by power."""
+    modal, start = prepared(case), started(case)
+    rows = crossings_of(case, modal, start)
+    f = [row.frequency for row in rows]
+    assert len(f) == 2
+    half_way = math.sqrt(f[0] * f[1])
+    spans = ((0.0, min(1.1 * f[0], half_way)), (half_way, 1.1 * f[1]))
+    ratio = {"High-speed shaft": 3.0}
+    for row, (lowest, highest) in zip(rows, spans, strict=True):
+        inside = {}
+        for e, (when, torque) in start.turning_of_element().items():
+            speed = np.interp(when, start.trajectory.time, start.trajectory.mean_speed)
+            pulsation = 120.0 * (1.0 - speed / SYNCHRONOUS)
+            inside[case.elements[e].element] = torque[
+                (pulsation >= lowest) & (pulsation <= highest)
+            ]
+        power = {name: ratio.get(str(name), 1.0) * np.ptp(t) for name, t in inside.items()}
+        assert row.governing_element == max(power, key=power.__getitem__)
+        assert row.peak_to_peak_torque == pytest.approx(np.ptp(inside[row.governing_element]))
+        if "Mesh" in inside:
+            assert row.mesh_minimum_torque == pytest.approx(inside["Mesh"].min())
+
+
+def test_a_crossing_names_what_a_sweep_can_build_up_at_most() -> None:
+    """Undamped and swept at constant rate: π f/√ḟ times the largest distance on Cornu's spiral, over √2."""
+    S, C = fresnel(np.linspace(0.5, 2.0, 150_001))
+    lewis = math.pi * float(np.max(np.hypot(C + 0.5, S + 0.5))) / math.sqrt(2.0)
+    case = geared()
+    rows = crossings_of(case, prepared(case), started(case))
+    assert len(rows) == 2
+    for row in rows:
+        assert row.sweep_rate is not None
+        limit = lewis * row.frequency / math.sqrt(row.sweep_rate)
+        assert f"Sweep of {row.sweep_rate:.1f} Hz/s" in row.note
+        assert f" {limit:.0f} × static" in row.note
+        assert f"steady resonance {0.5 / 0.01:.0f} ×" in row.note
 
 
 def test_a_mode_well_above_twice_line_has_no_row() -> None:

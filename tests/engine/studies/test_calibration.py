@@ -486,7 +486,7 @@ def test_basis_stays_calculated_while_a_deciding_mode_is_unknown(
     assert found.basis == "calculated"
     assert found.calibrated.margin_basis is None
     assert all(row["required"] == 0.20 for row in margin_rows(found))
-    assert "Measure mode 2" in found.basis_reason
+    assert "measurement is needed of mode 2" in found.basis_reason
 
 
 def test_high_modes_within_twenty_percent_of_an_excitation_are_shown() -> None:

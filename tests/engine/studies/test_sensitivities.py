@@ -145,7 +145,7 @@ def test_near_modes_are_named() -> None:
     train = build_train(case)
     got = frequency_derivatives(case, train, modes_of(train))
     assert got.clusters == ()
-    assert "exchange their shapes" in got.notes[0]
+    assert "exchanges their shapes" in got.notes[0]
     assert clusters(np.array([1.0, 2.0, 2.01, 2.02, 9.0]), 0.01) == [[1, 2, 3]]
 
 

@@ -106,6 +106,20 @@ def test_no_trip_beyond_the_speed_where_full_voltage_ends(case: Case) -> None:
     assert trips[0].trip_span == pytest.approx(0.0005 * SYNCHRONOUS)
 
 
+def test_no_instant_of_a_trip_past_a_crossing_is_beyond_the_end(case: Case) -> None:
+    """The end of the start is put inside the period in which that trip is tried."""
+    past = next(
+        c for c in plan_matrix(case, StudyInputs()).conditions if c.why.startswith("just past")
+    )
+    assert past.trip_speed is not None
+    end = past.trip_speed + 0.4 * past.trip_span
+    plan = plan_matrix(sample_case("proposed", end_speed=end), StudyInputs())
+    (cut,) = (c for c in plan.conditions if c.why == past.why)
+    assert cut.trip_speed == pytest.approx(past.trip_speed)
+    assert cut.trip_speed + cut.trip_span == pytest.approx(end)
+    assert max(c.trip_speed for c in cut.instants) < end
+
+
 def test_rows_stand_alone_unless_the_standard_is_asked_for(case: Case) -> None:
     row = StartConditionRow("100 % voltage, loaded", per_year=10.0)
     assert len(plan_matrix(case, asked(row)).conditions) == 1
@@ -382,6 +396,29 @@ def test_of_several_instants_the_worst_stands_in_the_row(case: Case) -> None:
     stalled = replace(rows[0], outcome="stalled", judged=False, allowable_starts=None)
     (found,) = gather_matrix(case, StudyInputs(), plan, [stalled, *rows[1:]]).rows
     assert not found.judged
+
+
+def test_the_worst_instant_is_that_of_most_damage_not_of_most_stress() -> None:
+    """Instant 2 damages nine times as much as instant 5, which has twice its stress and torque."""
+    condition = StartCondition("trip", trip_speed=100.0, trip_span=8.0, why="fixed speed")
+    plan = MatrixPlan((condition,), standard=True)
+
+    def row(one: StartCondition, damage: float, size: float) -> ConditionResult:
+        shaft = ConditionShaft(
+            "A", 1e8 * size, damage, damage, damage, 1.0 / damage, False, True, False
+        )
+        return ConditionResult(
+            one, "tripped", "tripped", peak_torque=1e3 * size, peak_to_peak_stress=1e8 * size,
+            shafts=(shaft,), governing="A", allowable_starts=1.0 / damage, judged=True,
+        )  # fmt: skip
+
+    answers = {2: (9e-4, 1.0), 5: (1e-4, 2.0)}
+    rows = [row(one, *answers.get(k, (1e-5, 0.5))) for k, one in enumerate(condition.instants)]
+    (found,) = gather_matrix(sample_case("proposed"), StudyInputs(), plan, rows).rows
+    assert found.allowable_starts == pytest.approx(1.0 / 9e-4)
+    assert [s.damage for s in found.shafts] == [9e-4]
+    assert [s.allowable_starts for s in found.shafts] == pytest.approx([1.0 / 9e-4])
+    assert (found.peak_to_peak_stress, found.peak_torque) == (2e8, 2e3)
 
 
 @pytest.mark.slow

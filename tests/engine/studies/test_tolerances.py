@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from engine.case.case import Case
-from engine.case.data import CaseData, MeshRow
+from engine.case.data import CaseData, ElementRow, MeshRow, StationRow, TorqueTimeRow
 from engine.case.study_inputs import ScatterRow
 from engine.errors import CaseError
 from engine.numerics.sample_statistics import percentile_interval
@@ -119,6 +119,34 @@ def test_peaks_are_those_of_the_plain_run_whatever_their_sign(case: Case, nomina
         assert stress is not None
         assert stress.nominal == pytest.approx(by_hand, rel=1e-12)
         assert [q.value for q in stress.percentiles] == pytest.approx([by_hand] * 3, rel=2e-3)
+
+
+def test_a_peak_below_zero_is_a_peak_in_every_sample() -> None:
+    """A step of −T on the middle of three disks: both shafts swing to 2 T J/(2 J + J0), one below zero."""
+    J, middle, T = 4.0, 2.0, 600.0
+    diameter = (0.10, 0.08)
+    names = ("left", "middle", "right")
+    still = Case(
+        stations=tuple(StationRow(n, None, middle if n == "middle" else J) for n in names),
+        elements=tuple(
+            ElementRow(f"{a} shaft", "shaft", a, b, 1e5, stress_diameter=d)
+            for a, b, d in zip(names, names[1:], diameter, strict=False)
+        ),
+        torque_time=(TorqueTimeRow("middle", 0.0, -T), TorqueTimeRow("middle", 0.2, -T)),
+    )
+    got = tolerances(still, [ScatterRow(quantity="stiffness", spread=0.0)], ToleranceSettings(30))
+    largest = 2.0 * T * J / (2.0 * J + middle)
+    stress = [16.0 * largest / (math.pi * d**3) for d in diameter]
+    for i, e in enumerate(still.elements):
+        for quantity, by_hand in (("peak torque", largest), ("peak stress", stress[i])):
+            row = percentile(got, quantity, str(e.element))
+            assert row is not None
+            numbers = [row.nominal, *(p.value for p in row.percentiles)]
+            assert numbers == pytest.approx([by_hand] * 4, rel=2e-3)
+    # the drivers are those of the thinner shaft
+    assert got.driven == "peak stress"
+    ends = [end for d in got.drivers for end in (d.at_low, d.at_high)]
+    assert ends == pytest.approx([stress[1]] * 4, rel=2e-3)
 
 
 # --- the sample -----------------------------------------------------------------------------------
@@ -313,7 +341,9 @@ def test_starts_that_stall_are_in_no_percentile_and_meet_no_demand(
     enough = next(p for p in got.probabilities if p.check == "starts")
     assert enough.samples == 40
     assert enough.probability == pytest.approx(float(np.sum(got.starts >= 400.0)) / 40)
-    assert any("were not completed" in s and "stalled" in s for s in got.sentences)
+    (words,) = (s for s in got.sentences if "were not completed" in s)
+    assert words.startswith(f"{40 - row.samples} of 40 starts were not completed")
+    assert "stalled" in words
 
 
 def test_every_run_of_a_sample_is_in_the_counts_of_its_outcomes(
@@ -540,5 +570,5 @@ def test_one_in_fifty_starts_is_calculated_at_half_the_step_however_the_work_is_
     assert rows == [0, 50]
     (said,) = (s for s in summarise_sample(plan, parts).sentences if "half that step" in s)
     worst = float(np.max(whole.by_step[:, 0]))
-    assert "checked on 2 of them" in said
+    assert "checked in 2 samples" in said
     assert 0.0 < worst < 0.01

@@ -264,7 +264,7 @@ def test_impacts_of_teeth_are_counted_where_a_clearance_is_modelled() -> None:
 def test_a_stopped_study_says_so_and_keeps_what_it_has() -> None:
     found = tune(CASE, STUDIES, first=2)
     assert (len(found.rows), found.planned) == (2, 6)
-    assert found.sentence.startswith("Stopped: 2 of 6 combinations were calculated")
+    assert found.sentence.startswith("Stopped: 2 of 6 combinations were tried")
     assert sum(row["rank"] is None for row in map_rows(found)) == 4
     nothing = tune(CASE, STUDIES, first=0)
     assert nothing.rows == ()

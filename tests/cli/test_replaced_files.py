@@ -1,0 +1,68 @@
+"""No command writes a JSON, or a comparison, over a workbook that is not its own."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.command_line import ROOT, torsionbook
+
+PROPOSED = ROOT / "templates" / "example_proposed.xlsx"
+MODIFIED = ROOT / "templates" / "example_modified.xlsx"
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("export", "a.xlsx", "a.xlsx"),
+        ("export", "a.xlsx", "b.xlsx"),
+        ("recalc", "a.xlsx", "--json", "b.xlsx"),
+        ("verify", "a.xlsx", "--json", "b.xlsx"),
+        ("diff", "a.xlsx", "c.xlsx", "--json", "b.xlsx"),
+        ("diff", "a.xlsx", "c.xlsx", "--xlsx", "b.xlsx"),
+        ("accuracy", "a.xlsx", "--json", "b.xlsx"),
+        ("calibrate", "a.xlsx", "--case", "b.xlsx"),
+    ],
+)
+def test_a_workbook_is_never_replaced(tmp_path: Path, words: tuple[str, ...]) -> None:
+    for name in ("a.xlsx", "b.xlsx"):
+        shutil.copy(PROPOSED, tmp_path / name)
+    shutil.copy(MODIFIED, tmp_path / "c.xlsx")
+    done = torsionbook(*words, cwd=tmp_path)
+    assert done.returncode == 2
+    assert words[-1] in " ".join(done.stderr.split())
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.xlsx", "b.xlsx", "c.xlsx"]
+    for name in ("a.xlsx", "b.xlsx"):
+        assert (tmp_path / name).read_bytes() == PROPOSED.read_bytes()
+
+
+@pytest.mark.parametrize("name", ["mine.ods", "mine.json", "mine.txt"])
+def test_a_workbook_is_known_by_its_content(tmp_path: Path, name: str) -> None:
+    shutil.copy(PROPOSED, tmp_path / name)
+    done = torsionbook("export", MODIFIED, name, cwd=tmp_path)
+    assert done.returncode == 2
+    assert (tmp_path / name).read_bytes() == PROPOSED.read_bytes()
+
+
+def test_a_file_that_is_replaced_keeps_its_mode_and_a_device_is_refused(tmp_path: Path) -> None:
+    private = tmp_path / "private.json"
+    private.touch(mode=0o600)
+    assert torsionbook("export", MODIFIED, private.name, cwd=tmp_path).returncode == 0
+    assert private.stat().st_size > 0
+    if sys.platform != "win32":
+        assert private.stat().st_mode & 0o777 == 0o600
+        os.mkfifo(tmp_path / "pipe")
+        done = torsionbook("export", MODIFIED, "pipe", cwd=tmp_path)
+        assert done.returncode == 1
+        assert "no ordinary file" in done.stdout + done.stderr
+        assert (tmp_path / "pipe").is_fifo()
+
+
+def test_a_comparison_replaces_an_earlier_one(tmp_path: Path) -> None:
+    words = ("diff", PROPOSED, MODIFIED, "--xlsx", "d.xlsx")
+    for _ in range(2):
+        assert torsionbook(*words, cwd=tmp_path).returncode == 0

@@ -1,0 +1,62 @@
+"""Teeth in a run with clearances, from a log of contacts made by hand."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from engine.backlash.contacts import contact_records, force_histories
+from engine.backlash.event_start import _spread
+from engine.stepping.contact_loop import BACK, BACK_LIMITED, DRIVE, FREE
+
+#: A mesh of base radius 0.2 m whose normal force is 1.25 times the transverse one.
+MESH = SimpleNamespace(element=0, base_radius=0.2, normal_factor=1.25)
+TRAIN = SimpleNamespace(elements=("Mesh",), stations=(), bodies=(), flanks=(MESH,))
+
+
+def run_with(log: Any) -> Any:
+    trajectory = SimpleNamespace(
+        output_element=np.array([0]), time=np.array([0.0, 1.0]), torque=np.array([[80.0, -300.0]])
+    )
+    return SimpleNamespace(log=np.array(log), trajectory=trajectory, bearing=np.empty((0, 2)))
+
+
+@pytest.mark.parametrize("back", [BACK, BACK_LIMITED])
+def test_a_log_of_contacts_by_hand(back: int) -> None:
+    """Teeth apart from 1.0 to 1.2, 1.3 to 1.6 and from 1.9 s to the end; one of two impacts is on the back."""
+    log = [
+        (1.0, 0, DRIVE, FREE, 0.0),
+        (1.2, 0, FREE, back, 0.5),
+        (1.3, 0, back, FREE, 0.0),
+        (1.6, 0, FREE, DRIVE, 2.0),
+        (1.9, 0, DRIVE, FREE, 0.0),
+    ]
+    basis = SimpleNamespace(train=TRAIN, flanks=(MESH,))
+    model: Any = SimpleNamespace(pieces=SimpleNamespace(basis=basis))
+    turning = [(np.array([0.0, 1.0]), np.array([80.0, -300.0]))]
+    (found,) = contact_records(model, run_with(log), turning, 2.0)
+    assert (found.impacts, found.back_impacts) == (2, 1)
+    assert found.time_unloaded == pytest.approx(0.2 + 0.3 + 0.1)
+    assert found.recontact_speed_angular == 2.0
+    assert found.recontact_speed == pytest.approx(2.0 * 0.2 / 1.25)
+    assert found.tooth_torque == 300.0
+    assert found.tooth_force == pytest.approx(300.0 / 0.2 * 1.25)
+
+
+def test_the_history_of_a_tooth_force_is_normal_to_the_tooth() -> None:
+    train: Any = TRAIN
+    found = force_histories(train, run_with(np.empty((0, 5))))
+    assert found.tooth_force.tolist() == [[pytest.approx(500.0), pytest.approx(-1875.0)]]
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_the_spread_of_two_runs_is_that_of_either_extreme(sign: float) -> None:
+    """Only one extreme changes, by 3 of 60."""
+
+    def of(changed: float) -> Any:
+        return SimpleNamespace(turning=[(np.zeros(2), sign * np.array([60.0, changed]))])
+
+    assert _spread(of(-30.0), of(-33.0), np.array([0])) == pytest.approx(0.05)

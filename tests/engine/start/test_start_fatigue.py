@@ -1,0 +1,91 @@
+"""From a start to allowable starts: whether cycles are counted, and how sure the damage is."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from engine.case.case import Case
+from engine.case.data import SNPointRow
+from engine.fatigue.allowable_starts import shaft_fatigue
+from engine.start.start import Start
+from engine.start.start_fatigue import sn_curve_of, starts_of, stress_over_endurance
+from tests.sample_case import sample_case
+from tests.trains import started
+
+SAMPLE = sample_case("proposed")
+SHAFT = next(e for e in SAMPLE.elements if e.stress_diameter)
+INDEX = SAMPLE.elements.index(SHAFT)
+
+
+@pytest.fixture(scope="module")
+def start() -> Start:
+    return started(SAMPLE)
+
+
+def with_line(highest: float, endurance: float, below: str = "none") -> Case:
+    """The sample with one straight S-N line of slope 5."""
+    factor = 10.0 ** (5.0 * math.log10(highest / endurance))
+    points = (
+        SNPointRow(SHAFT.material, 1e3, highest),
+        SNPointRow(SHAFT.material, 1e3 * factor, endurance),
+    )
+    material = replace(SAMPLE.materials[0], endurance=endurance, below_endurance=below)
+    return replace(SAMPLE, materials=(material,), sn_points=points)
+
+
+def with_coarse(start: Start, factor: float) -> Start:
+    """The start whose torques at twice the step are so many times those of the finer one."""
+    coarse = tuple((when, factor * value) for when, value in start.turning_points)
+    return replace(start, coarse_turning_points=coarse)
+
+
+def test_counting_is_decided_with_the_error_of_the_history(start: Start) -> None:
+    """Half of 16 SCF T/(π d³), rest to peak, a little below an endurance limit that its error passes."""
+    peak = next(p for p in start.peaks if p.element == SHAFT.element)
+    unit = 16.0 * (SHAFT.scf or 1.0) / (math.pi * (SHAFT.stress_diameter or 0.0) ** 3)
+    amplitude = 0.5 * unit * peak.peak_to_peak
+    for share, count in ((0.5, True), (50.0, False)):
+        endurance = amplitude + share * unit * peak.error
+        found = stress_over_endurance(with_line(10.0 * endurance, endurance), start)
+        assert found is not None
+        ratio, must_count = found
+        assert must_count is count
+        assert (ratio > 1.0) is count
+        assert ratio >= (amplitude + unit * peak.error) / endurance * (1.0 - 1e-12)
+
+
+def test_the_error_of_the_starts_is_the_change_of_the_damage_between_two_steps(
+    start: Start,
+) -> None:
+    """On a line of slope 5, torques 1 % larger damage 1.01⁵ times as much."""
+    case = with_line(1e9, 1e8, "same slope")
+    starts, errors = starts_of(case, with_coarse(start, 1.01))
+    assert starts is not None
+    assert [name for name, _ in errors] == [SHAFT.element]
+    assert [error for _, error in errors] == pytest.approx([1.01**5 - 1.0], rel=1e-9)
+
+
+@pytest.mark.parametrize("of_peak", [0.2, 5.0])
+def test_the_larger_of_two_errors_bounds_every_turning_point(start: Start, of_peak: float) -> None:
+    """That of the peak, and what the step changes of the largest range, here a tenth of a per cent."""
+    case = with_line(1e9, 1e8, "same slope")
+    order = [int(i) for i in np.flatnonzero(start.output_of_element >= 0)]
+    torque = start.turning_points[order.index(INDEX)][1]
+    change = 1e-3 * float(np.max(np.abs(np.diff(torque))))
+    peaks = tuple(replace(p, error=of_peak * change) for p in start.peaks)
+    starts, _ = starts_of(case, replace(with_coarse(start, 1.001), peaks=peaks))
+    assert starts is not None
+    by_hand = shaft_fatigue(
+        SHAFT,
+        torque,
+        sn_curve_of(case, SHAFT.material),
+        case.materials[0],
+        torque_error=max(1.0, of_peak) * change,
+    )
+    (shaft,) = starts.shafts
+    assert shaft.damage_low == pytest.approx(by_hand.damage_low, rel=1e-9)
+    assert shaft.damage_high == pytest.approx(by_hand.damage_high, rel=1e-9)
