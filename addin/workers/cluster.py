@@ -58,7 +58,8 @@ class Cluster(Workers):
             from distributed import Client
         except ImportError:
             raise ClusterRefused(
-                "The packages for a cluster are not installed: pip install 'torsionbook[cluster]'"
+                "The packages for a cluster are not installed. Run pip install -r "
+                "requirements/cluster.txt in the checkout, or install the wheel with its extra [cluster]."
             ) from None
         try:
             self._client = Client(address, timeout=patience, set_as_default=False)
@@ -109,19 +110,17 @@ class Cluster(Workers):
         return task.payload
 
     def _answer(self, future: Any) -> Any:
-        from distributed import KilledWorker
+        from distributed import CancelledError, KilledWorker
 
-        if future.status == "finished":
-            try:
-                return future.result(timeout=PATIENCE * 30)
-            except (OSError, TimeoutError) as wrong:
-                raise self._lost() from wrong
-        if future.status != "error":  # cancelled or lost: the scheduler is gone
-            raise self._lost()
-        problem = future.exception()
-        if isinstance(problem, KilledWorker):
-            return Crashed("workers stopped during the calculation")
-        return Crashed(f"the cluster returned the error {problem!r}")
+        if future.status == "error":
+            problem = future.exception()
+            if isinstance(problem, KilledWorker):
+                return Crashed("workers stopped during the calculation")
+            return Crashed(f"the cluster returned the error {problem!r}")
+        try:
+            return future.result(timeout=PATIENCE * 30)
+        except (CancelledError, OSError, TimeoutError) as wrong:
+            raise self._lost() from wrong
 
     def _lost(self) -> Stopped:
         return Stopped(

@@ -127,7 +127,12 @@ class Workers:
                     return
                 continue
             with contextlib.suppress(queue.Empty):
-                task, future = self._running.pop(self._done.get(timeout=LOOK))
+                number = self._done.get(timeout=LOOK)
+                task, future = self._running[number]
+                if not future.done():  # a cluster does again what a dead worker took with it
+                    future.add_done_callback(partial(self._note, number))
+                    continue
+                del self._running[number]
                 yield task, self._answer(future)
 
     def _hand_out(self) -> Iterator[tuple[Task, Any]]:

@@ -112,6 +112,25 @@ def test_a_worker_killed_in_the_middle_loses_nothing(three_workers, tmp_path, se
 
 
 @pytest.mark.slow
+def test_an_answer_that_dies_with_its_worker_is_calculated_again(tmp_path):
+    """On a cluster of its own: its only worker is killed before the answer was fetched."""
+    own = Dask(tmp_path / "cluster", Path(__file__).parent, Path(__file__).parents[1], workers=1)
+    try:
+        with joined(own) as work:
+            work.add(Task(tripled, 4))
+            assert not list(work._hand_out())
+            ((_, future),) = work._running.values()
+            wait_until(lambda: future.status == "finished")
+            own.workers[0].kill()
+            wait_until(lambda: future.status == "lost")
+            replacement = own.worker()
+            ((_, answer),) = work.answers(never)
+        assert answer == (12, replacement.pid)
+    finally:
+        own.stop()
+
+
+@pytest.mark.slow
 def test_results_are_those_of_this_machine(three_workers, tmp_path):
     make_train(tmp_path / "in" / "t.xlsx", 3)
     for out, words in {
@@ -151,6 +170,7 @@ def test_a_programme_of_cases_on_the_cluster(three_workers, tmp_path):
     assert "12 done, 1 wrong input" in done.stdout
 
 
+@pytest.mark.slow
 def test_a_folder_that_workers_do_not_see_is_found_out(dask, tmp_path, monkeypatch):
     (tmp_path / "a.xlsx").write_text("x")
     with joined(dask) as work:
