@@ -20,8 +20,9 @@ from engine.model.modes import (
     damped_eigenvalues,
     nodes_of,
 )
+from engine.operation.acceptance import judge, mode_parts
 from engine.operation.margins import interference, separation_margins
-from engine.operation.steady_state import judge, steady_state
+from engine.operation.steady_state import steady_state
 from engine.plan.evidence import Evidence, collect_evidence, start_evidence
 from engine.plan.plan import Plan, first_plan, revised_plan, with_times
 from engine.results.results import AtSpeed, Results
@@ -137,6 +138,9 @@ def _at_speed(case: CaseData, stage: Stage) -> tuple[ModalAnalysis, AtSpeed]:
         diagram = interference(case, modes, excitations)
     with stage("steady state"):
         steady = steady_state(case, analysis.reported, excitations, margins)
+        parts = mode_parts(case, train, modes)
+        error = analysis.subdivided.frequency_error
+        margins = judge(margins, steady.rows, parts, error)
     return analysis, AtSpeed(
         case=case,
         case_sha256=case_digest(case),
@@ -144,11 +148,11 @@ def _at_speed(case: CaseData, stage: Stage) -> tuple[ModalAnalysis, AtSpeed]:
         modes=modes,
         nodes=nodes_of(train, modes),
         segments=analysis.subdivided.segments,
-        frequency_error=analysis.subdivided.frequency_error,
+        frequency_error=error,
         damping=damping,
         eigenvalues=damped_eigenvalues(train, modes) if damping.neglected > 0.0 else None,
         excitations=excitations,
-        margins=judge(margins, steady.rows),
+        margins=margins,
         interference=diagram,
         steady=steady,
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -61,6 +62,42 @@ def sample_case(design: str, **scalars: Any) -> Case:
         ),
     }
     return Case(**(fields | scalars))
+
+
+#: Stress diameter of shafts [m]; peak torque, vibratory and reversal limits of the others [N m].
+DIAMETERS = {
+    "Motor shaft": 0.25,
+    "Gear shaft": 0.24,
+    "Pinion shaft": 0.13,
+    "LP shaft, drive end": 0.125,
+    "LP shaft, far end": 0.095,
+    "HP compressor shaft": 0.07,
+}
+LIMITS = {
+    "LS coupling": (237e3, 25e3, None),
+    "Mesh": (175e3, 15e3, 25e3),
+    "HS coupling": (50e3, 5e3, None),
+    "Intermediate coupling": (25e3, 2.5e3, None),
+}
+
+
+def with_limits(case: Case) -> Case:
+    """The sample with what an engineer knows of every element, so that every check is judged."""
+    elements = []
+    for e in case.elements:
+        peak, vibratory, reversal = LIMITS.get(str(e.element), (None, None, None))
+        limited = replace(
+            e, peak_torque_limit=peak, vibratory_limit=vibratory, reversal_limit=reversal
+        )
+        if e.element in DIAMETERS:
+            diameter = DIAMETERS[str(e.element)]
+            limited = replace(
+                limited, stress_diameter=diameter, scf=e.scf or 2.0, material="alloy steel"
+            )
+        elements.append(limited)
+    materials = (replace(case.materials[0], yield_=586e6),)
+    known = {"elements": tuple(elements), "materials": materials, "starts_required": 2000.0}
+    return Case(**(vars(case) | known))
 
 
 def _element(e: dict[str, Any], scf: float) -> ElementRow:

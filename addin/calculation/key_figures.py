@@ -6,11 +6,10 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from addin.contract.banner import OPEN
+from engine.case.result_words import Judgement
 from engine.results.results import Results
 from engine.start.start_fatigue import is_counted
-
-#: The verdict of a check that could not be made.
-NOT_JUDGED = "not judged"
 
 #: First elastic modes that are shown. [count]
 MODES = 3
@@ -41,14 +40,12 @@ class KeyFigures:
     starts_where: str | None  #: Governing shaft.
     outcome: str  #: How the start ended, or ``calculated``.
     verdict: str  #: The overall verdict.
-    not_judged: int  #: Checks without a verdict.
+    not_judged: int  #: Checks that are not wholly judged.
 
 
 def verdict_text(verdict: str, not_judged: int) -> str:
-    """An overall verdict in words, as sheet Summary says it."""
-    if not not_judged or verdict == NOT_JUDGED:
-        return verdict
-    return f"{verdict}, {not_judged} {NOT_JUDGED}"
+    """An overall verdict with the number of checks that are not wholly judged."""
+    return f"{verdict}, {not_judged} {Judgement.NOT_JUDGED}" if not_judged else verdict
 
 
 def key_figures(results: Results, peaks: Iterable[Mapping[str, Any]]) -> KeyFigures:
@@ -94,7 +91,7 @@ def key_figures(results: Results, peaks: Iterable[Mapping[str, Any]]) -> KeyFigu
         starts_where=None if starts is None else starts.governing,
         outcome=results.outcome,
         verdict=results.verdicts[0].verdict,
-        not_judged=sum(one.verdict == NOT_JUDGED for one in results.verdicts[1:]),
+        not_judged=sum(check.verdict in OPEN for check in results.verdicts[1:]),
     )
 
 

@@ -283,7 +283,7 @@ def _history_rows(
 ) -> Rows:
     histories = (run.histories if run else None) or {}
     columns: list[Sequence[Cell]] = [[] for _ in range(2 * HISTORIES)]
-    for k, name in enumerate(_drawn_elements(case, list(histories), chosen)):
+    for k, name in enumerate(_drawn_elements(case, histories, chosen)):
         if name is None:
             if run is not None:
                 labels[f"History title {k + 1}"] = _UNUSED
@@ -336,16 +336,26 @@ def accuracy_title(drawn: bool, studied: bool = False) -> str:
 
 
 def _drawn_elements(
-    case: CaseData, names: Sequence[str], chosen: Sequence[str | None]
+    case: CaseData,
+    histories: Mapping[str, tuple[Floats, Floats]],
+    chosen: Sequence[str | None],
 ) -> list[str | None]:
-    """Elements to draw: those chosen, then meshes, shafts with a stress, couplings, the others."""
-    rank = {"gear mesh": 0, "coupling": 2}
-    known = {
-        e.element: (1 if e.stress_diameter else rank.get(e.kind or "", 3)) for e in case.elements
-    }
-    wanted: list[str | None] = [name if name in names else None for name in chosen]
+    """Elements to draw: those chosen, then meshes, shafts by their stress with SCF, couplings, others."""
+    kind_rank = {"gear mesh": 0, "coupling": 2}
+    elements = {e.element: e for e in case.elements}
+
+    def rank(name: str) -> tuple[int, float]:
+        e = elements.get(name)
+        if e is None:
+            return 4, 0.0
+        if not e.stress_diameter:
+            return kind_rank.get(e.kind or "", 3), 0.0
+        largest = float(np.max(np.abs(histories[name][1]), initial=0.0))
+        return 1, -largest * stress_of_unit_torque(e) * (e.scf or 1.0)
+
+    wanted: list[str | None] = [name if name in histories else None for name in chosen]
     wanted += [None] * (HISTORIES - len(wanted))
-    others = iter(sorted((n for n in names if n not in wanted), key=lambda n: known.get(n, 4)))
+    others = iter(sorted((name for name in histories if name not in wanted), key=rank))
     return [next(others, None) if name is None else name for name in wanted[:HISTORIES]]
 
 

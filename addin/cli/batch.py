@@ -48,6 +48,7 @@ from addin.reading.one_file import file_problem
 from addin.workers.cluster import ClusterRefused
 from addin.workers.pool import Pool, Workers
 from addin.workers.stop import Abandoned, Stop, Stopped, cores
+from engine.case.result_words import ACCEPTABLE
 
 _AGAIN = "Run again with --resume to continue."
 _SEND = ("auto", "files", "bytes")
@@ -119,7 +120,7 @@ def batch(
     are calculated once. Ctrl-C ends it cleanly, and --resume goes on after that, or after a crash,
     without doing anything twice.
 
-    Exit status 0 if every file is done, 1 if one is not (with --strict also if a verdict fails), 2 for
+    Exit status 0 if every file is done, 1 if one is not (with --strict also if a verdict is neither pass nor accepted by forced response), 2 for
     wrong usage, 130 if it was interrupted: what was done by then is kept and summarised.
 
     Example: `torsionbook batch trains --out results`
@@ -450,7 +451,7 @@ def _status(
         return INTERRUPTED
     if stop.reason or not summarised or any(not record.done for record in records):
         return WRONG_INPUT
-    if strict and any(record.results.get("verdict") == "fail" for record in records):
+    if strict and any(record.results.get("verdict") not in ACCEPTABLE for record in records):
         return WRONG_INPUT
     return status.DONE
 

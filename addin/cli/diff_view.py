@@ -52,7 +52,7 @@ def _table(title: str, *headers: str, right: Collection[int] = ()) -> Table:
 def _colour(verdict: str) -> str:
     if verdict.startswith(("fail", "unbounded")):
         return "red"
-    return "green" if verdict.startswith("pass") else "yellow" if verdict else ""
+    return "green" if verdict == "pass" else "yellow" if verdict else ""
 
 
 def _verdicts(console: Console, differences: Differences) -> None:

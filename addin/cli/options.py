@@ -40,7 +40,13 @@ SchedulerOption = Annotated[
 ]
 IgnoreLockOption = Annotated[bool, typer.Option("--ignore-lock", help="Ignore lock files.")]
 ForceOption = Annotated[bool, typer.Option("--force", help="Replace an existing file.")]
-StrictOption = Annotated[bool, typer.Option("--strict", help="Exit with 1 if a verdict fails.")]
+StrictOption = Annotated[
+    bool,
+    typer.Option(
+        "--strict",
+        help="Exit with 1 unless the overall verdict is pass or accepted by forced response.",
+    ),
+]
 MethodOption = Annotated[
     str | None,
     typer.Option("--method", help="exponential (default) or newmark (average acceleration)."),

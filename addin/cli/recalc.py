@@ -35,7 +35,7 @@ from addin.cli.terminal import (
 from addin.contract.problems import printable
 from addin.writing.history_file import history_stems
 from addin.writing.recalculate import PreparedInput, RecalculationOutcome, beside, recalculate
-from engine.case.result_words import NoNumber
+from engine.case.result_words import ACCEPTABLE, NoNumber
 
 
 def recalc(
@@ -89,7 +89,7 @@ def recalc(
     if any(outcome.problems for outcome in done):
         raise typer.Exit(WRONG_INPUT)
     results = [outcome.calculation.results for outcome in done if outcome.calculation is not None]
-    if strict and any(result.verdicts[0].verdict == "fail" for result in results):
+    if strict and any(result.verdicts[0].verdict not in ACCEPTABLE for result in results):
         raise typer.Exit(WRONG_INPUT)
 
 

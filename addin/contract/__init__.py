@@ -4,6 +4,8 @@
 module            responsibility
 ================  ================================================================================
 `audit_items`     items of table `Audit` that are read again from a workbook or a result JSON
+`banner`          the banner: the overall verdict in words, with its counts, as a formula and as
+                  a function
 `chart_tables`    tables of sheet `ChartData` and the words of charts that only a calculation
                   knows
 `charts`          charts as data: what is drawn, from which columns, with which axes and words

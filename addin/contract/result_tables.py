@@ -57,6 +57,11 @@ from engine.case.effects import EFFECTS
 
 #: Modes whose energy shares sheet `Frequencies` shows; sheet `Frequency sensitivities` has more.
 SHARE_MODES = 5
+#: What an element is judged by in one check or another.
+LIMITS = (
+    "Elements.Stress diameter", "Elements.Material", "Elements.Peak torque limit", "Elements.Reversal limit",
+    "Elements.Vibratory limit", "Materials.UTS", "Materials.Yield", "SNPoints.Stress", "StartsRequired",
+)  # fmt: skip
 #: Rows kept free for the crossings of the start; what stands below them begins there.
 CROSSING_ROWS = 8
 
@@ -65,7 +70,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
     table(
         "Verdicts", sheet="Summary", caption="Verdicts",
         help="Each check with its limit and verdict.",
-        row_name=("Check",), rank=0,
+        row_name=("Check",), rank=0, room=12,
         json_only=(
             text("dimension", "Dimension of result and limit, which are in the SI unit of that dimension."),
         ),
@@ -95,16 +100,28 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 ),
             ),
             verdict(
-                "Verdict", "pass, accepted by forced response, or fail.",
-                "pass where the result meets the limit; accepted by forced response where a margin is not "
-                "kept and every judged stress is within UTS/25; fail; not judged without a limit. Overall = the worst",
+                "Verdict", "fail, incomplete, pass within its error, accepted by forced response, or pass.",
+                "pass where the result meets the limit; pass within its error where by less than its error; "
+                "accepted by forced response as in SeparationMargins; incomplete where a part is not judged; fail; "
+                "not judged without a limit. Overall = the worst",
                 f"{STEADY} (a forced vibration analysis where the margin cannot be attained)",
                 of_row=("Verdicts.Result", "Verdicts.Limit"),
             ),
             sentence(
                 "Where", "Mode, element or speed that governs.",
                 "Mode, element or speed of the governing number", "docs/method.md",
-                of_row=("Verdicts.Result",), width=46.0,
+                of_row=("Verdicts.Result",), width=40.0,
+            ),
+            sentence(
+                "Coverage", "How much of the train is judged.",
+                "Elements with a limit for this check, of all that the check is for; modes and excitations of a "
+                "margin; crossings of a start",
+                "docs/method.md", of_case=("Elements.Kind", *LIMITS), width=22.0,
+            ),
+            sentence(
+                "Not judged", "What is not judged, and the peak torque of each element over the rated torque.",
+                "Elements without a limit for this check; the input that is missing",
+                "docs/method.md", of_case=("Elements.Kind", *LIMITS), width=44.0,
             ),
         ),
     ),
@@ -218,13 +235,21 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 of_case=("MarginBasis", "MarginRequired"), format=shown.ONE_DECIMAL, pane=Pane.MINOR,
             ),
             verdict(
-                "Verdict", "pass, accepted by forced response, or fail.",
-                "pass where margin ≥ required; else accepted by forced response where every judged stress at "
-                "that resonance is within UTS/25; else fail",
+                "Verdict", "pass, pass within its error, accepted by forced response, not judged, or fail.",
+                "pass where margin ≥ required; else accepted by forced response where these are within their "
+                "limits at that resonance: elements with 90 % of the strain energy, the largest holder, and all with "
+                "at least half of the largest modal torque over rated torque; not judged where one of them has no "
+                "limit; else fail",
                 f"{STEADY}; {MIL}",
                 of_row=(
                     "SeparationMargins.Margin", "SeparationMargins.Required", "SteadyState.Verdict",
                 ),
+            ),
+            sentence(
+                "Not judged", "Elements without a limit that keep the margin from being accepted.",
+                "Elements of the mode that must be judged and have no limit, with their shares of strain energy and "
+                "modal torque",
+                f"{STEADY}; {MIL}", of_row=("SteadyState.Verdict",), of_case=MODAL, width=40.0,
             ),
         ),
         extra_columns=(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from addin.contract.banner import NOTES
 from addin.contract.chart_tables import HISTORIES
 from addin.contract.result_tables import CROSSING_ROWS
 from addin.contract.sheet import ChartAt, KeyNumber, Sheet
@@ -10,24 +11,6 @@ from addin.contract.tables import table
 BLANK_TEXT = '=IF({0}="","",{0})'
 
 
-def _count(words: str) -> str:
-    """How many checks have a verdict; the row of the overall verdict is not a check."""
-    return f'COUNTIFS(Verdicts[Verdict],"{words}",Verdicts[Check],"<>Overall")'
-
-
-_ALL = _count("?*")
-_FAILED = f"{_count('fail*')}+{_count('unbounded*')}"
-_OPEN = _count("not judged*")
-_NOT_JUDGED = f'IF({_OPEN}>0,", "&{_OPEN}&" not judged","")'
-OVERALL = (
-    f'=IF({_ALL}=0,"NOT CALCULATED",'
-    f'IF({_FAILED}>0,"FAIL: "&({_FAILED})&" of "&{_ALL}&" checks",'
-    f"IF({_count('accepted*')}>0,"
-    f'"ACCEPTED (margin by forced response); "&{_count("pass*")}&" passed"&{_NOT_JUDGED},'
-    f'IF({_OPEN}=0,"PASS: all "&{_ALL}&" checks",'
-    f'IF({_count("pass*")}=0,"NOT JUDGED: "&{_ALL}&" checks",'
-    f'"PASS: "&{_count("pass*")}&" of "&{_ALL}&" checks"&{_NOT_JUDGED})))))'
-)
 STRIP = (
     '="Document "&IF(Document="","-",Document)&"   Rev. "&IF(Revision="","-",Revision)'
     '&"   "&Tag&IF(AND(Tag<>"",Title<>""),"   ","")&Title'
@@ -56,6 +39,22 @@ EFFECT_NOTES_AT = f"B{_BELOW_EFFECTS}"
 def _said(formula: str) -> str:
     """Words that stand only in a calculated workbook."""
     return f'=IF(run_SHA256="","",{formula})'
+
+
+#: Notes that sheet Summary has room for, below its verdicts; the rest is on sheet Audit.
+SUMMARY_NOTES = 8
+NOTES_BEGIN = 28
+
+
+def _note_line(number: int) -> str:
+    """A note of the calculation; the last line says how many more there are."""
+    note = f'IFERROR(INDEX(Audit[Value],MATCH("Warning {number}",Audit[Item],0)),"")'
+    if number == 1:
+        return f'=IF(AND({NOTES}=0,run_SHA256<>""),"None.",{note})'
+    if number < SUMMARY_NOTES:
+        return f"={note}"
+    more = f'"And "&({NOTES}-{SUMMARY_NOTES - 1})&" more notes: see sheet Audit."'
+    return f"=IF({NOTES}>{SUMMARY_NOTES},{more},{note})"
 
 
 #: Lines that show facts of the run: sheet, first and last cell, formula, style, height in points.
@@ -98,6 +97,10 @@ FACT_LINES: tuple[tuple[str, str, str, str, str, float], ...] = (
         "note",
         15.0,
     ),
+    *(
+        ("Summary", f"H{row}", f"N{row}", _note_line(number), "prose", 26.0)
+        for number, row in enumerate(range(NOTES_BEGIN, NOTES_BEGIN + SUMMARY_NOTES), 1)
+    ),
     ("Accuracy", "B5", "P5", BLANK_TEXT.format("run_AccuracySentence"), "sentence", 42.0),
     ("Accuracy", "B6", "P6", BLANK_TEXT.format("run_AccuracyReference"), "prose", 26.0),
     ("Accuracy", "B7", "P7", BLANK_TEXT.format("run_AccuracyInputs"), "note", 15.0),
@@ -107,8 +110,8 @@ SHEETS: tuple[Sheet, ...] = (
     Sheet(
         "Summary",
         "summary",
-        {"A": 1.5, "B": 26, "C": 14, "D": 9, "E:F": 18, "G": 2, "H": 28, "I:J": 12, "K": 23,
-         "L": 46},
+        {"A": 1.5, "B": 26, "C": 14, "D": 9, "E:F": 18, "G": 2, "H": 28, "I:J": 11, "K": 21,
+         "L": 40, "M": 22, "N": 44},
         {"Verdicts": "H11"},
         (ChartAt("train", "B12", 612, 270), ChartAt("speed-time", "B36", 612, 290)),
         freeze="",
@@ -181,10 +184,10 @@ SHEETS: tuple[Sheet, ...] = (
     Sheet(
         "Margins",
         "result",
-        {"A": 1.5, "B": 7, "C": 26, "D": 10, "E": 12, "F:G": 10, "H": 24, "I": 10, "J": 2,
-         "K:R": 9.5},
+        {"A": 1.5, "B": 7, "C": 26, "D": 10, "E": 12, "F:G": 10, "H": 24, "I": 40, "J": 10, "K": 2,
+         "L:S": 9.5},
         {"SeparationMargins": "B5"},
-        (ChartAt("interference", "K8", 570, 520),),
+        (ChartAt("interference", "L8", 570, 520),),
         freeze="A8",
         header_rows=7,
         intro="Margin = |f − f_exc| / f_exc, the least over the speeds of continuous operation; "
@@ -311,12 +314,12 @@ TITLE_BLOCK: tuple[tuple[str, str, str, str, str], ...] = (
     ("B6", "C6", "F6", "Client", "Client"),
     ("B7", "C7", "F7", "Inputs SHA-256", "run_SHA256"),
     ("H4", "I4", "J4", "Document no.", "Document"),
-    ("K4", "L4", "L4", "Revision", "Revision"),
+    ("K4", "L4", "N4", "Revision", "Revision"),
     ("H5", "I5", "J5", "Prepared by", "PreparedBy"),
-    ("K5", "L5", "L5", "Checked by", "CheckedBy"),
+    ("K5", "L5", "N5", "Checked by", "CheckedBy"),
     ("H6", "I6", "J6", "Software", "run_Software"),
-    ("K6", "L6", "L6", "Calculated (UTC)", "run_Date"),
-    ("H7", "I7", "L7", "Results", "run_Stamp"),
+    ("K6", "L6", "N6", "Calculated (UTC)", "run_Date"),
+    ("H7", "I7", "N7", "Results", "run_Stamp"),
 )
 
 

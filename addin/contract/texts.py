@@ -118,8 +118,10 @@ NOTES: Mapping[str, tuple[tuple[str, str], ...]] = {
         ),
         (
             "Verdicts",
-            "pass; accepted by forced response: the margin is not kept and every judged stress stays "
-            "within UTS/25; fail. An undamped mode at resonance has an unbounded response: fail.",
+            "pass; pass within its error: by less than the error of the result; accepted by forced "
+            "response: the margin is not kept, but the elements that carry the mode are within their limits "
+            "at the resonance; incomplete: not judged, or only in part; fail. An undamped mode at resonance "
+            "has an unbounded response: fail.",
         ),
     ),
     "Equations": (

@@ -66,6 +66,8 @@ def results_schema() -> Shape:
         "case_sha256": _DIGEST,
         "version": TEXT,
         "outcome": TEXT,
+        "overall": described("Overall verdict, the worst of all checks.", TEXT),
+        "headline": described("Banner of sheet Summary.", TEXT),
         "warnings": list_of(TEXT),
         "errors": list_of(_PROBLEM),
         "startup": _startup(),

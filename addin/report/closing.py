@@ -177,7 +177,7 @@ def checks(subject: Subject) -> Section:
         "Check that the units above the columns fit the numbers.",
         "Check that damping, SCF and S-N data are justified.",
         "Check that the effects left out are acceptable for this train.",
-        "Check that verdicts marked not judged have been resolved.",
+        "Check that verdicts marked not judged or incomplete have been resolved.",
         "Check that the digest on the cover equals that of the file: torsionbook verify FILE.",
     )
     return section(

@@ -15,10 +15,12 @@ from engine.case.result_words import Judgement
 _TONES = {
     Judgement.PASS: "good",
     "ok": "good",
+    Judgement.WITHIN_ERROR: "fair",
     Judgement.ACCEPTED: "fair",
     Judgement.FAIL: "bad",
     Judgement.UNBOUNDED: "bad",
     "differs": "bad",
+    Judgement.INCOMPLETE: "open",
     Judgement.NOT_JUDGED: "open",
 }
 

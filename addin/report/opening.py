@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from addin.contract.digests import short_digest
@@ -53,7 +53,10 @@ _SIGNS = (
 def cover_of(subject: Subject) -> Cover:
     """The first page."""
     calculation = subject.calculation
-    overall = next(iter(subject.rows("Verdicts")), {"verdict": Judgement.NOT_JUDGED, "where": ""})
+    overall = next(
+        iter(subject.rows("Verdicts")),
+        {"verdict": Judgement.INCOMPLETE, "where": "no check was made"},
+    )
     date = calculation.stamp.date
     digest = calculation.case_sha256
     facts = (
@@ -78,7 +81,7 @@ def cover_of(subject: Subject) -> Cover:
         title=subject.words("title") or "Torsional vibration analysis",
         subtitle=shortened(subject.words("tag"), _SUBTITLE),
         verdict=str(overall["verdict"]),
-        sentence=_verdict_sentence(overall, subject.rows("Verdicts")),
+        sentence=_verdict_sentence(overall),
         facts=facts,
         alerts=subject.alerts,
         revisions=Table("Revisions", columns, (*earlier, first, *blank)),
@@ -104,24 +107,16 @@ def _earlier(differences: Differences) -> list[tuple[str, ...]]:
     return [tuple(shortened(clean(str(one or "")), 100) for one in words)]
 
 
-def _verdict_sentence(overall: Mapping[str, Any], verdicts: Sequence[Mapping[str, Any]]) -> str:
+def _verdict_sentence(overall: Mapping[str, Any]) -> str:
     where = clean(str(overall.get("where") or ""))
     if where:
         return where[:1].upper() + where[1:] + "."
-    sentences: dict[str, str] = {
-        Judgement.PASS: "All judged checks pass.",
-        Judgement.ACCEPTED: "A separation margin is not kept, but every judged stress at that "
-        "resonance is within UTS/25.",
-    }
-    sentence = sentences.get(
-        str(overall["verdict"]), "No check was judged. Type limits and material data."
-    )
-    open_checks = dict.fromkeys(
-        str(row["check"])
-        for row in verdicts
-        if row["verdict"] == Judgement.NOT_JUDGED and row is not overall
-    )
-    return f"{sentence} Not judged: {', '.join(open_checks)}." if open_checks else sentence
+    if overall["verdict"] == Judgement.ACCEPTED:
+        return (
+            "A separation margin is not kept; at that resonance the elements that carry the mode are "
+            "within their limits."
+        )
+    return "All checks pass."
 
 
 def summary(subject: Subject) -> Section:
@@ -153,15 +148,19 @@ def conclusions(subject: Subject) -> Iterator[str]:
     }
     bad = (Judgement.FAIL, Judgement.UNBOUNDED)
     failing = [check for check, verdict in verdicts.items() if verdict in bad]
-    open_checks = [check for check, v in verdicts.items() if v == Judgement.NOT_JUDGED]
+    open_checks = [
+        check
+        for check, verdict in verdicts.items()
+        if verdict in (Judgement.NOT_JUDGED, Judgement.INCOMPLETE)
+    ]
     if failing:
         yield f"Not accepted as designed: {', '.join(failing)}."
     elif len(open_checks) < len(verdicts):
         yield "No judged check fails."
     if open_checks:
         yield (
-            f"Not judged, because a limit or data are missing: {', '.join(open_checks)}. Table "
-            "Verdicts names the missing inputs; this report makes no statement on these checks."
+            f"Not judged, or only in part: {', '.join(open_checks)}. Table Verdicts names the elements; "
+            "this report makes no statement on them."
         )
     near = _nearest_modes(subject)
     for mode in near:

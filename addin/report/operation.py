@@ -15,6 +15,9 @@ from engine.case.result_words import Judgement
 
 Row = Mapping[str, Any]
 
+#: Verdicts of margins that are kept.
+_KEPT = (Judgement.PASS, Judgement.WITHIN_ERROR)
+
 
 def margins(subject: Subject) -> Section:
     """Interference diagram and separation margins."""
@@ -23,7 +26,7 @@ def margins(subject: Subject) -> Section:
         why = "no excitation is known, or the train has no elastic mode"
         sentence = f"No separation margins: {why}. See the warnings in section 1."
         return section(title, Paragraph(sentence))
-    failing = [row for row in rows if row["verdict"] != Judgement.PASS]
+    failing = [row for row in rows if row["verdict"] not in _KEPT]
     sentence = "All margins are kept."
     if failing:
         accepted = all(row["verdict"].startswith("accepted") for row in failing)

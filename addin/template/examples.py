@@ -69,6 +69,23 @@ _COUPLINGS = {
     },
 }
 
+#: Stress diameter of the shafts. [in]
+_DIAMETERS = {
+    "Motor shaft": 10,
+    "Gear shaft": 9.5,
+    "Pinion shaft": 5.25,
+    "LP shaft, drive end": 5,
+    "LP shaft, far end": 3.75,
+}
+_SCF = 2
+#: Rated torque, Peak torque limit, Vibratory limit and Reversal limit. [lbf in]
+_LIMITS: Mapping[str, tuple[int, ...]] = {
+    "LS coupling": (1050000, 2100000, 220000),
+    "Mesh": (650000, 1550000, 130000, 220000),
+    "HS coupling": (220000, 440000, 45000),
+    "Intermediate coupling": (110000, 220000, 22000),
+}
+
 _SPEED = (0, 10, 20, 30, 40, 50, 60, 70, 80, 85, 90, 95, 98, 100)  # % of synchronous
 _AVERAGE = (0.55, 0.56, 0.57, 0.59, 0.62, 0.66, 0.71, 0.78, 0.88, 0.92, 0.93, 0.8, 0.5, 0.0)
 _PULSATING = (
@@ -101,8 +118,10 @@ PROVENANCE: tuple[tuple[str, str], ...] = (
         "changing only the three couplings reproduces Table 1 to six digits; torque curves; "
         "1.5 % modal damping; the 70.0 mm (2.756 in) stress diameter so that the proposed "
         "design gives 30,000 psi peak-to-peak; S-N line and SCF typical of a keyed "
-        "alloy-steel shaft; pitch radii and pressure angle of the gear. All results of the "
-        "modified design except its frequencies are therefore predictions.",
+        "alloy-steel shaft; pitch radii and pressure angle of the gear; stress diameters of the "
+        "other shafts with SCF 2, yield strength, and limits of couplings and gear as a catalogue "
+        "states them. All results of the modified design except its frequencies are therefore "
+        "predictions.",
     ),
     (
         "Reference",
@@ -115,7 +134,7 @@ PROVENANCE: tuple[tuple[str, str], ...] = (
     ),
     (
         "Left blank",
-        "Yield strength, running loads and makers' limits are not given. Backlash, mesh "
+        "Running loads are not given. Backlash, mesh "
         "damping, gear masses, bearings and field are blank in the two designs of the paper, "
         "whose results are for the linear train; the third example includes them. The mesh "
         "stiffness 6e9 N m/rad is torsional, on the bull gear.",
@@ -201,6 +220,12 @@ def _elements(design: str) -> list[dict[str, Value]]:
             for (name, kind, stiffness), ends in zip(_ELEMENTS, pairwise(names), strict=True)
         ),
     )
+    headers = ("Rated torque", "Peak torque limit", "Vibratory limit", "Reversal limit")
+    for row in rows:
+        name = str(row["Element"])
+        if name in _DIAMETERS:
+            row |= {"Stress diameter": _DIAMETERS[name], "SCF": _SCF, "Material": _MATERIAL}
+        row |= dict(zip(headers, _LIMITS.get(name, ()), strict=False))
     rows[-1] |= {"Stress diameter": _shown(0.07, _INCH), "SCF": 3, "Material": _MATERIAL}
     return rows
 
@@ -266,8 +291,8 @@ def _example(design: str) -> Example:
         ),
         "LoadTorque": _loads(),
         "Materials": _rows(
-            ("Material", "UTS", "Endurance", "Basis", "Below endurance"),
-            (_MATERIAL, 110000, 19000, "torsion", "none"),
+            ("Material", "UTS", "Yield", "Endurance", "Basis", "Below endurance"),
+            (_MATERIAL, 110000, 85000, 19000, "torsion", "none"),
         ),
         "SNPoints": _rows(
             ("Material", "Cycles", "Stress"),

@@ -149,10 +149,12 @@ class Frames:
 
     def _colours(self, sheet: str, *area: int) -> None:
         for criteria, words, style in (
+            ("begins with", "pass within", "cf_accepted"),
             ("begins with", "pass", "cf_pass"),
             ("begins with", "accepted", "cf_accepted"),
             ("begins with", "fail", "cf_fail"),
             ("begins with", "unbounded", "cf_fail"),
+            ("begins with", "incomplete", "cf_open"),
             ("begins with", "not judged", "cf_open"),
         ):
             self.sheets[sheet].conditional_format(

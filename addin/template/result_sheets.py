@@ -154,7 +154,7 @@ class ResultSheets(FrontSheets):
     def _verdict_colours(self) -> None:
         """Pass green, accepted amber, fail red, not judged grey, wherever a verdict stands."""
         self._colour_verdicts(fields.RESULT_TABLES)
-        self._colours("Summary", 8, 1, 8, 11)
+        self._colours("Summary", 8, 1, 8, 13)
         place = self.places["Effects"]
         column = place.columns["On"]
         for word, style in (("on", "cf_pass"), ("off", "cf_open")):

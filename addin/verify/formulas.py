@@ -7,13 +7,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 
+from addin.contract.banner import OVERALL
 from addin.contract.problems import shortened
 from addin.contract.sheets import (
     BLANK_TEXT,
     CYCLE_FACTS,
     FACT_LINES,
     KEY_NUMBERS,
-    OVERALL,
     SHEETS,
     TITLE_BLOCK,
 )
@@ -183,7 +183,8 @@ def typed_over(workbook: Workbook, same_version: bool) -> Iterator[Finding]:
 
 #: What the overall verdict may say.
 _VERDICT = re.compile(
-    r"(PASS|FAIL|NOT JUDGED): (all )?\d+ (of \d+ )?checks.*|ACCEPTED \(margin by .*|NOT CALCULATED"
+    r"(PASS|PASS WITHIN ITS ERROR|FAIL|INCOMPLETE): (all )?\d+ (of \d+ )?checks.*|"
+    r"ACCEPTED \(margin by .*|NOT CALCULATED"
 )
 
 

@@ -28,7 +28,17 @@ from addin.writing.results_json import results_to_json
 from engine.case.data import case_digest
 
 #: Keys beside the tables whose values are compared wherever they are nested.
-_NESTED = ("outcome", "startup", "modes", "damped_eigenvalues", "plans", "sensitivity", "warnings")
+_NESTED = (
+    "outcome",
+    "overall",
+    "headline",
+    "startup",
+    "modes",
+    "damped_eigenvalues",
+    "plans",
+    "sensitivity",
+    "warnings",
+)
 
 
 def read_results_json(path: Path) -> dict[str, Any]:

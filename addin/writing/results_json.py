@@ -11,6 +11,7 @@ import math
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
+from addin.contract.banner import headline
 from addin.contract.json_formats import RESULTS_FORMAT
 from addin.contract.problems import CellProblem, shortened
 from addin.contract.tables import RESULT_TABLES, TableSpec, result_table
@@ -47,6 +48,7 @@ def results_to_json(run: Calculation, version: str) -> dict[str, Any]:
         "case_sha256": run.case_sha256,
         "version": version,
         "outcome": run.outcome,
+        **_overall(run),
         "warnings": list(run.warnings),
         "errors": [],
     }
@@ -65,6 +67,15 @@ def results_to_json(run: Calculation, version: str) -> dict[str, Any]:
             if run.startup.get(key) is not None
         }
     return {**content, **run.details}
+
+
+def _overall(run: Calculation) -> dict[str, str]:
+    """The overall verdict, and the banner of sheet Summary."""
+    verdicts = [str(row["verdict"]) for row in run.tables.get("Verdicts", ())]
+    if not verdicts:
+        return {}
+    overall, *checks = verdicts
+    return {"overall": overall, "headline": headline(checks, len(run.warnings))}
 
 
 def table_rows(name: str, rows: Iterable[Mapping[str, Any]]) -> list[dict[str, Any]]:

@@ -5,6 +5,8 @@ module             responsibility
 =================  ===============================================================================
 `choices`          words that inputs are chosen from
 `data`             what the engineer states: train, motor, loads, start, material, wanted accuracy
+`coverage`         which elements a check can judge: those that the train calls for, and those
+                   without a limit for it
 `defaults`         what a blank cell stands for, and how small a number still counts
 `effect`           one effect that a start may call for, and which of them a start simulates
 `effects`          the effects a start may call for: one file an effect, found by being in this

@@ -10,6 +10,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from engine.case.choices import ElementKind
+from engine.case.coverage import (
+    links,
+    listed,
+    shafts,
+    without_peak_limit,
+    without_sn_points,
+    without_vibratory_limit,
+    without_yield,
+)
 from engine.case.data import CaseData
 
 
@@ -46,8 +55,11 @@ def _operation(case: CaseData) -> Iterator[str]:
             "No forced response: the transmitted torque is unknown. Give RatedPower or RatedTorque, a Running "
             "load in table Stations, a Torque in table Excitations, or table LoadTorque."
         )
-    elif missing := _missing_for_stress(case, "UTS"):
-        yield f"No stress judged in continuous operation: {missing}."
+    elif open_ := without_vibratory_limit(case, [*shafts(case), *links(case)]):
+        yield (
+            f"Not judged in continuous operation: {listed(open_)}. Type a Stress diameter and a Material "
+            "with UTS, or a Vibratory limit."
+        )
 
 
 def _is_excited(case: CaseData) -> bool:
@@ -68,24 +80,6 @@ def _has_torque(case: CaseData) -> bool:
     )
 
 
-def _missing_for_stress(case: CaseData, what: str) -> str:
-    """Which input keeps every element from being judged; empty if one can be."""
-    if what == "UTS":
-        with_data = {row.material for row in case.materials if row.uts}
-        needed = "the UTS of its Material in table Materials"
-    else:
-        with_data = {row.material for row in case.sn_points}
-        needed = "points of its Material in table SNPoints"
-    with_diameter = [row for row in case.elements if row.stress_diameter]
-    if any(row.material in with_data for row in with_diameter):
-        return ""
-    if not with_diameter:
-        return "no element has a Stress diameter"
-    if all(row.material is None for row in with_diameter):
-        return "no element with a Stress diameter has a Material"
-    return f"no element with a Stress diameter has {needed}"
-
-
 def _start(case: CaseData) -> Iterator[str]:
     """The start, reversals and the number of starts."""
     if not case.motor_torque and not case.torque_time:
@@ -94,10 +88,25 @@ def _start(case: CaseData) -> Iterator[str]:
             "no torque reversals and no allowable starts."
         )
         return
-    meshes = [row for row in case.elements if row.kind == ElementKind.GEAR_MESH]
-    if meshes and not any(row.reversal_limit is not None for row in case.elements):
-        yield "No verdict on a torque reversal: no element has a Reversal limit."
-    if missing := _missing_for_stress(case, "S-N"):
-        yield f"No allowable starts: {missing}."
-    elif case.starts_required is None:
+    if open_ := without_peak_limit(case):
+        yield f"Peak torque not judged: {listed(open_)}. Type a Peak torque limit."
+    if open_ := without_yield(case):
+        yield (
+            f"Shear yield in the start not judged: {listed(open_)}. Type a Stress diameter and a Material "
+            "with Yield, or a Peak torque limit."
+        )
+    toothed = {row.element for row in case.meshes}
+    if open_ := [
+        str(row.element)
+        for row in case.elements
+        if (row.kind == ElementKind.GEAR_MESH or row.element in toothed)
+        and row.reversal_limit is None
+    ]:
+        yield f"A torque reversal, if there is one, not judged: {listed(open_)}. Type a Reversal limit."
+    if open_ := without_sn_points(case):
+        yield (
+            f"Allowable starts not judged: {listed(open_)}. Type a Stress diameter and a Material with "
+            "S-N points."
+        )
+    if case.starts_required is None:
         yield "No verdict on allowable starts: StartsRequired is blank."

@@ -12,10 +12,18 @@ class Judgement(StrEnum):
     """The verdict of a check."""
 
     PASS = "pass"
+    #: Within the limit, but by less than the error of the result.
+    WITHIN_ERROR = "pass within its error"
     ACCEPTED = "accepted by forced response"
     FAIL = "fail"
     UNBOUNDED = "unbounded"
+    #: What was judged is within its limits, but a part was not judged.
+    INCOMPLETE = "incomplete"
     NOT_JUDGED = "not judged"
+
+
+#: Overall verdicts that a train may be accepted by.
+ACCEPTABLE = frozenset({Judgement.ACCEPTED, Judgement.PASS})
 
 
 class NoNumber(StrEnum):

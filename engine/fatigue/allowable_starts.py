@@ -147,12 +147,6 @@ def _notes(
     """The sentences a reader must see beside the numbers of one shaft."""
     notes: list[str] = []
     name, peak = shaft.element, shaft.peak_nominal_stress
-    if not shaft.counted:
-        notes.append(
-            f"{name}: the largest amplitude of a cycle, {in_megapascals(shaft.largest_amplitude)}, is at "
-            f"or below the endurance limit of {in_megapascals(curve.endurance)}: there is no damage, "
-            "and no cycle is counted."
-        )
     if shaft.above_first_point:
         notes.append(
             f"{name}: {shaft.above_first_point:g} cycles per start lie above the first S-N point "

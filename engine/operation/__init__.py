@@ -7,5 +7,7 @@ module          responsibility
                 diagram
 `steady_state`  harmonic response of the train, and the vibratory torques and stresses of running
                 it
+`acceptance`    margins that are not kept, and what a forced response at the resonance makes of
+                them
 ==============  ==================================================================================
 """

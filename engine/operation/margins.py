@@ -46,9 +46,11 @@ class MarginRow:
     excitation_frequency: float  #: Frequency of the excitation there. [Hz]
     margin: float  #: |f − f_exc| / f_exc. [1]
     required: float  #: Required margin. [1]
-    #: ``pass``, ``accepted by forced response`` or ``fail``; before the forced response is known,
-    #: ``pass`` or ``fail``.
+    #: ``pass``, ``pass within its error``, ``accepted by forced response``, ``fail`` or ``not
+    #: judged``; before the forced response is known, ``pass`` or ``fail``.
     verdict: Judgement
+    #: Elements that keep it from being accepted, with their shares of the mode; None elsewhere.
+    not_judged: str | None = None
 
     @property
     def kept(self) -> bool:

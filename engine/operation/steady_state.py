@@ -257,6 +257,30 @@ def _element_torque(
     return np.asarray(torque * train.orientation[:, None, None], dtype=np.complex128)
 
 
+def modal_element_torque(train: Train, modes: Modes) -> Floats:
+    """Torque of each element in each mode, also of rigid meshes.
+
+    Parameters
+    ----------
+    train : Train
+        The train. [SI]
+    modes : Modes
+        Its modes. [SI]
+
+    Returns
+    -------
+    ndarray, shape (n_elements, n_modes)
+        Magnitude at the element's own speed, at unit modal coordinate. [N m]
+    """
+    motion = _Solution(
+        modes.shape[:, None].astype(complex),
+        modes.row_torque[:, None].astype(complex),
+        np.zeros((modes.n_modes, 1, modes.n_modes), dtype=complex),
+    )
+    none = np.zeros((train.n_stations, 1), dtype=complex)
+    return np.abs(_element_torque(train, modes, modes.omega, motion, none)[:, 0])
+
+
 def _mesh_torque(
     train: Train,
     from_ratio: float,
@@ -440,39 +464,6 @@ def steady_state(
             for r in rows
         ]
     return SteadyState(tuple(rows), basis, tuple(warnings))
-
-
-def judge(margins: SeparationMargins, responses: Sequence[SteadyStateRow]) -> SeparationMargins:
-    """Margins with their final verdicts.
-
-    ``pass``: the margin is kept, or equal to the required one to 1e-9. ``accepted by forced
-    response``: it is not, but at the resonance with this excitation at least one element could
-    be judged and every judged one is within its limit. ``fail``: the rest.
-
-    Parameters
-    ----------
-    margins : SeparationMargins
-        Margins. [1]
-    responses : sequence of SteadyStateRow
-        Rows of the steady-state response. [rows]
-
-    Returns
-    -------
-    SeparationMargins
-        The same rows with their verdicts. [1]
-    """
-    verdicts: dict[tuple[int, str], set[str]] = {}
-    for r in responses:
-        if r.mode is not None and r.verdict != Judgement.NOT_JUDGED:
-            verdicts.setdefault((r.mode, r.excitation), set()).add(r.verdict)
-    rows = []
-    for row in margins.rows:
-        verdict = Judgement.PASS
-        if not row.kept:
-            accepted = verdicts.get((row.mode, row.excitation)) == {Judgement.PASS}
-            verdict = Judgement.ACCEPTED if accepted else Judgement.FAIL
-        rows.append(replace(row, verdict=verdict))
-    return replace(margins, rows=tuple(rows))
 
 
 def _pole_frequencies(modal: ModalTrain) -> Floats:

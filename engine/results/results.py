@@ -31,8 +31,13 @@ class Verdict:
     result: float | str | None  #: What was found and what is allowed. [SI, in the dimension named]
     limit: float | str | None  #: Likewise. [SI, in the dimension named]
     dimension: str  #: ``fraction``, ``pressure``, ``torque``, ``count`` or ``text``.
-    verdict: Judgement  #: ``pass``, ``accepted by forced response``, ``fail`` or ``not judged``.
+    #: ``pass``, ``pass within its error``, ``accepted by forced response``, ``fail``, ``incomplete``
+    #: or ``not judged``.
+    verdict: Judgement
     where: str  #: Mode, element or shaft that governs.
+    coverage: str | None = None  #: How much of the train was judged, such as ``2 of 7 shafts``.
+    #: What was not: elements with what is known of them, or an input.
+    not_judged: str | None = None
 
 
 @dataclass(frozen=True)

@@ -1,84 +1,210 @@
-"""The checks at a glance: margin, steady-state stress, start, peaks, reversal, yield, starts.
+"""The checks at a glance: margin, forced response, start, peaks, yield, reversal, starts.
 
-Each verdict is ``pass``, ``accepted by forced response``, ``fail`` or ``not judged``; the worst
-of them is the first row.
+There is a row for every kind of check that the train calls for, also where nothing was entered for it.
+Each says what it covers, and names what it does not: a verdict is that of the elements that were
+judged. The first row is the worst of all.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 
-from engine.case.data import CaseData
+from engine.case.coverage import (
+    calls_for_start,
+    links,
+    listed,
+    shafts,
+    without_peak_limit,
+    without_sn_points,
+    without_yield,
+)
+from engine.case.data import CaseData, ElementRow
 from engine.case.effects import choice_of
-from engine.case.result_words import Judgement, NoNumber, Outcome
+from engine.case.result_words import ACCEPTABLE, Judgement, NoNumber, Outcome
 from engine.fatigue.allowable_starts import AllowableStarts
-from engine.operation.margins import SeparationMargins
-from engine.operation.steady_state import SteadyState
+from engine.fatigue.stress import stress_of_unit_torque
+from engine.operation.margins import MarginRow, SeparationMargins
+from engine.operation.steady_state import STRESS_ROUNDING, SteadyState
 from engine.results.results import Results, Verdict
-from engine.start.reversals import Reversal
+from engine.start.crossings import Crossing
+from engine.start.peaks import ElementPeak
+from engine.start.reversals import Reversal, reversing_elements
 from engine.start.start import Start
-from engine.start.start_fatigue import WHOLE_STARTS
+from engine.start.start_fatigue import WHOLE_STARTS, sn_curve_of
+
+#: Verdicts of checks, the worst first; what is not judged keeps the whole from passing.
+_WORST_FIRST = (
+    Judgement.FAIL,
+    Judgement.UNBOUNDED,
+    Judgement.NOT_JUDGED,
+    Judgement.INCOMPLETE,
+    Judgement.WITHIN_ERROR,
+    Judgement.ACCEPTED,
+    Judgement.PASS,
+)
+#: What a check is overall, where it is another word.
+_OVERALL = {
+    Judgement.UNBOUNDED: Judgement.FAIL,
+    Judgement.NOT_JUDGED: Judgement.INCOMPLETE,
+}
+
+
+#: How the checks that decide are introduced.
+_DECISIVE = {
+    Judgement.FAIL: "see ",
+    Judgement.INCOMPLETE: "not judged, or only in part: ",
+    Judgement.WITHIN_ERROR: "by less than its error: ",
+}
 
 
 def verdicts_of(results: Results) -> tuple[Verdict, ...]:
     """All checks, the overall one first."""
-    case, start, starts = results.case, results.start, results.starts
-    checks = [_margin(results.margins), *_steady(results.steady)]
-    if start is not None:
-        checks += [_outcome(case, start), *_peak_limits(case, start)]
-    checks += [_reversal(r) for r in results.reversals]
-    checks += [*_yield(case, starts), _starts(case, start, starts)]
-    judgements = {c.verdict for c in checks}
-    worst = next(
-        (v for v in (Judgement.FAIL, Judgement.ACCEPTED, Judgement.PASS) if v in judgements),
-        Judgement.NOT_JUDGED,
-    )
-    failing = ", ".join(c.check for c in checks if c.verdict == Judgement.FAIL)
-    where = f"see {failing}" if failing else ""
-    return (Verdict("Overall", None, None, "text", worst, where), *checks)
+    case, start = results.case, results.start
+    checks = [_margin(results.margins), *_steady(case, results.steady)]
+    if calls_for_start(case):
+        checks += [
+            _outcome(case, start, results.crossings),
+            *_peak_torque(case, start),
+            *_yield(case, start),
+            *_reversal(case, start, results.reversals),
+            *_starts(results),
+        ]
+    verdict = overall_verdict(c.verdict for c in checks)
+    decisive = [c.check for c in checks if overall_verdict([c.verdict]) == verdict]
+    where = "" if verdict in ACCEPTABLE else f"{_DECISIVE[verdict]}{', '.join(decisive)}"
+    overall = Verdict("Overall", None, None, "text", verdict, where)
+    return (overall, *map(_without_blanks, checks))
 
 
-def _within(value: float, limit: float) -> Judgement:
-    return Judgement.PASS if value <= limit else Judgement.FAIL
+def _without_blanks(check: Verdict) -> Verdict:
+    return replace(check, coverage=check.coverage or None, not_judged=check.not_judged or None)
+
+
+def overall_verdict(verdicts: Iterable[Judgement]) -> Judgement:
+    """The worst of some verdicts: fail, incomplete, pass within its error, accepted, pass."""
+    found = set(verdicts)
+    worst = next((v for v in _WORST_FIRST if v in found), Judgement.INCOMPLETE)
+    return _OVERALL.get(worst, worst)
+
+
+# --- what a verdict covers ------------------------------------------------------------------------
+
+
+def _covered(judgement: Judgement, open_: str) -> Judgement:
+    """A verdict on a part of what is to be judged."""
+    passes = (Judgement.PASS, Judgement.WITHIN_ERROR, Judgement.ACCEPTED)
+    return Judgement.INCOMPLETE if open_ and judgement in passes else judgement
+
+
+def _share(of: Sequence[object], open_: Sequence[object], what: str) -> str:
+    """How many of some elements are judged, in words; empty where there are none."""
+    return f"{len(of) - len(open_)} of {len(of)} {what}" if of else ""
+
+
+def _within(value: float, limit: float, error: float = 0.0) -> Judgement:
+    """Whether a value is at most its limit; `error` is what it may be larger."""
+    if value > limit:
+        return Judgement.FAIL
+    return Judgement.PASS if value + error <= limit else Judgement.WITHIN_ERROR
+
+
+# --- continuous operation -------------------------------------------------------------------------
 
 
 def _margin(margins: SeparationMargins) -> Verdict:
-    name = "Separation margin"
+    name, open_ = "Separation margin", " ".join(margins.warnings)
     if not margins.rows:
-        return Verdict(name, None, None, "fraction", Judgement.NOT_JUDGED, "")
-    order: dict[str, int] = {Judgement.FAIL: 0, Judgement.ACCEPTED: 1, Judgement.PASS: 2}
-    row = min(margins.rows, key=lambda r: (order.get(r.verdict, 0), r.margin))
+        none = open_ or "No excitation meets an elastic mode."
+        return Verdict(name, None, None, "fraction", Judgement.NOT_JUDGED, "", not_judged=none)
+
+    def badness(row: MarginRow) -> tuple[int, float]:
+        return _WORST_FIRST.index(row.verdict), row.margin
+
+    row = min(margins.rows, key=badness)
+    n_modes = len({r.mode for r in margins.rows})
+    excitations = len({r.excitation for r in margins.rows})
     where = f"mode {row.mode} ({row.mode_frequency:.4g} Hz) against {row.excitation}"
-    return Verdict(name, row.margin, row.required, "fraction", row.verdict, where)
+    return Verdict(
+        name,
+        row.margin,
+        row.required,
+        "fraction",
+        _covered(row.verdict, open_),
+        where,
+        f"{n_modes} modes, {excitations} excitations",
+        row.not_judged or open_,
+    )
 
 
-def _steady(steady: SteadyState) -> Iterator[Verdict]:
-    judged = [r for r in steady.rows if r.allowable is not None]
-    if any(r.verdict == Judgement.UNBOUNDED for r in steady.rows):
-        row = next(r for r in steady.rows if r.verdict == Judgement.UNBOUNDED)
+def _steady(case: CaseData, steady: SteadyState) -> Iterator[Verdict]:
+    unbounded = [r for r in steady.rows if r.verdict == Judgement.UNBOUNDED]
+    if unbounded:
+        row = unbounded[0]
         where = (
             f"{row.excitation} at {row.frequency:.4g} Hz: undamped resonance, response unbounded"
         )
         yield Verdict(
             "Steady-state response", Judgement.UNBOUNDED, None, "text", Judgement.FAIL, where
         )
-    finite = [r for r in judged if r.zero_to_peak_stress is not None]
-    if finite:
-        row = max(finite, key=lambda r: (r.peak_to_peak_stress or 0.0) / (r.allowable or 1.0))
-        peak = row.peak_to_peak_stress
-        if steady.stress_basis == "zero-to-peak":
-            peak = row.zero_to_peak_stress
-        where = f"{row.element}, {row.excitation} at {row.frequency:.4g} Hz"
-        where += f" ({len({r.element for r in judged})} of {len({r.element for r in steady.rows})} "
-        where += "elements have a stress diameter and UTS)"
-        name = f"Steady-state stress ({steady.stress_basis})"
-        yield Verdict(name, peak, row.allowable, "pressure", row.verdict, where)
+    yield from _steady_stress(case, steady)
+    yield from _steady_torque(case, steady)
+
+
+def _open_in_operation(elements: Sequence[ElementRow], steady: SteadyState) -> list[str]:
+    """Elements of which a response is not judged, those with the largest torques first."""
+    without = {r.element for r in steady.rows if r.verdict == Judgement.NOT_JUDGED}
+    known = {r.element for r in steady.rows}
+    return [str(e.element) for e in elements if e.element in without or e.element not in known]
+
+
+def _steady_stress(case: CaseData, steady: SteadyState) -> Iterator[Verdict]:
+    """Shafts, and other elements with a stress diameter, against UTS/25."""
+    members = shafts(case)
+    finite = [r for r in steady.rows if r.allowable and r.zero_to_peak_stress is not None]
+    if not members and not finite:
+        return
+    name = f"Steady-state stress ({steady.stress_basis})"
+    open_ = _open_in_operation(members, steady)
+    coverage, named = _share(members, open_, "shafts"), listed(open_)
+    if not finite:
+        verdict = Judgement.NOT_JUDGED if open_ else Judgement.PASS
+        where = "" if open_ else "every shaft is judged by its Vibratory limit"
+        yield Verdict(name, None, None, "pressure", verdict, where, coverage, named)
+        return
+    is_range = steady.stress_basis != "zero-to-peak"
+    stresses = [
+        (r.peak_to_peak_stress if is_range else r.zero_to_peak_stress) or 0.0 for r in finite
+    ]
+    k = max(range(len(finite)), key=lambda i: stresses[i] / (finite[i].allowable or 1.0))
+    row, allowable = finite[k], finite[k].allowable or 0.0
+    verdict = _covered(_within(stresses[k], allowable * (1.0 + STRESS_ROUNDING)), named)
+    where = f"{row.element}, {row.excitation} at {row.frequency:.4g} Hz"
+    yield Verdict(name, stresses[k], allowable, "pressure", verdict, where, coverage, named)
+
+
+def _steady_torque(case: CaseData, steady: SteadyState) -> Iterator[Verdict]:
+    """Couplings and meshes, and other elements with a Vibratory limit, against it."""
+    members = links(case)
     limited = [r for r in steady.rows if r.torque_limit is not None and r.torque is not None]
-    if limited:
-        row = max(limited, key=lambda r: (r.torque or 0.0) / (r.torque_limit or 1.0))
-        where = f"{row.element}, {row.excitation} at {row.frequency:.4g} Hz"
-        verdict = _within(row.torque or 0.0, row.torque_limit or 0.0)
-        yield Verdict("Vibratory torque", row.torque, row.torque_limit, "torque", verdict, where)
+    if not members and not limited:
+        return
+    name = "Vibratory torque"
+    open_ = _open_in_operation(members, steady)
+    coverage, named = _share(members, open_, "couplings and meshes"), listed(open_)
+    if not limited:
+        verdict = Judgement.NOT_JUDGED if open_ else Judgement.PASS
+        where = "" if open_ else "every coupling and mesh is judged by its stress"
+        yield Verdict(name, None, None, "torque", verdict, where, coverage, named)
+        return
+    row = max(limited, key=lambda r: (r.torque or 0.0) / (r.torque_limit or 1.0))
+    torque, limit = row.torque or 0.0, row.torque_limit or 0.0
+    verdict = _covered(_within(torque, limit * (1.0 + STRESS_ROUNDING)), named)
+    where = f"{row.element}, {row.excitation} at {row.frequency:.4g} Hz"
+    yield Verdict(name, torque, limit, "torque", verdict, where, coverage, named)
+
+
+# --- start ----------------------------------------------------------------------------------------
 
 
 #: Verdict on each outcome of a start, any other is a fail; an asynchronous end is a matter of
@@ -86,70 +212,200 @@ def _steady(steady: SteadyState) -> Iterator[Verdict]:
 OUTCOME_VERDICTS = {
     Outcome.REACHED: Judgement.PASS,
     Outcome.SYNCHRONISED: Judgement.PASS,
+    Outcome.COMPLETED: Judgement.PASS,
     Outcome.NOT_SYNCHRONISED: Judgement.FAIL,
     Outcome.TRIPPED: Judgement.NOT_JUDGED,
     Outcome.ASYNCHRONOUS: Judgement.NOT_JUDGED,
-    Outcome.COMPLETED: Judgement.NOT_JUDGED,
 }
 
 
-def _outcome(case: CaseData, start: Start) -> Verdict:
+def _outcome(case: CaseData, start: Start | None, crossings: Sequence[Crossing]) -> Verdict:
+    """How the start ended; one that ends below a crossing has not shown that mode."""
+    if start is None:
+        none = "No start was calculated: type MotorTorque, or TorqueTime."
+        return Verdict("Start", None, None, "text", Judgement.NOT_JUDGED, "", not_judged=none)
     o = start.outcome
     verdict, wanted = OUTCOME_VERDICTS.get(o.outcome, Judgement.FAIL), Outcome.REACHED
+    if o.outcome == Outcome.COMPLETED:
+        wanted = Outcome.COMPLETED
     if case.field_slip is not None and choice_of(case, "pull-in") != "off":
         wanted = Outcome.SYNCHRONISED
         if o.outcome in (Outcome.REACHED, Outcome.ASYNCHRONOUS):
             where = f"{o.sentence} The start did not reach the slip for field application."
             return Verdict("Start", o.outcome, wanted, "text", Judgement.FAIL, where)
-    return Verdict("Start", o.outcome, wanted, "text", verdict, o.sentence)
+    modes = [c for c in crossings if c.percent_speed is not None]
+    missed = [c for c in modes if c.time is None]
+    open_ = listed(
+        [f"mode {c.mode} ({c.frequency:.4g} Hz) at {c.percent_speed:.1f} % speed" for c in missed]
+    )
+    open_ = open_ and f"not crossed, the start ends before: {open_}"
+    coverage = _share(modes, missed, "crossings")
+    return Verdict(
+        "Start", o.outcome, wanted, "text", _covered(verdict, open_), o.sentence, coverage, open_
+    )
 
 
-def _peak_limits(case: CaseData, start: Start) -> Iterator[Verdict]:
-    limits = {e.element: e.peak_torque_limit for e in case.elements if e.peak_torque_limit}
-    rows = [(p.size, limits[p.element], p.element) for p in start.peaks if p.element in limits]
-    if rows:
-        torque, limit, element = max(rows, key=lambda r: r[0] / (r[1] or 1.0))
-        verdict = _within(torque, limit or 0.0)
-        yield Verdict("Peak torque", torque, limit, "torque", verdict, element)
+def _peaks(start: Start | None) -> dict[str, ElementPeak]:
+    return {} if start is None else {p.element: p for p in start.peaks}
 
 
-def _reversal(r: Reversal) -> Verdict:
-    lowest = None if r.limit is None else -r.limit
-    return Verdict("Torque reversal", r.minimum_torque, lowest, "torque", r.verdict, r.sentence)
+def _uncertainty(start: Start, peak: ElementPeak) -> float:
+    """What the size of a peak may be larger: its error, of a sensitive start its spread. [N m]"""
+    spread = start.sensitivity.spread if start.is_sensitive and start.sensitivity else 0.0
+    return max(peak.error, spread * peak.size)
 
 
-def _yield(case: CaseData, starts: AllowableStarts | None) -> Iterator[Verdict]:
-    strength = {m.material: m.yield_ for m in case.materials}
-    material = {e.element: e.material for e in case.elements}
-    rows = []
-    for shaft in starts.shafts if starts else ():
-        limit = strength.get(material.get(shaft.element))
-        if limit:
-            rows.append((shaft.peak_nominal_stress, 0.5 * limit, shaft.element))
-    if rows:
-        stress, limit, element = max(rows, key=lambda r: r[0] / r[1])
-        verdict = _within(stress, limit)
-        yield Verdict("Shear yield in the start", stress, limit, "pressure", verdict, element)
+def _with_peaks(case: CaseData, start: Start | None, names: Iterable[str]) -> list[str]:
+    """Elements with their peak torque over the rated one where that is known, the largest first."""
+    rated, ratios, peaks = case.ratings.rated_torque, case.element_speed_ratios, _peaks(start)
+    sizes = {name: peaks[name].size * ratios[name] if name in peaks else 0.0 for name in names}
+    ordered = sorted(sizes, key=lambda name: -sizes[name])
+    if not rated:
+        return ordered
+    return [
+        f"{name}, peak {sizes[name] / rated:.2f} × rated" if name in peaks else name
+        for name in ordered
+    ]
 
 
-def _starts(case: CaseData, start: Start | None, starts: AllowableStarts | None) -> Verdict:
+def _peak_torque(case: CaseData, start: Start | None) -> Iterator[Verdict]:
+    """Couplings and meshes, and other elements with a Peak torque limit, against it."""
+    members, peaks = links(case), _peaks(start)
+    limits = {
+        str(e.element): e.peak_torque_limit
+        for e in case.elements
+        if e.peak_torque_limit and e.element in peaks
+    }
+    if not members and not limits:
+        return
+    open_ = without_peak_limit(case)
+    coverage = _share(members, open_, "couplings and meshes")
+    named = listed(_with_peaks(case, start, open_))
+    name = "Peak torque"
+    if start is None or not limits:
+        yield Verdict(name, None, None, "torque", Judgement.NOT_JUDGED, "", coverage, named)
+        return
+    worst = max(limits, key=lambda e: peaks[e].size / limits[e])
+    size = peaks[worst].size
+    verdict = _within(size, limits[worst], _uncertainty(start, peaks[worst]))
+    yield Verdict(
+        name, size, limits[worst], "torque", _covered(verdict, named), worst, coverage, named
+    )
+
+
+def _yield(case: CaseData, start: Start | None) -> Iterator[Verdict]:
+    """Nominal stress of the start against half the tensile yield (maximum shear theory)."""
+    members, peaks = shafts(case), _peaks(start)
+    strength = {m.material: m.yield_ for m in case.materials if m.yield_}
+    judged = {
+        str(e.element): (stress_of_unit_torque(e), 0.5 * float(strength[e.material] or 0.0))
+        for e in case.elements
+        if e.stress_diameter and e.material in strength and e.element in peaks
+    }
+    if not members and not judged:
+        return
+    open_ = without_yield(case)
+    coverage = _share(members, open_, "shafts")
+    named = listed(_with_peaks(case, start, open_))
+    name = "Shear yield in the start"
+    if start is None or not judged:
+        verdict = Judgement.NOT_JUDGED if start is None or open_ else Judgement.PASS
+        where = "every shaft is judged by its Peak torque limit" if verdict == "pass" else ""
+        yield Verdict(name, None, None, "pressure", verdict, where, coverage, named)
+        return
+    stress = {e: per_torque * peaks[e].size for e, (per_torque, _) in judged.items()}
+    worst = max(stress, key=lambda e: stress[e] / judged[e][1])
+    error = judged[worst][0] * _uncertainty(start, peaks[worst])
+    verdict = _covered(_within(stress[worst], judged[worst][1], error), named)
+    yield Verdict(
+        name, stress[worst], judged[worst][1], "pressure", verdict, worst, coverage, named
+    )
+
+
+def _reversal(
+    case: CaseData, start: Start | None, reversals: Sequence[Reversal]
+) -> Iterator[Verdict]:
+    """Gear meshes and geared couplings against their Reversal limit."""
+    wanted, name = reversing_elements(case), "Torque reversal"
+    if not wanted:
+        return
+    if start is None or not reversals:
+        names = [str(case.elements[i].element) for i in wanted]
+        coverage = _share(wanted, wanted, "meshes and geared couplings")
+        verdict = Judgement.NOT_JUDGED
+        yield Verdict(name, None, None, "torque", verdict, "", coverage, listed(names))
+        return
+
+    def badness(r: Reversal) -> tuple[int, float]:
+        return _WORST_FIRST.index(r.verdict), r.minimum_torque / (r.limit or 1.0)
+
+    row = min(reversals, key=badness)
+    open_ = [r.element for r in reversals if r.verdict == Judgement.NOT_JUDGED]
+    lowest = None if row.limit is None else -row.limit
+    verdict = row.verdict
+    if verdict == Judgement.NOT_JUDGED and len(open_) < len(reversals):
+        verdict = Judgement.INCOMPLETE
+    coverage = _share(reversals, open_, "meshes and geared couplings")
+    yield Verdict(
+        name, row.minimum_torque, lowest, "torque", verdict, row.sentence, coverage, listed(open_)
+    )
+
+
+def _starts(results: Results) -> Iterator[Verdict]:
+    """Allowable starts of the judged shafts against StartsRequired."""
+    case, start, starts = results.case, results.start, results.starts
+    members = shafts(case)
+    judged = [] if starts is None else [s.element for s in starts.shafts]
+    if not members and not judged:
+        return
     required = case.starts_required
+    open_ = without_sn_points(case)
+    coverage = _share(members, open_, "shafts")
+    missing = [listed(_with_peaks(case, start, open_))] if open_ else []
     result: float | str | None = None
     verdict, where = Judgement.NOT_JUDGED, ""
-    if start is None or starts is None or not starts.shafts:
+    if start is None or starts is None or not judged:
         pass
     elif start.outcome.outcome not in WHOLE_STARTS:
         where = f"incomplete start: {start.outcome.outcome}"
-    elif starts.judged_starts is None:
-        result = NoNumber.UNLIMITED.value
-        if required is not None:
-            verdict = Judgement.PASS
     else:
-        result, where = starts.judged_starts, starts.governing or ""
-        if required is not None:
-            verdict = _within(required, starts.judged_starts)
-        above = [s.element for s in starts.shafts if s.above_first_point]
-        if above and verdict == Judgement.PASS:
+        verdict = Judgement.PASS
+        if starts.judged_starts is None:
+            result, where = NoNumber.UNLIMITED.value, ""
+        else:
+            result, where = starts.judged_starts, starts.governing or ""
+            if required is not None:
+                error = dict(results.starts_error).get(where) or 0.0
+                verdict = _within(required, result, required * error)
+        where = "; ".join(filter(None, (where, _undamaged(case, starts))))
+        if required is None:
             verdict = Judgement.NOT_JUDGED
-            where = f"{where}; cycles above the first S-N point: {above[0]}"
-    return Verdict("Allowable starts", result, required, "count", verdict, where)
+            missing.append("StartsRequired is blank")
+        above = [s.element for s in starts.shafts if s.above_first_point]
+        if above and verdict != Judgement.FAIL:
+            verdict = Judgement.NOT_JUDGED
+            missing.append(f"cycles above the first S-N point: {above[0]}")
+    named = "; ".join(missing)
+    yield Verdict(
+        "Allowable starts",
+        result,
+        required,
+        "count",
+        _covered(verdict, named),
+        where,
+        coverage,
+        named,
+    )
+
+
+def _undamaged(case: CaseData, starts: AllowableStarts) -> str:
+    """Shafts without damage, and how near to the endurance limit they come; empty if there are none."""
+    material = {e.element: e.material for e in case.elements}
+    without = [s for s in starts.shafts if s.damage == 0.0]
+    limits = [sn_curve_of(case, material[s.element]).endurance for s in without]
+    shares = [s.largest_amplitude / x for s, x in zip(without, limits, strict=True) if x]
+    if not without:
+        return ""
+    names = listed([s.element for s in without])
+    reach = f" (amplitude at most {max(shares):.0%} of the endurance limit)" if shares else ""
+    return f"no damage: {names}{reach}"

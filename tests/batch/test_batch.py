@@ -133,7 +133,7 @@ def test_the_summary_has_a_row_a_file_in_order(whole):
     row = done.loc["train 7.xlsx"]
     # the paper: 30, 53 and 86 Hz; 2.0 times rated torque; several hundred starts
     assert [round(row[f"Mode {n} [Hz]"]) for n in (1, 2, 3)] == [30, 53, 86]
-    assert row["Verdict"] == "fail, 1 not judged"  # the reversal: no limit is given
+    assert row["Verdict"] == "fail"
     assert row["Tag"] == "T-0"
     assert row["Worst margin [%]"] == pytest.approx(0.0, abs=0.01)
     assert len(row["Inputs, SHA-256 of the case"]) == 64
@@ -158,7 +158,8 @@ def test_its_numbers_are_those_of_the_results(whole):
         size * 1.3558179483314004, rel=1e-9
     )
     header, *starts = tables["AllowableStarts"]
-    allowed = min(s[header.index("Allowable starts")] for s in starts if s[0])
+    numbers = [s[header.index("Allowable starts")] for s in starts if s[0]]
+    allowed = min(number for number in numbers if number != "unlimited")
     assert row["Allowable starts [count]"] == math.floor(allowed)
     header, *reversals = tables["TorqueReversals"]
     most = max(r[header.index("Reversals")] for r in reversals if r[0])

@@ -120,7 +120,7 @@ def test_writing_twice_gives_the_same_bytes(written: Path, tmp_path: Path) -> No
 def test_the_chosen_element_is_drawn(retyped: SaveReport) -> None:
     labels = {row["Key"]: row["Text"] for row in rows_of(retyped.path, "ChartLabels")}
     assert labels["History title 1"] == "Mesh: tangential tooth load"
-    assert labels["History title 2"] == "Pinion shaft: torque"
+    assert labels["History title 2"] == "Pinion shaft: nominal shear stress"
     assert labels["History title 3"] == "HP compressor shaft: nominal shear stress"
 
 

@@ -118,7 +118,7 @@ _CHANGED = Trace(f"Case × e^(μ + σ z), {_LEAST}", _MAP, (), _ALL)
 _ENDS = "Change at ± 1.96 posterior deviations of ln p"
 _LEAST_MARGIN = "|f − f_exc|/f_exc, the least over all excitations and continuous speeds"
 _REQUIRED = "20 % calculated, 10 % measured, or MarginRequired"
-_VERDICT = "pass if margin ≥ required; accepted if every judged stress is within UTS/25"
+_VERDICT = "As in SeparationMargins"
 _SPEEDS = ("MinimumSpeed", "MaximumSpeed", "Excitations.Order", "Excitations.Frequency")
 _BASIS = ("MarginBasis", "MarginRequired")
 
@@ -249,7 +249,7 @@ _RESULTS: tuple[TableSpec, ...] = (
                 of_case=_BASIS, format=shown.ONE_DECIMAL,
             ),
             verdict(
-                "Verdict before", "pass, accepted by forced response or fail.", _VERDICT, STEADY,
+                "Verdict before", "pass, accepted by forced response, not judged or fail.", _VERDICT, STEADY,
                 of_row=("CalibratedMargins.Margin before", "CalibratedMargins.Required before"),
             ),
             number(
@@ -267,7 +267,7 @@ _RESULTS: tuple[TableSpec, ...] = (
                 of_row=("CalibratedFrequencies.Known",), of_case=_BASIS, format=shown.ONE_DECIMAL,
             ),
             verdict(
-                "Verdict", "pass, accepted by forced response or fail.", _VERDICT, STEADY,
+                "Verdict", "pass, accepted by forced response, not judged or fail.", _VERDICT, STEADY,
                 of_row=("CalibratedMargins.Margin", "CalibratedMargins.Required"),
             ),
         ),

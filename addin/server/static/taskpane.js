@@ -40,7 +40,7 @@ function number(value) {
 
 function verdictClass(text) {
   if (/^(fail|no$)/i.test(text)) return "fail";
-  if (/^accepted/i.test(text)) return "accepted";
+  if (/^(accepted|pass within)/i.test(text)) return "accepted";
   return /^pass/i.test(text) ? "pass" : "";
 }
 

@@ -17,6 +17,7 @@ from engine.errors import CaseError, TorsionError
 from engine.fatigue.stress import stress_of_unit_torque
 from engine.model.excitation import transmitted_torque
 from engine.results.results import Results, Verdict
+from engine.results.verdicts import overall_verdict
 from engine.run import run
 from engine.start.crossings import Crossing
 from engine.start.start_fatigue import is_counted
@@ -33,9 +34,7 @@ class KeyAnswers:
     modes: tuple[float, ...]  #: Elastic modes, `MODES` at most. [Hz]
     worst_margin: float | None  #: Least separation margin; None where none could be judged. [1]
     margin_where: str  #: Its mode and excitation.
-    margin_verdict: (
-        Judgement  #: ``pass``, ``accepted by forced response``, ``fail`` or ``not judged``.
-    )
+    margin_verdict: Judgement  #: Of the check of separation margins.
     #: Modes inside the forbidden band of an excitation. [count, name]
     too_near: tuple[tuple[int, str], ...]
     outcome: str  #: How the start ended, or ``calculated`` without one.
@@ -71,12 +70,8 @@ class KeyAnswers:
 
     @property
     def verdict(self) -> str:
-        """The worst of the checks: ``fail``, ``accepted by forced response``, ``pass`` or ``not judged``."""
-        judgements = {c.verdict for c in self.checks}
-        return next(
-            (v for v in (Judgement.FAIL, Judgement.ACCEPTED, Judgement.PASS) if v in judgements),
-            Judgement.NOT_JUDGED,
-        )
+        """The worst of the checks, as the overall verdict of a calculation."""
+        return overall_verdict(c.verdict for c in self.checks)
 
     @property
     def governing(self) -> Crossing | None:

@@ -32,12 +32,15 @@ MARGIN_CHECK = "Separation margin"
 _MEGAPASCAL, _NEWTON_METRE = DisplayUnit("MPa", 1e6), DisplayUnit("N m", 1.0)
 #: Changes smaller than this share are reported as "as is". [1]
 SAME = 0.005
-#: Margins kept by themselves, accepted, not kept; a case without excitations keeps them.
+#: Margins kept by themselves, or those that are known; accepted; not kept and not wholly judged; not
+#: kept. Without excitations all are alike.
 _MARGIN_TIERS: dict[str, int] = {
     Judgement.PASS: 0,
-    Judgement.NOT_JUDGED: 0,
+    Judgement.WITHIN_ERROR: 0,
+    Judgement.INCOMPLETE: 0,
     Judgement.ACCEPTED: 1,
-    Judgement.FAIL: 2,
+    Judgement.NOT_JUDGED: 2,
+    Judgement.FAIL: 3,
 }
 
 Merit = tuple[float, ...]
@@ -67,7 +70,7 @@ def merit(tried: EvaluatedCombination) -> Merit:
         # a negative number of starts, or a positive torque: a study counts starts or it does not,
         # except where a start was not completed, which rule 2 has set apart
         starts = peak if a.starts is None else -a.starts
-    tier = _MARGIN_TIERS.get(a.margin_verdict, 2)
+    tier = _MARGIN_TIERS[a.margin_verdict]
     return (0.0, float(not a.whole), float(len(a.broken)), float(tier), starts, -margin, peak)
 
 
@@ -179,9 +182,10 @@ def _limits(a: KeyAnswers) -> str:
         names = [f"{n} ({near})" if n == MARGIN_CHECK else n for n in dict.fromkeys(a.broken)]
         many = "limit" if len(a.broken) == 1 else "limits"
         return f"Violates {len(a.broken)} {many}: {', '.join(names)}."
-    unjudged = dict.fromkeys(c.check for c in a.checks if c.verdict == Judgement.NOT_JUDGED)
+    open_ = (Judgement.NOT_JUDGED, Judgement.INCOMPLETE)
+    unjudged = dict.fromkeys(c.check for c in a.checks if c.verdict in open_)
     unjudged.pop(MARGIN_CHECK, None)
-    unjudged_words = f"Not judged: {', '.join(unjudged)}." if unjudged else ""
+    unjudged_words = f"Not wholly judged: {', '.join(unjudged)}." if unjudged else ""
     limits_kept = "Meets all judged limits" if unjudged else "Meets all limits"
     if not near:
         limits_kept += "; no separation margin was judged."

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-from sample_case import sample_case
+from sample_case import sample_case, with_limits
 
 from engine.case.case import Case
 from engine.case.data import ElementRow, ExcitationRow, LoadTorqueRow, StationRow
@@ -53,34 +53,70 @@ def test_margins_and_forced_response_are_missing_where_it_is_said(given):
 
 
 def test_a_complete_case_answers_everything():
-    case = sample_case("modified", starts_required=100)
-    said = ("No verdict on a torque reversal: no element has a Reversal limit.",)
-    assert missing_inputs(case) == said
+    case = with_limits(sample_case("modified"))
+    assert missing_inputs(case) == ()
+    results = run(case)
+    assert results.verdicts[0].verdict == "accepted by forced response"
+    assert {v.not_judged for v in results.verdicts} == {None}
+
+
+def without(case: Case, element: str, **columns) -> Case:
+    elements = (replace(e, **columns) if e.element == element else e for e in case.elements)
+    return replace(case, elements=tuple(elements))
+
+
+@pytest.mark.parametrize(
+    ("element", "columns", "checks", "said"),
+    [
+        ("HS coupling", {"peak_torque_limit": None}, ("Peak torque",), ("Peak torque not judged",)),
+        (
+            "HS coupling",
+            {"vibratory_limit": None},
+            ("Separation margin", "Vibratory torque"),
+            ("Not judged in continuous operation",),
+        ),
+        ("Mesh", {"reversal_limit": None}, ("Torque reversal",), ("A torque reversal, if",)),
+        (
+            "Gear shaft",
+            {"stress_diameter": None, "material": None, "scf": None},
+            ("Steady-state stress (peak-to-peak)", "Shear yield in the start", "Allowable starts"),
+            (
+                "Not judged in continuous operation",
+                "Shear yield in the start not judged",
+                "Allowable starts not judged",
+            ),
+        ),
+    ],
+)
+def test_what_is_missing_is_what_the_verdicts_do_not_judge(element, columns, checks, said):
+    case = without(with_limits(sample_case("modified")), element, **columns)
+    found = missing_inputs(case)
+    assert [sentence.startswith(words) for sentence, words in zip(found, said, strict=True)]
+    assert all(f" {element}." in sentence for sentence in found)
+    results = run(case)
+    assert results.verdicts[0].verdict == "incomplete"
+    open_ = {v.check: v for v in results.verdicts[1:] if v.not_judged}
+    assert set(open_) == {*checks, *(open_.keys() & {"Separation margin"})}
+    assert all(element in v.not_judged for v in open_.values())
+    assert {v.verdict for v in open_.values()} <= {"incomplete", "not judged"}
+    assert all(v.where or v.verdict == "not judged" for v in open_.values())
 
 
 def judged(case: Case) -> dict[str, str]:
     return {row.check: row.verdict for row in run(case).verdicts}
 
 
-def test_what_a_start_needs_besides_the_motor():
-    whole = sample_case("modified", starts_required=100)
-    limited = tuple(replace(e, reversal_limit=1e6) for e in whole.elements)
-    bare = tuple(replace(e, stress_diameter=None, material=None, scf=None) for e in limited)
+def test_what_a_start_needs_besides_limits():
+    whole = with_limits(sample_case("modified"))
     for change, said in (
-        ({}, ()),
-        ({"starts_required": None}, ("StartsRequired is blank",)),
-        ({"sn_points": ()}, ("No allowable starts: no element with a Stress diameter has points",)),
-        (
-            {"elements": bare},
-            ("No stress judged", "No allowable starts: no element has a Stress diameter"),
-        ),  # fmt: skip
-        ({"motor_torque": ()}, ("No start: tables MotorTorque and TorqueTime are empty",)),
+        ({"starts_required": None}, "StartsRequired is blank"),
+        ({"sn_points": ()}, "Allowable starts not judged: Motor shaft; Gear shaft; "),
+        ({"motor_torque": ()}, "No start: tables MotorTorque and TorqueTime are empty"),
     ):
-        case = replace(whole, **({"elements": limited} | change))
-        found = missing_inputs(case)
-        assert len(found) == len(said), found
-        assert all(words in one for words, one in zip(said, found, strict=True))
+        case = replace(whole, **change)
+        (found,) = missing_inputs(case)
+        assert said in found
         verdicts = judged(case)
-        assert (verdicts["Allowable starts"] == "not judged") == bool(said)
-        assert ("Start" in verdicts) == bool(case.motor_torque)
-        assert any("stress" in check for check in verdicts) != ("elements" in change)
+        assert verdicts["Overall"] == "incomplete"
+        assert verdicts["Allowable starts"] == "not judged"
+        assert (verdicts["Start"] == "pass") == bool(case.motor_torque)

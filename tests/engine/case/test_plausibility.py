@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-from sample_case import sample_case
+from sample_case import sample_case, with_limits
 
 from engine.case.data import CaseData, MeshRow
 from engine.case.plausibility import implausible
@@ -48,7 +48,7 @@ def test_slips_of_units_are_told():
 
 
 def test_a_margin_is_not_accepted_where_no_load_is_known():
-    case = sample_case("modified")
+    case = with_limits(sample_case("modified"))
     assert {r.verdict for r in run(case).margins.rows} == {"pass", "accepted by forced response"}
     unloaded = run(replace(case, load_torque=()))
     assert "accepted by forced response" not in {r.verdict for r in unloaded.margins.rows}

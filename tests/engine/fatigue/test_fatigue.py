@@ -310,7 +310,7 @@ def test_below_the_endurance_limit_nothing_is_counted():
     assert (shaft.damage, shaft.allowable_starts, shaft.unlimited) == (0.0, None, True)
     assert (shaft.starts_low, shaft.starts_high, shaft.paper_starts) == (None, None, None)
     assert (shaft.counted, shaft.cycles.range.size) == (False, 0)
-    assert "no cycle is counted" in shaft.notes[0]
+    assert shaft.notes == ()  # good news is no note
     assert shaft.starts_error is None
 
 
@@ -389,9 +389,9 @@ def test_a_blank_yield_is_not_judged():
 
 def test_notes_of_the_line_come_first():
     line = sn_curve_for(MaterialRow(material="steel", basis="bending"), TWO_POINTS)
-    shaft = shaft_fatigue(SHAFT, [1.0], line, STEEL)
+    shaft = shaft_fatigue(SHAFT, np.array([2000.0]) * MPA, line, STEEL)
     assert shaft.notes[:2] == line.notes
-    assert len(shaft.notes) == 3
+    assert len(shaft.notes) > 2
 
 
 # --- the train ------------------------------------------------------------------------------------

@@ -1,7 +1,7 @@
 """Separation margins, their verdicts and the interference diagram."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -20,7 +20,6 @@ from engine.model.excitation import (
 )
 from engine.model.modes import modes_of
 from engine.operation.margins import interference, percent_speed, separation_margins
-from engine.operation.steady_state import judge
 from engine.run import at_speed
 
 RPM = math.pi / 30.0
@@ -344,42 +343,6 @@ def test_a_train_without_elastic_modes_has_no_margins():
     margins = margins_of(case)
     assert margins.rows == ()
     assert margins.worst is None
-
-
-# --- verdicts -------------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class Judged:
-    mode: int | None
-    excitation: str
-    verdict: str
-
-
-@pytest.mark.parametrize(
-    ("verdicts", "expected"),
-    [
-        ([], Judgement.FAIL),
-        (["pass"], Judgement.ACCEPTED),
-        (["pass", "not judged"], Judgement.ACCEPTED),
-        (["not judged"], Judgement.FAIL),
-        (["pass", "fail"], Judgement.FAIL),
-        (["pass", "unbounded"], Judgement.FAIL),
-    ],
-)
-def test_what_the_forced_response_can_excuse(verdicts, expected):
-    case = two_disks(55.0, excitations=(ExcitationRow("x", frequency=50.0),))
-    margins = margins_of(case)
-    response = [Judged(1, "x", v) for v in verdicts]
-    response += [Judged(None, "x", "fail"), Judged(2, "x", "fail"), Judged(1, "y", "fail")]
-    assert [r.verdict for r in judge(margins, response).rows] == [expected]
-
-
-def test_a_kept_margin_passes_whatever_the_response():
-    case = two_disks(90.0, excitations=(ExcitationRow("x", frequency=50.0),))
-    assert [r.verdict for r in judge(margins_of(case), [Judged(1, "x", "fail")]).rows] == [
-        Judgement.PASS
-    ]
 
 
 # --- interference diagram -------------------------------------------------------------------------

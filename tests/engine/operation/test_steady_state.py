@@ -22,8 +22,9 @@ from engine.model.build_train import build_train
 from engine.model.excitation import excitations_of
 from engine.model.modal_train import ModalTrain
 from engine.model.modes import modal_damping, modes_of, natural_modes, stated_damping
+from engine.operation.acceptance import judge, mode_parts
 from engine.operation.margins import separation_margins
-from engine.operation.steady_state import harmonic_response, judge, steady_state
+from engine.operation.steady_state import harmonic_response, steady_state
 
 
 def respond(case, omega, loads, **kwargs):
@@ -54,7 +55,7 @@ def run(case):
     margins = separation_margins(case, train, modes, excitations)
     damping = modal_damping(case, train, modes)
     steady = steady_state(case, ModalTrain(train, modes, damping), excitations, margins)
-    return judge(margins, steady.rows), steady
+    return judge(margins, steady.rows, mode_parts(case, train, modes)), steady
 
 
 # --- closed forms ---------------------------------------------------------------------------------
@@ -376,11 +377,12 @@ def test_frequency_zero_of_a_free_train():
 
 
 def test_the_sample_in_continuous_operation():
-    """Proposed fails at 30 Hz; what the modified design misses at 69 Hz the response excuses."""
+    """Proposed fails at 30 Hz; of what the modified design misses at 69 Hz one shaft shows nothing."""
     margins, steady = run(sample_case("proposed"))
     assert {r.verdict for r in margins.not_kept} == {Judgement.FAIL}
     margins, steady = run(sample_case("modified"))
-    assert {r.verdict for r in margins.not_kept} == {Judgement.ACCEPTED}
+    assert {r.verdict for r in margins.not_kept} == {Judgement.NOT_JUDGED}
+    assert all((r.not_judged or "").startswith("LS coupling (66%") for r in margins.not_kept)
     assert len(margins.not_kept) == 2
     assert steady.stress_basis == "peak-to-peak"
     assert steady.warnings == ()

@@ -13,9 +13,9 @@ from engine.operation.steady_state import SteadyStateRow
 from engine.results.results import Results, Verdict
 from engine.results.tables import result_tables
 from engine.results.times import accuracy_of
-from engine.results.verdicts import verdicts_of
+from engine.results.verdicts import overall_verdict, verdicts_of
 from engine.run import run
-from tests.sample_case import sample_case
+from tests.sample_case import sample_case, with_limits
 
 MPA = 1e6
 #: Nearer to its limit than the first, though the smaller of the two.
@@ -58,31 +58,36 @@ def test_the_peak_nearest_to_its_limit_is_judged(results: Results) -> None:
     assert found.verdict == Judgement.FAIL
 
 
-@pytest.mark.parametrize(("second", "verdict"), [(99.0, Judgement.PASS), (101.0, Judgement.FAIL)])
+@pytest.mark.parametrize(
+    ("second", "verdict"), [(99.0, Judgement.INCOMPLETE), (101.0, Judgement.FAIL)]
+)
 def test_shear_yields_at_half_the_tensile_yield(
     results: Results, second: float, verdict: Judgement
 ) -> None:
-    """Maximum shear theory: 150 of 400/2 MPa, and a smaller stress of 200/2 MPa."""
-    assert results.starts is not None
-    (shaft,) = results.starts.shafts
+    """Maximum shear theory: 150 of 400/2 MPa, and a smaller stress of 200/2 MPa; 2 of 6 shafts."""
+    assert results.start is not None
     case = results.case
     soft = replace(case.materials[0], material="soft steel", yield_=200.0 * MPA)
     elements = tuple(
-        replace(e, material="soft steel", stress_diameter=0.1) if e.element == SECOND else e
+        replace(e, material="soft steel", stress_diameter=0.07) if e.element == SECOND else e
         for e in case.elements
     )
     strong = replace(case.materials[0], yield_=400.0 * MPA)
     both = replace(case, elements=elements, materials=(strong, soft))
-    shafts = (
-        replace(shaft, peak_nominal_stress=150.0 * MPA),
-        replace(shaft, element=SECOND, peak_nominal_stress=second * MPA),
+    torque_of_stress = math.pi * 0.07**3 / 16.0
+    stress = {FIRST: 150.0 * MPA, SECOND: second * MPA}
+    peaks = tuple(
+        replace(p, maximum=stress[p.element] * torque_of_stress, minimum=0.0, error=0.0)
+        for p in results.start.peaks
+        if p.element in stress
     )
     found = check(
-        replace(results, case=both, starts=replace(results.starts, shafts=shafts)),
+        replace(results, case=both, start=replace(results.start, peaks=peaks)),
         "Shear yield in the start",
     )
-    assert (found.result, found.limit) == (second * MPA, pytest.approx(100.0 * MPA))
-    assert (found.where, found.verdict) == (SECOND, verdict)
+    assert found.result == pytest.approx(second * MPA)
+    assert found.limit == pytest.approx(100.0 * MPA)
+    assert (found.where, found.verdict, found.coverage) == (SECOND, verdict, "2 of 6 shafts")
 
 
 def steady(results: Results, basis: str) -> Results:
@@ -141,3 +146,137 @@ def test_the_row_of_a_peak_by_hand(results: Results) -> None:
         16.0 * 4000.0 / (math.pi * 0.07**3), rel=1e-12
     )
     assert row["percent_speed"] == pytest.approx(0.75, rel=1e-12)
+
+
+# --- what a verdict covers ------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def complete() -> Results:
+    """The modified design, which every check judges."""
+    return run(with_limits(sample_case("modified")))
+
+
+def test_every_kind_of_check_has_one_row_also_without_any_limit(
+    results: Results, complete: Results
+) -> None:
+    bare = sample_case("proposed")
+    shaft = {"stress_diameter": None, "scf": None, "material": None}
+    bare = replace(bare, elements=tuple(replace(e, **shaft) for e in bare.elements))
+    names = [v.check for v in complete.verdicts]
+    assert names == [v.check for v in run(bare).verdicts] == [v.check for v in results.verdicts]
+    assert names == [
+        "Overall", "Separation margin", "Steady-state stress (peak-to-peak)", "Vibratory torque",
+        "Start", "Peak torque", "Shear yield in the start", "Torque reversal", "Allowable starts",
+    ]  # fmt: skip
+    assert run(bare).verdicts[0].verdict == Judgement.FAIL  # its margin
+    assert all((v.coverage or "").startswith("0 of ") for v in run(bare).verdicts[5:])
+
+
+def test_a_train_that_is_wholly_judged_covers_all_of_it(complete: Results) -> None:
+    coverage = [v.coverage for v in complete.verdicts]
+    assert coverage == [
+        None, "10 modes, 6 excitations", "6 of 6 shafts", "4 of 4 couplings and meshes",
+        "3 of 3 crossings", "4 of 4 couplings and meshes", "6 of 6 shafts",
+        "1 of 1 meshes and geared couplings", "6 of 6 shafts",
+    ]  # fmt: skip
+    assert complete.verdicts[0].verdict == Judgement.ACCEPTED
+
+
+def test_couplings_without_limits_are_named_with_their_peaks(results: Results) -> None:
+    """V2: the peak over the rated torque at motor speed, the largest first."""
+    assert results.start is not None
+    found = check(results, "Peak torque")
+    assert found.verdict == Judgement.NOT_JUDGED
+    peak = next(p for p in results.start.peaks if p.element == "HS coupling")
+    over = 5.6 * peak.size / 58400.0
+    assert (found.not_judged or "").startswith(f"HS coupling, peak {over:.2f} × rated; Mesh, peak ")
+
+
+def test_unlimited_starts_of_one_shaft_are_not_those_of_the_train(complete: Results) -> None:
+    """V2: five of six shafts have no diameter."""
+    case = complete.case
+    alone = {"stress_diameter": None, "scf": None, "material": None}
+    elements = tuple(
+        e if e.element in ("Gear shaft", "Mesh") or e.kind == "coupling" else replace(e, **alone)
+        for e in case.elements
+    )
+    results = run(Case(**(vars(case) | {"elements": elements})))
+    found = check(results, "Allowable starts")
+    assert (found.result, found.verdict) == ("unlimited", Judgement.INCOMPLETE)
+    assert found.coverage == "1 of 6 shafts"
+    assert found.where.startswith("no damage: Gear shaft (amplitude at most ")
+    assert "LP shaft, drive end, peak 1." in (found.not_judged or "")
+    assert results.verdicts[0].verdict == Judgement.INCOMPLETE
+
+
+def test_a_start_that_ends_below_a_crossing_does_not_pass(complete: Results) -> None:
+    """V3: EndSpeed 40 %: the crossings at 42.5, 67.5 and 82.5 % speed are not reached."""
+    slow = Case(**(vars(complete.case) | {"end_speed": 0.4 * 60.0 * math.pi}))
+    found = check(run(slow), "Start")
+    assert (found.result, found.verdict) == ("reached", Judgement.INCOMPLETE)
+    assert found.coverage == "0 of 3 crossings"
+    for words in ("mode 1 (21 Hz) at 82.5 % speed", "mode 2 (39 Hz) at 67.5 %", "mode 3 (69 Hz)"):
+        assert words in (found.not_judged or "")
+
+
+@pytest.mark.parametrize(
+    ("error", "verdict"), [(9.0, Judgement.PASS), (11.0, Judgement.WITHIN_ERROR)]
+)
+def test_a_peak_nearer_to_its_limit_than_its_error_says_so(
+    complete: Results, error: float, verdict: Judgement
+) -> None:
+    assert complete.start is not None
+    mesh = next(e.peak_torque_limit for e in complete.case.elements if e.element == "Mesh")
+    assert mesh is not None
+    peaks = tuple(
+        replace(p, maximum=mesh - 10.0, minimum=0.0, error=error) if p.element == "Mesh" else p
+        for p in complete.start.peaks
+    )
+    changed_results = replace(complete, start=replace(complete.start, peaks=peaks))
+    assert check(changed_results, "Peak torque").verdict == verdict
+    overall = Judgement.ACCEPTED if verdict == Judgement.PASS else Judgement.WITHIN_ERROR
+    assert verdicts_of(changed_results)[0].verdict == overall
+
+
+@pytest.mark.parametrize(
+    ("error", "verdict"), [(0.049, Judgement.PASS), (0.051, Judgement.WITHIN_ERROR)]
+)
+def test_starts_nearer_to_those_required_than_their_error_say_so(
+    complete: Results, error: float, verdict: Judgement
+) -> None:
+    """Required 95.2 % of the allowable ones: 5 % less are still enough."""
+    assert complete.starts is not None
+    assert complete.starts.judged_starts is not None
+    required = complete.starts.judged_starts / 1.05
+    near = replace(complete.case, starts_required=required)
+    errors = ((FIRST, error),)
+    found = check(replace(complete, case=near, starts_error=errors), "Allowable starts")
+    assert found.verdict == verdict
+
+
+def test_without_a_start_its_checks_are_there_and_not_judged() -> None:
+    found = run(replace(with_limits(sample_case("modified")), motor_torque=())).verdicts
+    open_ = {v.check: v.not_judged for v in found if v.verdict == Judgement.NOT_JUDGED}
+    assert set(open_) == {
+        "Start", "Peak torque", "Shear yield in the start", "Torque reversal", "Allowable starts",
+    }  # fmt: skip
+    assert "type MotorTorque" in (open_["Start"] or "")
+    assert found[0].verdict == Judgement.INCOMPLETE
+
+
+@pytest.mark.parametrize(
+    ("words", "overall"),
+    [
+        (["pass", "fail", "not judged"], Judgement.FAIL),
+        (["pass", "unbounded"], Judgement.FAIL),
+        (["pass", "not judged", "accepted by forced response"], Judgement.INCOMPLETE),
+        (["pass", "incomplete", "pass within its error"], Judgement.INCOMPLETE),
+        (["pass", "accepted by forced response", "pass within its error"], Judgement.WITHIN_ERROR),
+        (["pass", "accepted by forced response"], Judgement.ACCEPTED),
+        (["pass"], Judgement.PASS),
+        ([], Judgement.INCOMPLETE),
+    ],
+)
+def test_the_overall_verdict_is_the_worst(words: list[str], overall: Judgement) -> None:
+    assert overall_verdict(Judgement(word) for word in words) == overall

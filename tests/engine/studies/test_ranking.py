@@ -104,7 +104,7 @@ def test_equals_are_ordered_by_what_was_chosen_whatever_the_order_of_rows() -> N
         (GOOD, "Meets all limits (least separation margin: mode 1 (24 Hz) against 1× motor: 25 %)."),
         (
             replace(GOOD, checks=(KEPT, replace(STRESS, verdict="not judged"))),
-            f"against 1× motor: 25 %). Not judged: {STRESS.check}.",
+            f"against 1× motor: 25 %). Not wholly judged: {STRESS.check}.",
         ),
         (GOOD, "5,000 starts (2.5 × as is)"),
         (replace(GOOD, starts=436.6), "436 starts"),

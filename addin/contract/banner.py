@@ -1,0 +1,68 @@
+"""The banner: the overall verdict in words, with its counts, as a formula and as a function."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+
+from engine.case.result_words import Judgement
+
+#: Verdicts of checks that were not made, or on a part of what they are for.
+OPEN = (Judgement.NOT_JUDGED, Judgement.INCOMPLETE)
+
+
+def _count(words: str) -> str:
+    """How many checks have a verdict; the row of the overall verdict is not a check."""
+    return f'COUNTIFS(Verdicts[Verdict],"{words}",Verdicts[Check],"<>Overall")'
+
+
+_ALL = _count("?*")
+_FAILED = f"{_count('fail*')}+{_count('unbounded*')}"
+_OPEN = f"{_count('not judged*')}+{_count('incomplete*')}"
+_WITHIN_ERROR = _count("pass within*")
+#: How many notes there are.
+NOTES = 'COUNTIF(Audit[Item],"Warning *")'
+#: The banner as a formula of the spreadsheet; `headline` gives the same words.
+OVERALL = (
+    f'=IF({_ALL}=0,"NOT CALCULATED",'
+    f'IF({_FAILED}>0,"FAIL: "&({_FAILED})&" of "&{_ALL}&" checks",'
+    f'IF({_OPEN}>0,"INCOMPLETE: "&({_OPEN})&" of "&{_ALL}&" checks not judged, or only in part",'
+    f'IF({_WITHIN_ERROR}>0,"PASS WITHIN ITS ERROR: "&{_WITHIN_ERROR}&" of "&{_ALL}&" checks",'
+    f"IF({_count('accepted*')}>0,"
+    f'"ACCEPTED (margin by forced response): all "&{_ALL}&" checks",'
+    f'"PASS: all "&{_ALL}&" checks"))))'
+    f'&IF({NOTES}=0,"",", "&{NOTES}&IF({NOTES}=1," note"," notes")))'
+)
+
+
+def headline(verdicts: Sequence[str], notes: int) -> str:
+    """The banner, as `OVERALL` calculates it.
+
+    Parameters
+    ----------
+    verdicts : sequence of str
+        Of the checks, without the overall one.
+    notes : int
+        How many notes there are. [count]
+
+    Returns
+    -------
+    str
+        Such as ``PASS: all 7 checks, 2 notes``. [words]
+    """
+    count, total = Counter(verdicts), len(verdicts)
+    failed = count[Judgement.FAIL] + count[Judgement.UNBOUNDED]
+    open_ = sum(count[word] for word in OPEN)
+    if not total:
+        return "NOT CALCULATED"
+    if failed:
+        words = f"FAIL: {failed} of {total} checks"
+    elif open_:
+        words = f"INCOMPLETE: {open_} of {total} checks not judged, or only in part"
+    elif within := count[Judgement.WITHIN_ERROR]:
+        words = f"PASS WITHIN ITS ERROR: {within} of {total} checks"
+    elif count[Judgement.ACCEPTED]:
+        words = f"ACCEPTED (margin by forced response): all {total} checks"
+    else:
+        words = f"PASS: all {total} checks"
+    return words + (f", {notes} note{'s' if notes > 1 else ''}" if notes else "")

@@ -1,0 +1,49 @@
+"""The banner of sheet Summary in a real spreadsheet program, and the same words in the JSON."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+from made_up_run import SOURCE, STAMP, made_up_run
+
+from addin.contract.banner import headline
+from addin.writing.workbook import write_results
+from tests.opened import opened
+
+P, A, W = "pass", "accepted by forced response", "pass within its error"
+F, I, N, U = "fail", "incomplete", "not judged", "unbounded"
+
+
+@pytest.mark.parametrize(
+    ("verdicts", "notes", "words"),
+    [
+        ((P, P, P), 0, "PASS: all 3 checks"),
+        pytest.param((P, A), 1, "ACCEPTED (margin by forced response): all 2 checks, 1 note",
+                     marks=pytest.mark.slow),
+        pytest.param((P, A, W), 9, "PASS WITHIN ITS ERROR: 1 of 3 checks, 9 notes",
+                     marks=pytest.mark.slow),
+        pytest.param((P, A, W, I, N), 8,
+                     "INCOMPLETE: 2 of 5 checks not judged, or only in part, 8 notes",
+                     marks=pytest.mark.slow),
+        pytest.param((P, F, U, N), 2, "FAIL: 2 of 4 checks, 2 notes", marks=pytest.mark.slow),
+    ],
+)  # fmt: skip
+def test_banner_and_headline_say_the_same(
+    verdicts: tuple[str, ...], notes: int, words: str, tmp_path: Path, soffice: Any
+) -> None:
+    run = made_up_run()
+    checks = [{"check": f"Check {k}", "verdict": word} for k, word in enumerate(verdicts)]
+    overall = {"check": "Overall", "verdict": "of no matter"}
+    audit = [{"item": f"Warning {k + 1}", "value": f"Note {k + 1}."} for k in range(notes)]
+    tables = {**run.tables, "Verdicts": [overall, *checks], "Audit": audit}
+    write_results(SOURCE, tmp_path / "out.xlsx", replace(run, tables=tables), STAMP)
+    sheet = opened(soffice.convert(tmp_path / "out.xlsx", outdir=tmp_path / "seen"))["Summary"]
+    assert sheet["B9"].value == headline(verdicts, notes) == words
+    lines = [sheet[f"H{row}"].value or "" for row in range(28, 36)]
+    shown = [f"Note {k + 1}." for k in range(notes)] or ["None."]
+    if notes > 8:
+        shown = [*shown[:7], f"And {notes - 7} more notes: see sheet Audit."]
+    assert [line for line in lines if line] == shown
