@@ -95,7 +95,7 @@ def run(case: CaseData, on_stage: Callable[[str], None] | None = None) -> Result
         reversals = torque_reversals(case, planned.model.train, start, start.contacts)
         if planned.plan.sweep:
             with stage("crossings"):
-                crossings = crossings_of(case, analysis.reported, start)
+                crossings = crossings_of(case, analysis.reported, start, planned.model)
         measured = with_times(planned.plan, measured_times(planned.plan, spent))
         plans = (*planned.plans[:-1], measured)
     else:

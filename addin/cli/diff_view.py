@@ -50,7 +50,7 @@ def _table(title: str, *headers: str, right: Collection[int] = ()) -> Table:
 
 
 def _colour(verdict: str) -> str:
-    if verdict.startswith(("fail", "unbounded")):
+    if verdict.startswith(("fail", "unbounded", "check")):
         return "red"
     return "green" if verdict == "pass" else "yellow" if verdict else ""
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 from engine.case.result_words import Judgement
 
@@ -25,21 +26,25 @@ NOTES = 'COUNTIF(Audit[Item],"Warning *")'
 #: The banner as a formula of the spreadsheet; `headline` gives the same words.
 OVERALL = (
     f'=IF({_ALL}=0,"NOT CALCULATED",'
+    'IF(COUNTIFS(Verdicts[Verdict],"check*",Verdicts[Check],"Overall")>0,'
+    '"CHECK THE INPUTS: "&INDEX(Verdicts[Where],MATCH("Overall",Verdicts[Check],0)),'
     f'IF({_FAILED}>0,"FAIL: "&({_FAILED})&" of "&{_ALL}&" checks",'
     f'IF({_OPEN}>0,"INCOMPLETE: "&({_OPEN})&" of "&{_ALL}&" checks not judged, or only in part",'
     f'IF({_WITHIN_ERROR}>0,"PASS WITHIN ITS ERROR: "&{_WITHIN_ERROR}&" of "&{_ALL}&" checks",'
     f"IF({_count('accepted*')}>0,"
     f'"ACCEPTED (margin by forced response): all "&{_ALL}&" checks",'
-    f'"PASS: all "&{_ALL}&" checks"))))'
+    f'"PASS: all "&{_ALL}&" checks")))))'
     f'&IF({NOTES}=0,"",", "&{NOTES}&IF({NOTES}=1," note"," notes")))'
 )
 
 
-def headline(verdicts: Sequence[str], notes: int) -> str:
+def headline(overall: Mapping[str, Any], verdicts: Sequence[str], notes: int) -> str:
     """The banner, as `OVERALL` calculates it.
 
     Parameters
     ----------
+    overall : mapping
+        The overall row: keys ``verdict`` and ``where``.
     verdicts : sequence of str
         Of the checks, without the overall one.
     notes : int
@@ -55,7 +60,9 @@ def headline(verdicts: Sequence[str], notes: int) -> str:
     open_ = sum(count[word] for word in OPEN)
     if not total:
         return "NOT CALCULATED"
-    if failed:
+    if overall["verdict"] == Judgement.CHECK_INPUTS:
+        words = f"CHECK THE INPUTS: {overall['where']}"
+    elif failed:
         words = f"FAIL: {failed} of {total} checks"
     elif open_:
         words = f"INCOMPLETE: {open_} of {total} checks not judged, or only in part"

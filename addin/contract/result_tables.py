@@ -475,10 +475,18 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 "Least torque of a gear mesh in the same window", f"{REVERSALS}, Figure 7",
                 us="lbf*ft", of_case=START, format=shown.SIGNED, error=ReportedError.PEAKS,
             ),
+            number(
+                "Amplification", "ratio", "Largest amplitude of the mode over the static one of the pulsating torque.",
+                "max |ω² q|, demodulated with the phase of 2 × slip over two cycles, / φ T_pulsating at that "
+                "instant; with clearances half the torque range of the governing element over its static torque",
+                f"docs/method.md, Crossings; {PHILOSOPHY}",
+                of_row=("StartupCrossings.Pulsating torque",), of_case=START, format=shown.ONE_DECIMAL,
+                error=ReportedError.PEAKS,
+            ),
             sentence(
                 "Note", "Assessment of the crossing.",
-                "Build-up limited by sweep rate or by damping: undamped sweep 3.68 √(f²/ḟ), steady "
-                "resonance 1/2ζ; ratio of pulsating to average torque; reversal",
+                "Amplification in this start beside those of dwelling at the resonance, 1/2ζ, and of a sweep "
+                "without damping, 3.68 √(f²/ḟ); ratio of pulsating to average torque; reversal",
                 f"{PHILOSOPHY}; Lewis, Trans. ASME 54 (1932) 253",
                 of_row=(
                     "StartupCrossings.Sweep rate", "NaturalFrequencies.Damping ratio",

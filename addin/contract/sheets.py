@@ -62,7 +62,7 @@ FACT_LINES: tuple[tuple[str, str, str, str, str, float], ...] = (
     (
         "Start-up",
         "B4",
-        "O4",
+        "P4",
         _said(
             'IF(run_Outcome="","No start was calculated: neither motor torque nor torque against '
             'time is given on sheet Torque.",run_Outcome&IF(COUNT(StartupCrossings[Mode])=0,'
@@ -206,7 +206,7 @@ SHEETS: tuple[Sheet, ...] = (
     Sheet(
         "Start-up",
         "result",
-        {"A": 1.5, "B": 20, "C:J": 10.4, "K": 20, "L:N": 10.4, "O": 52},
+        {"A": 1.5, "B": 20, "C:J": 10.4, "K": 20, "L:O": 10.4, "P": 52},
         {"StartupCrossings": "B5", "StartupPeaks": f"B{9 + CROSSING_ROWS}"},
         (
             ChartAt("speed-time", f"K{9 + CROSSING_ROWS}", 736, 304),

@@ -174,7 +174,7 @@ def _about(side: ComparedFile) -> dict[str, str]:
 def _colours(page: Any, formats: _Formats, first: int, last: int, left: int, right: int) -> None:
     for words, style in (("pass within", formats.fair), ("pass", formats.good),
                          ("accepted", formats.fair), ("fail", formats.bad),
-                         ("unbounded", formats.bad), ("incomplete", formats.fair),
+                         ("unbounded", formats.bad), ("check", formats.bad), ("incomplete", formats.fair),
                          ("not judged", formats.fair)):  # fmt: skip
         rule = {"type": "text", "criteria": "begins with", "value": words, "format": style}
         page.conditional_format(first, left, max(first, last), right, rule)

@@ -19,6 +19,7 @@ _TONES = {
     Judgement.ACCEPTED: "fair",
     Judgement.FAIL: "bad",
     Judgement.UNBOUNDED: "bad",
+    Judgement.CHECK_INPUTS: "bad",
     "differs": "bad",
     Judgement.INCOMPLETE: "open",
     Judgement.NOT_JUDGED: "open",

@@ -154,6 +154,7 @@ class Frames:
             ("begins with", "accepted", "cf_accepted"),
             ("begins with", "fail", "cf_fail"),
             ("begins with", "unbounded", "cf_fail"),
+            ("begins with", "check", "cf_fail"),
             ("begins with", "incomplete", "cf_open"),
             ("begins with", "not judged", "cf_open"),
         ):

@@ -184,7 +184,7 @@ def typed_over(workbook: Workbook, same_version: bool) -> Iterator[Finding]:
 #: What the overall verdict may say.
 _VERDICT = re.compile(
     r"(PASS|PASS WITHIN ITS ERROR|FAIL|INCOMPLETE): (all )?\d+ (of \d+ )?checks.*|"
-    r"ACCEPTED \(margin by .*|NOT CALCULATED"
+    r"ACCEPTED \(margin by .*|CHECK THE INPUTS: .*|NOT CALCULATED"
 )
 
 

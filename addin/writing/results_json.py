@@ -71,11 +71,13 @@ def results_to_json(run: Calculation, version: str) -> dict[str, Any]:
 
 def _overall(run: Calculation) -> dict[str, str]:
     """The overall verdict, and the banner of sheet Summary."""
-    verdicts = [str(row["verdict"]) for row in run.tables.get("Verdicts", ())]
-    if not verdicts:
+    rows = run.tables.get("Verdicts", ())
+    if not rows:
         return {}
-    overall, *checks = verdicts
-    return {"overall": overall, "headline": headline(checks, len(run.warnings))}
+    overall, *checks = rows
+    verdicts = [str(row["verdict"]) for row in checks]
+    words = headline(overall, verdicts, len(run.warnings))
+    return {"overall": str(overall["verdict"]), "headline": words}
 
 
 def table_rows(name: str, rows: Iterable[Mapping[str, Any]]) -> list[dict[str, Any]]:

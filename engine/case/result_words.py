@@ -20,6 +20,8 @@ class Judgement(StrEnum):
     #: What was judged is within its limits, but a part was not judged.
     INCOMPLETE = "incomplete"
     NOT_JUDGED = "not judged"
+    #: Of a whole calculation: a result that no train has, so there is no verdict.
+    CHECK_INPUTS = "check the inputs"
 
 
 #: Overall verdicts that a train may be accepted by.

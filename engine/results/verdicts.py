@@ -26,6 +26,7 @@ from engine.fatigue.allowable_starts import AllowableStarts
 from engine.fatigue.stress import stress_of_unit_torque
 from engine.operation.margins import MarginRow, SeparationMargins
 from engine.operation.steady_state import STRESS_ROUNDING, SteadyState
+from engine.results.implausible_results import implausible_results
 from engine.results.results import Results, Verdict
 from engine.start.crossings import Crossing
 from engine.start.peaks import ElementPeak
@@ -70,6 +71,10 @@ def verdicts_of(results: Results) -> tuple[Verdict, ...]:
             *_reversal(case, start, results.reversals),
             *_starts(results),
         ]
+    if implausible := implausible_results(results):
+        where = "; ".join(one.finding for one in implausible)
+        overall = Verdict("Overall", None, None, "text", Judgement.CHECK_INPUTS, where)
+        return (overall, *map(_without_blanks, checks))
     verdict = overall_verdict(c.verdict for c in checks)
     decisive = [c.check for c in checks if overall_verdict([c.verdict]) == verdict]
     where = "" if verdict in ACCEPTABLE else f"{_DECISIVE[verdict]}{', '.join(decisive)}"

@@ -12,24 +12,44 @@ from engine.case.defaults import DEFAULT_TOLERANCE_STARTS
 from engine.case.plausibility import implausible
 from engine.case.result_words import Outcome
 from engine.model.motor import motors_of
+from engine.results.implausible_results import (
+    INERTIA_CONSTANT,
+    LOWEST_MODE,
+    RUN_UP,
+    implausible_results,
+    inertia_constant,
+)
 from engine.results.results import Results
 from engine.start.start import Start
 from engine.start.start_fatigue import judged_shafts
 
 #: A first mode below this frequency, and a start longer than this, look like a wrong unit. [Hz, s]
 LOW_FREQUENCY, LONG_START = 1.0, 60.0
+#: An inertia constant above this is unusual. [s]
+LARGE_INERTIA = 10.0
 #: Plans of one run: each new one adds a clearance, and more than these are never seen.
 MAX_PLANS = 5
 
 
 def warnings_of(results: Results) -> Iterator[str]:
     """What a reader must know beside the numbers."""
+    yield from (one.sentence for one in implausible_results(results))
     yield from implausible(results.case)
+    yield from _unusual_inertia(results)
     yield from results.margins.warnings
     yield from results.steady.warnings
     yield from _start_warnings(results)
     yield from _inaccurate_starts(results)
     yield from _pulling_teeth(results)
+
+
+def _unusual_inertia(results: Results) -> Iterator[str]:
+    constant = inertia_constant(results.case, results.train)
+    if constant is not None and LARGE_INERTIA < constant <= INERTIA_CONSTANT[1]:
+        yield (
+            f"The inertia constant H = {constant:.3g} s is unusual (1 to 5 s). Check the unit of inertias "
+            "(J, WR², GD²), the speed ratios and the rated power."
+        )
 
 
 def _unstable_feedback(results: Results) -> Iterator[str]:
@@ -55,7 +75,7 @@ def _start_warnings(results: Results) -> Iterator[str]:
     """About modes, the plan, the start and its fatigue."""
     case, modes, start, starts = results.case, results.modes, results.start, results.starts
     first = modes.elastic_frequency[:1]
-    if len(first) and first[0] < LOW_FREQUENCY:
+    if len(first) and LOWEST_MODE <= first[0] < LOW_FREQUENCY:
         yield (
             f"The first torsional mode at {first[0]:.3g} Hz is unusually low. Check the units of "
             "stiffnesses and inertias."
@@ -72,7 +92,7 @@ def _start_warnings(results: Results) -> Iterator[str]:
         yield "No motor torque curve and no prescribed torque: no start was calculated."
         return
     tripped = start.outcome.outcome == Outcome.TRIPPED  # its time is that of the coast-down
-    if start.outcome.time > LONG_START and start.runup is not None and not tripped:
+    if LONG_START < start.outcome.time <= RUN_UP[1] and start.runup is not None and not tripped:
         yield (
             f"The start takes {start.outcome.time:.0f} s; most take less than {LONG_START:.0f} s. "
             "Check inertias and torques."

@@ -19,6 +19,8 @@ module            responsibility
 `simulation`      one simulation of a start at one step, and what is read out of it
 `start`           the start: average and pulsating torque against the loads, from rest to the end
                   speed
+`amplification`   how far a mode was built up where 2 × slip crossed it, against what the pulsation
+                  does statically
 `crossings`       where the falling 2 × slip line crosses each mode during the start, and what
                   happens there
 `prescribed`      a case without a motor: the train under the torques of table `TorqueTime` alone

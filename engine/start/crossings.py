@@ -17,13 +17,18 @@ from engine.case.data import CaseData
 from engine.case.defaults import NOTABLE_REVERSAL
 from engine.fatigue.stress import stress_of_unit_torque
 from engine.model.modal_train import ModalTrain
+from engine.model.motor import motors_of
 from engine.operation.margins import percent_speed
+from engine.operation.steady_state import modal_element_torque
+from engine.start.amplification import modal_amplitude, modal_torque
 from engine.start.start import Start
 
 #: A mode within this share of twice line frequency is excited by the initial shock (the paper).
 INITIAL_SHOCK_ZONE = 0.10
 #: Response to a sweep begins to build at this multiple of the natural frequency.
 WINDOW_BEGINS = 1.1
+#: A reduction by less than this share is none. [1]
+NOTABLE_REDUCTION = 0.02
 #: Lewis' undamped sweep: amplification = 3.68 √(f²/ḟ) (case A06, closed form). [1]
 LEWIS_FACTOR = 3.67773
 
@@ -49,13 +54,34 @@ class Crossing:
     #: Its nominal stress range, where it has a stress diameter. [Pa]
     peak_to_peak_stress: float | None = None
     mesh_minimum_torque: float | None = None  #: Lowest mesh torque in that window. [N m]
+    #: Largest amplitude of the mode in that window over the static one of the pulsating torque then;
+    #: with clearances the same of the governing element's torque. None where it cannot be seen. [1]
+    amplification: float | None = None
     note: str = ""  #: The reasons, in words.
 
 
-def crossings_of(case: CaseData, modal: ModalTrain, start: Start) -> tuple[Crossing, ...]:
+def crossings_of(
+    case: CaseData, modal: ModalTrain, start: Start, model: ModalTrain | None = None
+) -> tuple[Crossing, ...]:
     """Crossings of a start by the falling 2 × slip frequency, in rising frequency.
 
     Empty where the speed of the motor or of its field is not known.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+    modal : ModalTrain
+        The train whose modes are reported. [SI]
+    start : Start
+        The start. [SI]
+    model : ModalTrain, optional
+        The train the start was calculated with, where it is another one. [SI]
+
+    Returns
+    -------
+    tuple of Crossing
+        One a mode below twice line frequency. [SI]
     """
     modes, damping = modal.modes, modal.damping
     runup, line_frequency = start.runup, case.ratings.line_frequency
@@ -69,6 +95,8 @@ def crossings_of(case: CaseData, modal: ModalTrain, start: Start) -> tuple[Cross
         if modes.frequency[r] <= highest and modes.twists[r]
     ]
     frequencies = [float(modes.frequency[r]) for r in below]
+    # elastic torques are all of a mode only where nothing else holds energy
+    is_modal = not start.contacts and not modal.train.bodies and (model is None or model is modal)
     crossings = []
     for i, r in enumerate(below):
         f = frequencies[i]
@@ -93,14 +121,53 @@ def crossings_of(case: CaseData, modal: ModalTrain, start: Start) -> tuple[Cross
                 acceleration=acceleration,
                 sweep_rate=2.0 * line_frequency * acceleration / synchronous_speed,
             )
+            grown = _amplification(case, modal, start, (crossing, r), window, is_modal)
+            crossing = replace(crossing, amplification=grown)
         lowest, largest = (
             crossing.mesh_minimum_torque,
             max((p.size for p in start.peaks), default=0.0),
         )
         reverses = None if lowest is None else lowest < -NOTABLE_REVERSAL * largest
-        note = _note(crossing, float(damping.ratio[r]), line_frequency, reverses)
+        note = _note(crossing, float(damping.ratio[r]), line_frequency, reverses, is_modal)
         crossings.append(replace(crossing, note=note))
     return tuple(crossings)
+
+
+def _amplification(
+    case: CaseData,
+    modal: ModalTrain,
+    start: Start,
+    of: tuple[Crossing, int],
+    window: tuple[float, float] | None,
+    is_modal: bool,
+) -> float | None:
+    """Amplification of a crossing, a mode with its index; see `Crossing.amplification`."""
+    crossing, mode = of
+    synchronous, motors = case.ratings.synchronous_speed, motors_of(case, modal.train)
+    if window is None or crossing.time is None or not synchronous or not motors:
+        return None
+    history = start.trajectory
+
+    def speed_at(time: float) -> float:
+        return float(np.interp(time, history.time, history.mean_speed))
+
+    if is_modal:
+        now = speed_at(crossing.time)
+        driving = max(motors, key=lambda m: modal_torque((m,), modal, mode, now))
+        found = modal_amplitude(start, driving, modal, mode, window)
+        if found is None:
+            return None
+        static = modal_torque(motors, modal, mode, speed_at(found[1]))
+        return found[0] / static if static > 0.0 else None
+    static = modal_torque(motors, modal, mode, speed_at(crossing.time))
+    index = next(
+        (i for i, e in enumerate(case.elements) if e.element == crossing.governing_element), None
+    )
+    if index is None or crossing.peak_to_peak_torque is None or static == 0.0:
+        return None
+    of_mode = float(modal_element_torque(modal.train, modal.modes)[index, mode])
+    reference = static * of_mode / float(modal.modes.omega[mode]) ** 2
+    return 0.5 * crossing.peak_to_peak_torque / reference if reference > 0.0 else None
 
 
 def _passing(start: Start, speed: float) -> float | None:
@@ -161,8 +228,10 @@ def _response(case: CaseData, start: Start, window: tuple[float, float] | None) 
     }
 
 
-def _note(p: Crossing, ratio: float, line_frequency: float, reverses: bool | None) -> str:
-    """The paper's reasons in words."""
+def _note(
+    p: Crossing, ratio: float, line_frequency: float, reverses: bool | None, is_modal: bool
+) -> str:
+    """What happened at the crossing, and the paper's reasons in words."""
     notes = []
     if p.frequency >= 2.0 * line_frequency * (1.0 - INITIAL_SHOCK_ZONE):
         notes.append(
@@ -177,21 +246,7 @@ def _note(p: Crossing, ratio: float, line_frequency: float, reverses: bool | Non
     assert sweep is not None
     assert average is not None
     assert pulsating is not None
-    steady = 1.0 / (2.0 * ratio) if ratio > 0.0 else math.inf
-    swept = LEWIS_FACTOR * p.frequency / math.sqrt(sweep) if sweep > 0.0 else math.inf
-    if swept < 0.8 * steady:
-        notes.append(
-            f"Sweep of {sweep:.1f} Hz/s limits the build-up to at most {swept:.0f} × static (steady "
-            f"resonance {steady:.0f} ×): faster acceleration reduces it further."
-        )
-    elif math.isfinite(steady):
-        notes.append(
-            f"Sweep of {sweep:.1f} Hz/s: undamped limit {swept:.0f} × static, steady resonance "
-            f"{steady:.0f} ×. The build-up stays below both; faster acceleration and more damping "
-            "reduce it."
-        )
-    else:
-        notes.append("No damping and no sweep: the build-up is not limited.")
+    notes.append(_built_up(p, ratio, sweep, is_modal))
     notes.append(
         f"Pulsating torque is {pulsating / average:.0%} of the average torque at the crossing."
         if average > 0.0
@@ -200,3 +255,33 @@ def _note(p: Crossing, ratio: float, line_frequency: float, reverses: bool | Non
     if reverses is not None:
         notes.append("Mesh torque reverses." if reverses else "Mesh torque stays positive.")
     return " ".join(notes)
+
+
+def _built_up(p: Crossing, ratio: float, sweep: float, is_modal: bool) -> str:
+    """Amplification in this start beside those of dwelling and of a sweep without damping."""
+    dwelling = 1.0 / (2.0 * ratio) if ratio > 0.0 else math.inf
+    undamped = LEWIS_FACTOR * p.frequency / math.sqrt(sweep) if sweep > 0.0 else math.inf
+    beside = [
+        f"{value:.3g} × {words}"
+        for value, words in (
+            (dwelling, "dwelling at the resonance"),
+            (undamped, "swept without damping"),
+        )
+        if math.isfinite(value)
+    ]
+    values = f" ({', '.join(beside)})" if beside else ""
+    at = f"Sweep of {sweep:.1f} Hz/s: "
+    if p.amplification is None:
+        return f"{at}the amplification in this start cannot be seen{values}."
+    if not is_modal:
+        return (
+            f"{at}amplification {p.amplification:.3g} × static as the ratio of peaks, since clearances or "
+            f"bearings couple the modes{values}."
+        )
+    text = f"{at}amplification {p.amplification:.3g} × static in this start{values}."
+    if not math.isfinite(dwelling):
+        return f"{text} Acceleration alone limits it."
+    taken = 1.0 - p.amplification / dwelling
+    if taken < NOTABLE_REDUCTION:
+        return f"{text} Acceleration makes no difference here: damping limits it."
+    return f"{text} Acceleration takes {taken:.0%} off the resonance."

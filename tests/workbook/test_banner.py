@@ -28,6 +28,8 @@ F, I, N, U = "fail", "incomplete", "not judged", "unbounded"
         pytest.param((P, A, W, I, N), 8,
                      "INCOMPLETE: 2 of 5 checks not judged, or only in part, 8 notes",
                      marks=pytest.mark.slow),
+        pytest.param((P, F), 1, "CHECK THE INPUTS: start of 0.03 s, 1 note",
+                     marks=pytest.mark.slow),
         pytest.param((P, F, U, N), 2, "FAIL: 2 of 4 checks, 2 notes", marks=pytest.mark.slow),
     ],
 )  # fmt: skip
@@ -36,12 +38,14 @@ def test_banner_and_headline_say_the_same(
 ) -> None:
     run = made_up_run()
     checks = [{"check": f"Check {k}", "verdict": word} for k, word in enumerate(verdicts)]
-    overall = {"check": "Overall", "verdict": "of no matter"}
+    gross = words.removeprefix("CHECK THE INPUTS: ").removesuffix(", 1 note")
+    word = "check the inputs" if gross != words else "of no matter"
+    overall = {"check": "Overall", "verdict": word, "where": gross}
     audit = [{"item": f"Warning {k + 1}", "value": f"Note {k + 1}."} for k in range(notes)]
     tables = {**run.tables, "Verdicts": [overall, *checks], "Audit": audit}
     write_results(SOURCE, tmp_path / "out.xlsx", replace(run, tables=tables), STAMP)
     sheet = opened(soffice.convert(tmp_path / "out.xlsx", outdir=tmp_path / "seen"))["Summary"]
-    assert sheet["B9"].value == headline(verdicts, notes) == words
+    assert sheet["B9"].value == headline(overall, verdicts, notes) == words
     lines = [sheet[f"H{row}"].value or "" for row in range(28, 36)]
     shown = [f"Note {k + 1}." for k in range(notes)] or ["None."]
     if notes > 8:

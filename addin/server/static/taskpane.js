@@ -39,7 +39,7 @@ function number(value) {
 }
 
 function verdictClass(text) {
-  if (/^(fail|no$)/i.test(text)) return "fail";
+  if (/^(fail|check|no$)/i.test(text)) return "fail";
   if (/^(accepted|pass within)/i.test(text)) return "accepted";
   return /^pass/i.test(text) ? "pass" : "";
 }

@@ -1,0 +1,120 @@
+"""How far a mode was built up where 2 × slip crossed it, against what the pulsation does statically.
+
+The modal coordinate follows from the elastic torques: ω² q = Σ row twist × torque, because modes are
+orthogonal in strain energy. Demodulated with the phase of the pulsation, θ' = 2 × slip, it leaves the
+amplitude that the pulsation drives; mean torque and other frequencies average out over a window of
+whole cycles. Amplification = the largest amplitude over φ T, the modal torque of the pulsation at that
+instant (both times 1/ω² as angles).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.interpolate import CubicHermiteSpline
+
+from engine.arrays import Floats
+from engine.model.modal_train import ModalTrain
+from engine.model.motor import Motor
+from engine.start.start import Start
+
+#: The amplitude is a mean over so many cycles of the pulsation, weighted by a raised cosine: as few as
+#: leave neither mean torque nor twice the frequency. [count]
+CYCLES = 2
+#: Points of the demodulation in one cycle.
+POINTS = 32
+#: Fewer samples than these in a cycle do not show it.
+LEAST_SAMPLES = 3.0
+#: Below this share of the largest modal torque that the motors could have, they stand at a node.
+AT_NODE = 1e-6
+
+
+def modal_torque(motors: Sequence[Motor], modal: ModalTrain, mode: int, speed: float) -> float:
+    """Modal torque of the pulsation at a speed of the reference shaft.
+
+    Parameters
+    ----------
+    motors : sequence of Motor
+        Motors, each with its phase. [SI]
+    modal : ModalTrain
+        The train and its modes. [SI]
+    mode : int
+        Mode, rigid ones counted. [index]
+    speed : float
+        Speed of the reference shaft. [rad/s]
+
+    Returns
+    -------
+    float
+        |Σ φ T e^{iα}|; 0 where the motors stand at a node of the mode. [N m/√(kg m²)]
+    """
+    train, shape = modal.train, modal.modes.shape
+    total, largest = 0j, 0.0
+    for m in motors:
+        torque = float(m.pulsating(speed * train.speed_ratio[m.station] / m.synchronous_speed))
+        at = shape[train.node_dof[m.station]] * train.node_scale[m.station]
+        total += float(at[mode]) * torque * complex(math.cos(m.phase), math.sin(m.phase))
+        largest += float(np.max(np.abs(at))) * abs(torque)
+    return abs(total) if abs(total) > AT_NODE * largest else 0.0
+
+
+def modal_amplitude(
+    start: Start, motor: Motor, modal: ModalTrain, mode: int, window: tuple[float, float]
+) -> tuple[float, float] | None:
+    """Largest demodulated amplitude of ω² q of a mode within a window, and when it occurs.
+
+    Parameters
+    ----------
+    start : Start
+        A start without clearances, calculated with `modal`. [SI]
+    motor : Motor
+        The motor that pulsates. [SI]
+    modal : ModalTrain
+        The train and its modes. [SI]
+    mode : int
+        Mode, rigid ones counted. [index]
+    window : tuple of float
+        When the mode responds. [s]
+
+    Returns
+    -------
+    amplitude, time : tuple of float, or None
+        None where the window has fewer than `CYCLES` cycles, or too few samples were kept.
+        [N m/√(kg m²), s]
+    """
+    train, history = modal.train, start.trajectory
+    inside = (history.time >= window[0]) & (history.time <= window[1])
+    inside &= np.diff(history.time, prepend=-1.0) > 0.0  # of two at one time the first
+    time = history.time[inside]
+    if len(time) < LEAST_SAMPLES * CYCLES:
+        return None
+    rate = 2.0 * motor.pole_pairs * motor.synchronous_speed - (
+        2.0
+        * motor.pole_pairs
+        * float(train.speed_ratio[motor.station])
+        * history.mean_speed[inside]
+    )
+    phase = np.concatenate([[0.0], np.cumsum(0.5 * (rate[1:] + rate[:-1]) * np.diff(time))])
+    cycles = float(phase[-1]) / (2.0 * math.pi)
+    if cycles < CYCLES or len(time) < LEAST_SAMPLES * cycles or np.any(rate <= 0.0):
+        return None
+    rows = train.element_rows
+    elastic = train.stiffness[rows] > 0.0
+    weight = (
+        modal.modes.row_twist[rows, mode] * train.orientation[train.row_element[rows]] * elastic
+    )
+    coordinate = CubicHermiteSpline(
+        time,
+        weight @ history.torque[: len(rows), inside],
+        weight @ history.torque_rate[: len(rows), inside],
+    )
+    even = np.arange(0.0, phase[-1], 2.0 * math.pi / POINTS)
+    when = np.interp(even, phase, time)
+    hann: Floats = np.hanning(CYCLES * POINTS + 1)
+    envelope = np.abs(
+        np.convolve(coordinate(when) * np.exp(-1j * even), 2.0 * hann / hann.sum(), mode="valid")
+    )
+    k = int(np.argmax(envelope))
+    return float(envelope[k]), float(when[k + CYCLES * POINTS // 2])
