@@ -12,8 +12,9 @@ from engine.case.case import Case
 from engine.model.build_train import build_train
 from engine.model.load import loads_of
 from engine.model.modal_train import ModalTrain
-from engine.model.modes import ModalDamping, Modes, modal_damping, modes_of, natural_modes
+from engine.model.modes import ModalDamping, Modes, modal_damping, modes_of
 from engine.model.motor import motors_of
+from engine.model.subdivision import natural_modes
 from engine.model.train import Train
 from engine.start.settings import settings_of
 from engine.start.simulation import simulate

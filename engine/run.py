@@ -134,7 +134,8 @@ def _at_speed(case: CaseData, stage: Stage) -> tuple[ModalAnalysis, AtSpeed]:
         damping = analysis.reported.damping
     with stage("separation margins"):
         excitations = excitations_of(case, train)
-        margins = separation_margins(case, train, modes, excitations)
+        reach = analysis.subdivided.accurate_up_to
+        margins = separation_margins(case, train, modes, excitations, reach)
         diagram = interference(case, modes, excitations)
     with stage("steady state"):
         steady = steady_state(case, analysis.reported, excitations, margins)
@@ -149,6 +150,7 @@ def _at_speed(case: CaseData, stage: Stage) -> tuple[ModalAnalysis, AtSpeed]:
         nodes=nodes_of(train, modes),
         segments=analysis.subdivided.segments,
         frequency_error=error,
+        accurate_up_to=analysis.subdivided.accurate_up_to,
         damping=damping,
         eigenvalues=damped_eigenvalues(train, modes) if damping.neglected > 0.0 else None,
         excitations=excitations,

@@ -9,7 +9,7 @@ import numpy as np
 from engine.case.case import Case
 from engine.case.data import ElementRow, LoadTorqueRow, MotorTorqueRow, StationRow
 from engine.model.modal_train import ModalTrain
-from engine.model.modes import natural_modes
+from engine.model.subdivision import natural_modes
 from engine.start.start import Start, run_start
 
 #: Speed, average, pulsating (zero-to-peak) over rated torque: a salient-pole motor. [1]

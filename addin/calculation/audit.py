@@ -218,6 +218,7 @@ def _accuracy(results: Results) -> Iterator[tuple[str, str]]:
             "Shaft segments",
             f"{text}; estimated frequency error {_percent(results.frequency_error)}",
         )
+        yield "Accurate up to", f"{results.accurate_up_to:.4g} Hz; modes above are not judged"
     if results.damping.neglected > 0.0:
         yield (
             "Largest neglected damping term",

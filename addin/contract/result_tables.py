@@ -172,6 +172,12 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 "k (Bφ)² of that element / sum of all elements",
                 "docs/nomenclature.md, strain-energy share", of_case=MODAL, format=shown.ONE_DECIMAL, pane=Pane.MINOR,
             ),
+            flag(
+                "Accurate", "no for a mode above the frequency up to which the pieces of shafts are fine enough.",
+                "yes where the estimated error from the pieces of shafts with Density is within 0.1 %, for this mode "
+                "and all below",
+                "docs/method.md, Distributed shafts", of_case=MODAL, pane=Pane.MINOR,
+            ),
         ),
         extra_columns=(
             number(

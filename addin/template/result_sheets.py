@@ -36,7 +36,7 @@ class ResultSheets(FrontSheets):
     def _frequencies_note(self) -> None:
         self.sheets["Frequencies"].write_string(
             3,
-            10,
+            11,
             f"Mode shapes of the first {SHAPE_COLUMNS} elastic modes; further modes are in the "
             "JSON results.",
             self.style("note"),

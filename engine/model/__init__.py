@@ -22,6 +22,8 @@ module                   responsibility
                          rotation
 `build_train`            from a case to the arrays of its train
 `modes`                  natural frequencies, mode shapes, energy shares, nodes and modal damping
+`subdivision`            shafts with inertia of their own: in how many pieces they are calculated,
+                         and how good that is
 `frequency_derivatives`  how natural frequencies follow stiffnesses and inertias, from the
                          energies of the modes
 `modal_train`            a train with its modes and their damping: what every response is

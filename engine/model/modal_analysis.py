@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from engine.case.data import CaseData
 from engine.case.effects import choice_of
 from engine.case.effects.bearings import has_bearings
+from engine.model.build_train import build_train
 from engine.model.modal_train import ModalTrain
-from engine.model.modes import SubdividedModes, natural_modes
+from engine.model.subdivision import SubdividedModes, natural_modes, wanted_frequency
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,24 +23,27 @@ class ModalAnalysis:
     coupled: ModalTrain | None
 
 
-def analyse(case: CaseData) -> ModalAnalysis:
+def analyse(case: CaseData, at_least: float = 0.0) -> ModalAnalysis:
     """Natural modes of a case; where bearing data is given also those of gears held laterally.
 
     Parameters
     ----------
     case : CaseData
         The case. [SI]
+    at_least : float, optional
+        Modes up to here are made accurate, even where nothing excites them. [Hz]
 
     Returns
     -------
     ModalAnalysis
         Modes and damping. [SI]
     """
-    modes = natural_modes(case)
+    highest = max(wanted_frequency(case, build_train(case)), at_least)
+    modes = natural_modes(case, highest)
     coupled = ModalTrain.of(case, modes.train, modes.modes)
     if not has_bearings(case):
         return ModalAnalysis(modes, coupled, coupled, None)
-    plain = natural_modes(case, lateral=False)
+    plain = natural_modes(case, highest, lateral=False)
     torsional = ModalTrain.of(case, plain.train, plain.modes)
     if choice_of(case, "bearings") == "off":
         return ModalAnalysis(plain, torsional, torsional, coupled)

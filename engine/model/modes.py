@@ -13,10 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from engine.arrays import Complexes, Floats, Ints, Mask
-from engine.case.choices import ElementKind
-from engine.case.data import CaseData, ElementRow
-from engine.model.build_train import build_train
-from engine.model.links import has_clearance, shaft_inertia, shaft_stiffness
+from engine.case.data import CaseData
 from engine.model.topology import group_heads
 from engine.model.train import Train
 from engine.numerics.singular_values import singular_triplets
@@ -25,15 +22,6 @@ from engine.numerics.singular_values import singular_triplets
 SIDEWAYS_ALONE = 1e-9
 #: Rotations below this share of the largest of their mode are rounding, not motion.
 STANDSTILL = 1e-12
-#: Wanted relative accuracy of frequencies where shaft inertia is distributed.
-SUBDIVISION_TOLERANCE = 1e-3
-#: At most this many modes are refined, and this many segments are used for all shafts together.
-SUBDIVISION_MODES, SUBDIVISION_SEGMENTS = 10, 400
-#: Segments of the longest shaft in the first, coarsest train.
-COARSEST = 4
-#: Halving the segments leaves a third of the change as error (second order), here with a margin
-#: for the fourth-order term, so that the estimate is not below the error.
-RICHARDSON = 2.5
 
 
 @dataclass(frozen=True)
@@ -204,95 +192,6 @@ def _with_energies(
     return Modes(
         omega, n_rigid, shape, torque, twist, strain, kinetic, bearing, sideways, algorithm
     )
-
-
-@dataclass(frozen=True, eq=False)
-class SubdividedModes:
-    """Modes of a case whose shafts may carry inertia of their own."""
-
-    train: Train  #: The train, shafts with density subdivided. [SI]
-    modes: Modes  #: Its modes. [SI]
-    segments: tuple[tuple[str, int], ...]  #: Number of segments of each subdivided shaft.
-    frequency_error: float  #: Estimated largest relative error of the wanted frequencies. [1]
-
-
-def natural_modes(
-    case: CaseData,
-    highest_frequency: float | None = None,
-    tolerance: float = SUBDIVISION_TOLERANCE,
-    *,
-    lateral: bool = True,
-) -> SubdividedModes:
-    """Modes of a case; shafts with density are subdivided until the wanted frequencies are right.
-
-    Segments take equal times of a wave to pass. Their error falls with the square of their
-    number; Richardson's estimate from a train and its halved segments is compared with the
-    tolerance, and gives how much finer the next pair must be.
-
-    Parameters
-    ----------
-    case : CaseData
-        The case. [SI]
-    highest_frequency : float, optional
-        Frequencies up to here are refined, at least one and at most ten; default 1.25 times
-        twice the line frequency, or the first ten modes. [Hz]
-    tolerance : float, optional
-        Wanted relative error. [1]
-    lateral : bool, optional
-        Whether gears with bearing data move laterally. [flag]
-
-    Returns
-    -------
-    SubdividedModes
-        Train and modes. [SI]
-    """
-    parted = {m.element for m in case.meshes if has_clearance(m)}
-    waves = [e for e in case.elements if _carries_waves(e) and e.element not in parted]
-    time = {str(e.element): _travel_time(e) for e in waves}
-    if not time:
-        train = build_train(case, lateral=lateral)
-        return SubdividedModes(train, modes_of(train), (), 0.0)
-    if highest_frequency is None:
-        line = case.ratings.line_frequency
-        highest_frequency = 2.5 * line if line else math.inf
-    longest = max(time.values())
-    density = COARSEST / longest  # segments a second of travel, of the coarser of two trains
-    while True:
-        coarse = {name: max(1, math.ceil(density * t)) for name, t in time.items()}
-        fine = {name: 2 * n for name, n in coarse.items()}
-        train = build_train(case, fine, lateral=lateral)
-        modes = modes_of(train)
-        rough = modes_of(build_train(case, coarse, lateral=lateral))
-        error = _refinement_error(rough, modes, highest_frequency)
-        growth = min(8.0, 1.1 * math.sqrt(error / tolerance))
-        most = SUBDIVISION_SEGMENTS / sum(fine.values())
-        if error <= tolerance or most < 1.1:
-            return SubdividedModes(train, modes, tuple(fine.items()), error)
-        density *= min(growth, most)
-
-
-def _carries_waves(e: ElementRow) -> bool:
-    """True if inertia is distributed along an element."""
-    return bool(e.density) and e.kind != ElementKind.GEAR_MESH and e.stiffness != 0.0
-
-
-def _travel_time(e: ElementRow) -> float:
-    """Time a torsional wave needs along a shaft, √(J/k). [s]"""
-    od, bore, length = e.od or 0.0, e.id or 0.0, e.length or 0.0
-    stiffness = e.stiffness
-    if stiffness is None:
-        stiffness = shaft_stiffness(od, bore, length, e.shear_modulus or 0.0)
-    return math.sqrt(shaft_inertia(od, bore, length, e.density or 0.0) / stiffness)
-
-
-def _refinement_error(coarse: Modes, fine: Modes, highest: float) -> float:
-    """Largest estimated error of the wanted frequencies; infinite while modes are missing."""
-    wanted = fine.elastic_frequency
-    wanted = wanted[: max(1, min(SUBDIVISION_MODES, int(np.sum(wanted <= highest))))]
-    if len(coarse.elastic_frequency) < len(wanted):
-        return math.inf
-    change = np.abs(coarse.elastic_frequency[: len(wanted)] / wanted - 1.0)
-    return float(np.max(change)) / RICHARDSON if len(wanted) else 0.0
 
 
 def nodes_of(train: Train, modes: Modes) -> tuple[Node, ...]:

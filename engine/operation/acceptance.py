@@ -114,6 +114,9 @@ def judge(
             verdicts.setdefault((r.mode, r.excitation), {})[r.element] = r.verdict
     rows = []
     for row in margins.rows:
+        if row.verdict == Judgement.NOT_JUDGED:  # its frequency is not accurate
+            rows.append(row)
+            continue
         if row.kept:
             error = (1.0 + row.margin) * frequency_error
             is_sure = row.margin - row.required >= error

@@ -49,7 +49,8 @@ class MarginRow:
     #: ``pass``, ``pass within its error``, ``accepted by forced response``, ``fail`` or ``not
     #: judged``; before the forced response is known, ``pass`` or ``fail``.
     verdict: Judgement
-    #: Elements that keep it from being accepted, with their shares of the mode; None elsewhere.
+    #: Elements that keep it from being accepted, with their shares of the mode, or why the frequency
+    #: is not accurate; None elsewhere.
     not_judged: str | None = None
 
     @property
@@ -98,7 +99,11 @@ def required_margin(case: CaseData) -> float:
 
 
 def separation_margins(
-    case: CaseData, train: Train, modes: Modes, excitations: Sequence[Excitation]
+    case: CaseData,
+    train: Train,
+    modes: Modes,
+    excitations: Sequence[Excitation],
+    accurate_up_to: float = math.inf,
 ) -> SeparationMargins:
     """Least margin of every elastic mode from every excitation over the operating range.
 
@@ -112,6 +117,9 @@ def separation_margins(
         Its modes. [SI]
     excitations : sequence of Excitation
         What shakes it, from `excitation.excitations_of`. [SI]
+    accurate_up_to : float, optional
+        A mode above is listed only where it may be too near, and not judged: its true frequency is
+        higher, as pieces with half their inertia at each end lower it. [Hz]
 
     Returns
     -------
@@ -131,7 +139,11 @@ def separation_margins(
             if x.order is not None:
                 speed = 2.0 * math.pi * f_exc / (x.order * x.ratio)
             row = MarginRow(mode, f, x.name, speed, f_exc, margin, required, Judgement.PASS)
-            rows.append(row if row.kept else replace(row, verdict=Judgement.FAIL))
+            if f <= accurate_up_to:
+                rows.append(row if row.kept else replace(row, verdict=Judgement.FAIL))
+            elif not (row.kept and f > f_exc):
+                why = f"frequencies are accurate up to {accurate_up_to:.4g} Hz only"
+                rows.append(replace(row, verdict=Judgement.NOT_JUDGED, not_judged=why))
     return SeparationMargins(tuple(rows), required, speeds, _warnings(case, excitations, judged))
 
 

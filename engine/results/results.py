@@ -65,6 +65,8 @@ class AtSpeed:
     segments: tuple[tuple[str, int], ...]  #: Subdivision of shafts with inertia of their own.
     #: Estimated relative error of the frequencies from that subdivision. [1]
     frequency_error: float
+    #: Modes up to here are within the wanted accuracy; infinite without subdivision. [Hz]
+    accurate_up_to: float
     damping: ModalDamping  #: Damping of the modes. [SI]
     #: Damped eigenvalues where dampers couple the modes; None where damping is proportional. [1/s]
     eigenvalues: Complexes | None

@@ -101,6 +101,7 @@ def _natural_frequencies(results: AtSpeed) -> list[Row]:
                 "damping_ratio": float(results.damping.ratio[r]) if elastic else None,
                 "largest_strain_energy": names[top] if elastic else None,
                 "share": float(share[top]) if elastic else None,
+                "accurate": f <= results.accurate_up_to if elastic else None,
             }
         )
     return rows

@@ -10,7 +10,7 @@ from functools import cache
 
 from engine.case.data import CaseData, ElementRow, LoadTorqueRow, MotorTorqueRow, StationRow
 from engine.model.modal_train import ModalTrain
-from engine.model.modes import natural_modes
+from engine.model.subdivision import natural_modes
 from engine.start.start import run_start
 
 #: Time of the start that is calculated for it. [s]

@@ -20,7 +20,7 @@ from addin.template.build import TEMPLATES, build_all
 from addin.template.examples import EXAMPLES
 from engine.case.data import CaseData
 from engine.case.effects import EFFECTS
-from engine.model.modes import natural_modes
+from engine.model.subdivision import natural_modes
 
 #: Functions that recalculate on every change, and those Excel 2016 or LibreOffice 7.4 lack.
 UNWANTED = re.compile(

@@ -17,7 +17,8 @@ from engine.case.case import Case
 from engine.case.data import ElementRow, StationRow
 from engine.model.build_train import build_train
 from engine.model.links import shaft_inertia, shaft_stiffness
-from engine.model.modes import modes_of, natural_modes, nodes_of
+from engine.model.modes import modes_of, nodes_of
+from engine.model.subdivision import natural_modes
 from engine.operation.margins import percent_speed
 
 

@@ -24,7 +24,8 @@ import pytest
 from cases import load_case
 from models import case_of, largest_is_one
 
-from engine.model.modes import natural_modes, nodes_of
+from engine.model.modes import nodes_of
+from engine.model.subdivision import natural_modes
 
 PUBLISHED = [
     "M01",

@@ -104,7 +104,7 @@ def test_a_live_formula_typed_over_is_seen(edited):
 
     found = verify_file(edited(edit))
     typed = {f.cell: f for f in failing(found) if f.kind == "edited"}
-    assert set(typed) == {"I8", "B9"}
+    assert set(typed) == {"J8", "B9"}
     assert typed["B9"].sheet == "Summary"
 
 

@@ -103,7 +103,8 @@ def calibrate(
     """
     plan = plan_calibration(case, studies)
     unknowns = unknowns_of(plan.factors)
-    model = FrequencyModel(case, unknowns)
+    highest = max((f.frequency for f in plan.frequencies), default=0.0)
+    model = FrequencyModel(case, unknowns, highest)
     (solution, rivals), peaks = best_assignment(model, plan.frequencies), None
     if plan.peaks:
         peaks = PeakModel(case, unknowns, plan.peaks, each_start)

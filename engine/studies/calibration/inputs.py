@@ -18,7 +18,7 @@ from engine.case.study_inputs import (
     StudyInputs,
 )
 from engine.errors import Problem
-from engine.model.modes import natural_modes
+from engine.model.subdivision import natural_modes
 from engine.start.settings import has_start
 from engine.studies.calibration.least_squares import PeakReading, Reading
 from engine.studies.scatter import FROM_TO, NORMAL, Factor, factors_of, scatter_problems

@@ -37,6 +37,7 @@ from engine.errors import ModelError
 from engine.model.build_train import build_train
 from engine.model.modal_analysis import analyse
 from engine.model.modes import Modes, modes_of
+from engine.model.subdivision import BAND
 from engine.model.train import Train
 from engine.run import planned_start
 from engine.studies.scatter import NORMAL, Factor, changes_of
@@ -153,10 +154,12 @@ class FrequencyModel:
         A checked case. [SI]
     unknowns : Unknowns
         What may change. [1]
+    highest : float, optional
+        Highest frequency that was measured: modes up to there, and some more, are accurate. [Hz]
     """
 
-    def __init__(self, case: CaseData, unknowns: Unknowns) -> None:
-        analysed = analyse(case)
+    def __init__(self, case: CaseData, unknowns: Unknowns, highest: float = 0.0) -> None:
+        analysed = analyse(case, BAND * highest)
         self.case, self.unknowns = case, unknowns
         self._segments = dict(analysed.subdivided.segments)
         self._lateral = bool(analysed.reported.train.bodies)

@@ -11,7 +11,8 @@ from engine.case.data import CaseData, ElementRow, MeshRow, MotorTorqueRow, Stat
 from engine.errors import ModelError
 from engine.model.build_train import build_train
 from engine.model.gears import line_of_action
-from engine.model.modes import modal_damping, modes_of, natural_modes, nodes_of
+from engine.model.modes import modal_damping, modes_of, nodes_of
+from engine.model.subdivision import natural_modes
 
 STEEL = {"shear_modulus": 8e10}
 

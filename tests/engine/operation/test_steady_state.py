@@ -21,7 +21,8 @@ from engine.case.result_words import Judgement
 from engine.model.build_train import build_train
 from engine.model.excitation import excitations_of
 from engine.model.modal_train import ModalTrain
-from engine.model.modes import modal_damping, modes_of, natural_modes, stated_damping
+from engine.model.modes import modal_damping, modes_of, stated_damping
+from engine.model.subdivision import natural_modes
 from engine.operation.acceptance import judge, mode_parts
 from engine.operation.margins import separation_margins
 from engine.operation.steady_state import harmonic_response, steady_state

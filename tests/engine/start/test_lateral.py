@@ -14,7 +14,8 @@ from engine.errors import ModelError
 from engine.model.build_train import build_train
 from engine.model.excitation import excitations_of, transmitted_torque
 from engine.model.modal_train import ModalTrain
-from engine.model.modes import damped_eigenvalues, modal_damping, modes_of, natural_modes, nodes_of
+from engine.model.modes import damped_eigenvalues, modal_damping, modes_of, nodes_of
+from engine.model.subdivision import natural_modes
 from engine.operation.margins import separation_margins
 from engine.operation.steady_state import harmonic_response, steady_state
 from engine.results.details import modal_details

@@ -1,0 +1,162 @@
+"""Shafts with inertia of their own: in how many pieces they are calculated, and how good that is.
+
+A piece has half its inertia at each of its ends. That lowers frequencies, by an error that falls with the
+square of the number of pieces. Pieces take equal times of a wave to pass. They are refined until every
+mode that may be judged is right: up to `BAND` times the highest excitation over the operating range, and
+up to `LINE_BAND` times the line frequency for the start.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from engine.arrays import Floats
+from engine.case.choices import ElementKind
+from engine.case.data import CaseData, ElementRow
+from engine.model.build_train import build_train
+from engine.model.excitation import excitations_of, operating_range
+from engine.model.links import has_clearance, shaft_inertia, shaft_stiffness
+from engine.model.modes import Modes, modes_of
+from engine.model.train import Train
+
+#: Wanted relative accuracy of frequencies where shaft inertia is distributed.
+SUBDIVISION_TOLERANCE = 1e-3
+#: Without any excitation so many modes are refined; so many pieces are used for all shafts together.
+SUBDIVISION_MODES, SUBDIVISION_SEGMENTS = 10, 400
+#: Modes up to this multiple of the highest excitation, and of the line frequency, are refined. [1]
+BAND, LINE_BAND = 1.25, 2.5
+#: Pieces of the longest shaft in the first, coarsest train.
+COARSEST = 4
+#: Halving the pieces leaves a third of the change as error (second order), here with a margin
+#: for the fourth-order term, so that the estimate is not below the error.
+RICHARDSON = 2.5
+
+
+@dataclass(frozen=True, eq=False)
+class SubdividedModes:
+    """Modes of a case whose shafts may carry inertia of their own."""
+
+    train: Train  #: The train, shafts with density subdivided. [SI]
+    modes: Modes  #: Its modes. [SI]
+    segments: tuple[tuple[str, int], ...]  #: Number of pieces of each subdivided shaft.
+    frequency_error: float  #: Estimated largest relative error of the wanted frequencies. [1]
+    #: Modes up to here are within the tolerance; infinite where no shaft is subdivided. [Hz]
+    accurate_up_to: float = math.inf
+
+
+def wanted_frequency(case: CaseData, train: Train) -> float:
+    """Frequency up to which modes may be judged.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case: excitations, operating range, line frequency, required margin. [SI]
+    train : Train
+        Its train, in whatever pieces. [SI]
+
+    Returns
+    -------
+    float
+        Infinite where nothing excites the train. [Hz]
+    """
+    line, speeds = case.ratings.line_frequency, operating_range(case)
+    highest = [
+        x.frequency if x.frequency is not None else x.frequency_at(speeds[1] if speeds else 0.0)
+        for x in excitations_of(case, train)
+    ]
+    reach = max(BAND, 1.05 * (1.0 + (case.margin_required or 0.0)))
+    wanted = max(reach * max(highest, default=0.0), LINE_BAND * (line or 0.0))
+    return wanted if wanted > 0.0 else math.inf
+
+
+def natural_modes(
+    case: CaseData,
+    highest_frequency: float | None = None,
+    tolerance: float = SUBDIVISION_TOLERANCE,
+    *,
+    lateral: bool = True,
+) -> SubdividedModes:
+    """Modes of a case; shafts with density are subdivided until the wanted frequencies are right.
+
+    Richardson's estimate from a train and its halved pieces is compared with the tolerance, and gives
+    how much finer the next pair must be.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+    highest_frequency : float, optional
+        Frequencies up to here are refined, at least one; default `wanted_frequency`, or where that is
+        infinite the first ten modes. [Hz]
+    tolerance : float, optional
+        Wanted relative error. [1]
+    lateral : bool, optional
+        Whether gears with bearing data move laterally. [flag]
+
+    Returns
+    -------
+    SubdividedModes
+        Train and modes. [SI]
+    """
+    parted = {m.element for m in case.meshes if has_clearance(m)}
+    waves = [e for e in case.elements if _carries_waves(e) and e.element not in parted]
+    time = {str(e.element): _travel_time(e) for e in waves}
+    train = build_train(case, lateral=lateral)
+    if not time:
+        return SubdividedModes(train, modes_of(train), (), 0.0)
+    highest = wanted_frequency(case, train) if highest_frequency is None else highest_frequency
+    density = COARSEST / max(
+        time.values()
+    )  # pieces a second of travel, of the coarser of two trains
+    while True:
+        coarse = {name: max(1, math.ceil(density * t)) for name, t in time.items()}
+        fine = {name: 2 * n for name, n in coarse.items()}
+        train = build_train(case, fine, lateral=lateral)
+        modes = modes_of(train)
+        errors = _refinement_errors(modes_of(build_train(case, coarse, lateral=lateral)), modes)
+        error = _largest_wanted(errors, modes, highest)
+        growth = min(8.0, 1.1 * math.sqrt(error / tolerance))
+        most = SUBDIVISION_SEGMENTS / sum(fine.values())
+        if error <= tolerance or most < 1.1:
+            reach = _accurate_up_to(errors, modes, tolerance)
+            return SubdividedModes(train, modes, tuple(fine.items()), error, reach)
+        density *= min(growth, most)
+
+
+def _carries_waves(e: ElementRow) -> bool:
+    """True if inertia is distributed along an element."""
+    return bool(e.density) and e.kind != ElementKind.GEAR_MESH and e.stiffness != 0.0
+
+
+def _travel_time(e: ElementRow) -> float:
+    """Time a torsional wave needs along a shaft, √(J/k). [s]"""
+    od, bore, length = e.od or 0.0, e.id or 0.0, e.length or 0.0
+    stiffness = e.stiffness
+    if stiffness is None:
+        stiffness = shaft_stiffness(od, bore, length, e.shear_modulus or 0.0)
+    return math.sqrt(shaft_inertia(od, bore, length, e.density or 0.0) / stiffness)
+
+
+def _refinement_errors(coarse: Modes, fine: Modes) -> Floats:
+    """Estimated relative error of each elastic frequency; infinite where the coarser train has none."""
+    rough, exact = coarse.elastic_frequency, fine.elastic_frequency
+    errors = np.full(len(exact), np.inf)
+    both = min(len(rough), len(exact))
+    errors[:both] = np.abs(rough[:both] / exact[:both] - 1.0) / RICHARDSON
+    return errors
+
+
+def _largest_wanted(errors: Floats, fine: Modes, highest: float) -> float:
+    frequency = fine.elastic_frequency
+    count = int(np.sum(frequency <= highest)) if math.isfinite(highest) else SUBDIVISION_MODES
+    return float(np.max(errors[: max(1, count)], initial=0.0))
+
+
+def _accurate_up_to(errors: Floats, fine: Modes, tolerance: float) -> float:
+    """Frequency of the last mode before the first that is not within the tolerance. [Hz]"""
+    wrong = np.flatnonzero(errors > tolerance)
+    last = int(wrong[0]) if len(wrong) else len(errors)
+    return float(fine.elastic_frequency[last - 1]) if last else 0.0
