@@ -14,7 +14,7 @@ from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, DEFAULT_TOLERANCE_START
 from engine.case.effect import StartEffects
 from engine.fatigue.allowable_starts import AllowableStarts
 from engine.model.excitation import excitations_of
-from engine.model.modal_analysis import ModalAnalysis, analyse
+from engine.model.modal_analysis import ModalAnalysis
 from engine.model.modal_train import ModalTrain
 from engine.model.modes import (
     damped_eigenvalues,
@@ -22,7 +22,7 @@ from engine.model.modes import (
 )
 from engine.operation.acceptance import judge, mode_parts
 from engine.operation.margins import interference, separation_margins
-from engine.operation.steady_state import steady_state
+from engine.operation.steady_state import steady_state, with_response_error
 from engine.plan.evidence import Evidence, collect_evidence, start_evidence
 from engine.plan.plan import Plan, first_plan, revised_plan, with_times
 from engine.results.results import AtSpeed, Results
@@ -31,6 +31,7 @@ from engine.results.verdicts import verdicts_of
 from engine.results.warnings import MAX_PLANS, warnings_of
 from engine.start.crossings import Crossing, crossings_of
 from engine.start.event_results import Repeatability
+from engine.start.pieces import analysis_for_start, with_pieces_error
 from engine.start.prescribed import run_prescribed
 from engine.start.reversals import Reversal, torque_reversals
 from engine.start.settings import has_start
@@ -92,6 +93,9 @@ def run(case: CaseData, on_stage: Callable[[str], None] | None = None) -> Result
         settled = planned.settled
         with stage("fatigue"):
             start, starts, errors = judged_starts(case, planned)
+        start = replace(
+            start, sections={}
+        )  # most of the memory, and nothing more is read from them
         reversals = torque_reversals(case, planned.model.train, start, start.contacts)
         if planned.plan.sweep:
             with stage("crossings"):
@@ -129,7 +133,7 @@ def at_speed(case: CaseData) -> AtSpeed:
 
 def _at_speed(case: CaseData, stage: Stage) -> tuple[ModalAnalysis, AtSpeed]:
     with stage("natural frequencies"):
-        analysis = analyse(case)
+        analysis = analysis_for_start(case)
         train, modes = analysis.reported.train, analysis.reported.modes
         damping = analysis.reported.damping
     with stage("separation margins"):
@@ -139,6 +143,10 @@ def _at_speed(case: CaseData, stage: Stage) -> tuple[ModalAnalysis, AtSpeed]:
         diagram = interference(case, modes, excitations)
     with stage("steady state"):
         steady = steady_state(case, analysis.reported, excitations, margins)
+        if analysis.rough_reported is not None:
+            steady = with_response_error(
+                steady, case, analysis.rough_reported, excitations, margins
+            )
         parts = mode_parts(case, train, modes)
         error = analysis.subdivided.frequency_error
         margins = judge(margins, steady.rows, parts, error)
@@ -172,9 +180,15 @@ def planned_start(
         plan = first_plan(case, evidence)
     model = analysis.reported if plan.lateral else analysis.torsional
     load_routines()
+    pieces = dict(analysis.pieces_error)
+    tolerance = case.tolerance_peak or DEFAULT_TOLERANCE_PEAK
+    # steps and modes left out take what the pieces of shafts leave of the tolerance
+    left = max(tolerance - max(pieces.values(), default=0.0), 0.5 * tolerance)
+    stepped = replace(CaseData(**vars(case)), tolerance_peak=left) if pieces else case
     plain = replace(plan.effects, clearances=())
     with stage("start"):
-        linear, wall = _timed(lambda: calculate_start(case, model, plain, None))
+        linear, wall = _timed(lambda: calculate_start(stepped, model, plain, None))
+        linear = with_pieces_error(linear, pieces, tolerance)
     with stage("plan"):
         evidence = replace(evidence, linear=start_evidence(case, model.train, linear, wall))
         plans = [first_plan(case, evidence)]
@@ -183,9 +197,10 @@ def planned_start(
         effects = plans[-1].effects
         if not is_compiled(advance_pieces):
             with stage(COMPILING_EVENTS):
-                calculate_start(case, model, effects, linear)
+                calculate_start(stepped, model, effects, linear)
         with stage("start with events"):
-            start, wall = _timed(partial(calculate_start, case, model, effects, linear))
+            start, wall = _timed(partial(calculate_start, stepped, model, effects, linear))
+            start = with_pieces_error(start, pieces, tolerance)
         with stage("plan"):
             evidence = replace(evidence, event=start_evidence(case, model.train, start, wall))
             new = revised_plan(case, plans[-1], evidence)
@@ -261,7 +276,9 @@ def judged_starts(
         finer = calculate_start(tighter, planned.model, planned.plan.effects, linear)
         if finer.step >= start.step:
             break
-        start = _as_asked(finer, case.tolerance_peak or DEFAULT_TOLERANCE_PEAK)
+        wanted = case.tolerance_peak or DEFAULT_TOLERANCE_PEAK
+        finer = with_pieces_error(finer, dict(start.pieces_error), wanted)
+        start = _as_asked(finer, wanted)
         starts, errors = starts_of(case, start, always_count=always)
     return start, starts, errors
 

@@ -342,6 +342,12 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 ),
                 of_case=("StressBasis",),
             ),
+            number(
+                "Error", "fraction", "Estimated relative error of torque and stress.",
+                "Change from half as many pieces of shafts with Density, / 2.5; 0 without such shafts",
+                "docs/method.md, Distributed shafts", of_case=MODAL, format=shown.ERROR, pane=Pane.MINOR,
+                error=ReportedError.ESTIMATE,
+            ),
         ),
         extra_columns=(
             number(
@@ -392,9 +398,9 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             ),
             number(
                 "Error", "fraction", "Estimated relative error of the peak.",
-                "Change of the extremes from step h to h/2, with a bound on the modes left out, divided "
-                "by the larger extreme",
-                "docs/method.md, The start", of_case=("TolerancePeak", "Method"), format=shown.ERROR,
+                "Change of the extremes from step h to h/2, with a bound on the modes left out and the error from "
+                "the pieces of distributed shafts, divided by the larger extreme",
+                "docs/method.md, The start; docs/method.md, Distributed shafts", of_case=("TolerancePeak", "Method"), format=shown.ERROR,
                 error=ReportedError.ESTIMATE, printed="Estimated error", pane=Pane.MINOR,
             ),
         ),
@@ -535,7 +541,8 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             ),
             number(
                 "Error", "fraction", "Estimated relative error of the allowable starts.",
-                "Change of 1/q from step h to h/2", "docs/method.md, Allowable starts",
+                "Change of 1/q from step h to h/2, and with the error from the pieces of distributed shafts",
+                "docs/method.md, Allowable starts; docs/method.md, Distributed shafts",
                 of_case=("ToleranceStarts", "TolerancePeak"), format=shown.ERROR,
                 error=ReportedError.ESTIMATE, printed="Estimated error", pane=Pane.MINOR,
             ),

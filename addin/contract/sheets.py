@@ -196,7 +196,7 @@ SHEETS: tuple[Sheet, ...] = (
     Sheet(
         "Steady state",
         "result",
-        {"A": 1.5, "B": 22, "C": 26, "D": 7, "E": 11, "F": 16, "G:K": 12, "L": 24, "M": 12},
+        {"A": 1.5, "B": 22, "C": 26, "D": 7, "E": 11, "F": 16, "G:K": 12, "L": 24, "M:N": 12},
         {"SteadyState": "B5"},
         freeze="A8",
         header_rows=7,

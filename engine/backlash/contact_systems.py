@@ -23,7 +23,7 @@ from scipy.sparse.csgraph import connected_components
 
 from engine.arrays import Floats, Ints, Mask
 from engine.model.modes import Modes
-from engine.model.train import Flank, Train
+from engine.model.train import Flank, ShaftEnd, Train
 from engine.stepping.contact_loop import FREE
 
 #: A direction whose part outside the basis is smaller than this is in it already.
@@ -327,11 +327,8 @@ class ContactSystems:
 
     @property
     def output_element(self) -> Ints:
-        """Element of each output: the rows of elements, then rigid meshes. [index]"""
-        train = self.basis.train
-        rows = train.row_element[train.row_element >= 0]
-        meshes = np.array([mesh.element for mesh in train.rigid_meshes], dtype=np.int64)
-        return np.concatenate([rows, meshes])
+        """Element of each output. [index]"""
+        return self.basis.train.output_element
 
 
 def _common_reach(basis: SharedBasis, places: ForceLocations) -> Floats:
@@ -485,6 +482,9 @@ def _outputs(
     for mesh in train.rigid_meshes:
         extra = _rigid_mesh(basis, places, mesh, on_row, omega, turn, reach, constant)
         out = [np.concatenate([a, b]) for a, b in zip(out, extra, strict=True)]
+    for end in train.shaft_ends:
+        extra = _shaft_end(basis, end, on_row, omega, turn, reach, constant)
+        out = [np.concatenate([a, b]) for a, b in zip(out, extra, strict=True)]
     return out[0], out[1], out[2], out[3]
 
 
@@ -516,4 +516,26 @@ def _rigid_mesh(
         (sign * (draw @ on_row[1]))[None],
         (sign * (inertial @ reach - applied + draw @ on_row[2]))[None],
         np.array([sign * float(inertial @ constant + draw @ on_row[3])]),
+    ]
+
+
+def _shaft_end(
+    basis: SharedBasis,
+    end: ShaftEnd,
+    on_row: list[Floats],
+    omega: Floats,
+    turn: Floats,
+    reach: Floats,
+    constant: Floats,
+) -> list[Floats]:
+    """Torque at the end of a shaft: that of its last piece and of the half piece beyond its middle."""
+    train = basis.train
+    weight = end.inertia * train.node_scale[end.node]
+    inertial = weight * (basis.vectors[train.node_dof[end.node]] @ turn)
+    sign = float(train.orientation[end.element])
+    return [
+        (sign * (-inertial * omega**2 + on_row[0][end.row]))[None],
+        (sign * on_row[1][end.row])[None],
+        (sign * (inertial @ reach + on_row[2][end.row]))[None],
+        np.array([sign * float(inertial @ constant + on_row[3][end.row])]),
     ]

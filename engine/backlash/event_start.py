@@ -374,8 +374,7 @@ def _event_model(
 def _scale(train: Train, linear: Start) -> Floats:
     """Torque scale of each output: the largest torque of its element in the linear start."""
     scale_of = {p.element: p.size for p in linear.peaks}
-    elements = [*train.row_element[train.element_rows], *(m.element for m in train.rigid_meshes)]
-    scale = np.array([scale_of.get(train.elements[e], 0.0) for e in elements])
+    scale = np.array([scale_of.get(train.elements[e], 0.0) for e in train.output_element])
     floor = NEGLIGIBLE * float(np.max(scale, initial=0.0))
     return np.asarray(np.maximum(scale, floor if floor > 0.0 else 1.0))
 

@@ -9,7 +9,7 @@ from engine.arrays import Floats
 from engine.case.choices import ElementKind
 from engine.case.data import GROUND, CaseData, ElementRow
 from engine.model.links import Link
-from engine.model.train import NO_ELEMENT, GearBody
+from engine.model.train import NO_ELEMENT, GearBody, ShaftEnd
 
 #: Element, stiffness, viscous damping, loss factor, entries by node.
 Row = tuple[int, float, float, float, dict[int, float]]
@@ -26,6 +26,7 @@ class Assembly:
         self.rows: list[Row] = []
         self.edges: list[tuple[int, int, int]] = []  # element, node, node (stations only)
         self.rigid: list[tuple[int, int, int]] = []
+        self.ends: list[ShaftEnd] = []
 
     def add(self, element: int, e: ElementRow, link: Link, segments: int) -> None:
         """Add one element as one row, or as `segments` rows in series if it has inertia."""
@@ -56,11 +57,16 @@ class Assembly:
             self.damping.append(0.0)
             self.ratio.append(ratio)
         nodes.append(end)
+        first, half = len(self.rows), 0.5 * link.inertia / count
         for a, b in zip(nodes[:-1], nodes[1:], strict=True):
             entries = {n: sign for n, sign in ((a, 1.0), (b, -1.0)) if n is not None}
             self._row(element, link, count, entries)
             for n in entries:
-                self.inertia[n] += 0.5 * link.inertia / count
+                self.inertia[n] += half
+        rows = (first, first + count - 1)
+        for row, node, inertia in zip(rows, (start, end), (half, -half), strict=True):
+            if half > 0.0 and node is not None:
+                self.ends.append(ShaftEnd(element, row, node, inertia))
 
     def _row(self, element: int, link: Link, count: int, entries: dict[int, float]) -> None:
         assert link.stiffness is not None

@@ -44,10 +44,11 @@ def build_train(
     """
     meshes = {m.element: m for m in case.meshes}
     links = [link_of(e, meshes.get(e.element)) for e in case.elements]
+    gaps = {e.element for e in case.elements if has_clearance(meshes.get(e.element))}
     a = Assembly(case)
     for i, (e, link) in enumerate(zip(case.elements, links, strict=True)):
         pieces = (segments or {}).get(str(e.element), 1)
-        a.add(i, e, link, 1 if has_clearance(meshes.get(e.element)) else pieces)
+        a.add(i, e, link, 1 if e.element in gaps else pieces)
     orientation, sides, reference = drive_ends(case, a)
     internal = {m.element for m in case.meshes if m.gear_type == GearType.INTERNAL}
     flips = {
@@ -92,6 +93,7 @@ def build_train(
         incidence=incidence,
         row_element=np.array([row[0] for row in a.rows], dtype=np.int64),
         rigid_meshes=rigid_meshes(a.rigid, ratio),
+        shaft_ends=tuple(end for end in a.ends if case.elements[end.element].element not in gaps),
         orientation=orientation,
         beyond=sides,
         bodies=bodies,

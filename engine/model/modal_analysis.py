@@ -9,7 +9,12 @@ from engine.case.effects import choice_of
 from engine.case.effects.bearings import has_bearings
 from engine.model.build_train import build_train
 from engine.model.modal_train import ModalTrain
-from engine.model.subdivision import SubdividedModes, natural_modes, wanted_frequency
+from engine.model.subdivision import (
+    COARSEST,
+    SubdividedModes,
+    natural_modes,
+    wanted_frequency,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,9 +26,16 @@ class ModalAnalysis:
     torsional: ModalTrain  #: Gears held laterally; the same where there is no bearing data. [SI]
     #: Gears on their bearings, whether reported or not; None without bearing data. [SI]
     coupled: ModalTrain | None
+    #: `reported` and `torsional` in half as many pieces; None where no shaft is subdivided. [SI]
+    rough_reported: ModalTrain | None = None
+    rough_torsional: ModalTrain | None = None  #: Likewise. [SI]
+    #: By element, relative error of torques in the start from the pieces of shafts. [1]
+    pieces_error: tuple[tuple[str, float], ...] = ()
 
 
-def analyse(case: CaseData, at_least: float = 0.0) -> ModalAnalysis:
+def analyse(
+    case: CaseData, at_least: float = 0.0, least_pieces: int = 2 * COARSEST
+) -> ModalAnalysis:
     """Natural modes of a case; where bearing data is given also those of gears held laterally.
 
     Parameters
@@ -32,6 +44,8 @@ def analyse(case: CaseData, at_least: float = 0.0) -> ModalAnalysis:
         The case. [SI]
     at_least : float, optional
         Modes up to here are made accurate, even where nothing excites them. [Hz]
+    least_pieces : int, optional
+        Pieces of the longest shaft with inertia of its own. [count]
 
     Returns
     -------
@@ -39,12 +53,18 @@ def analyse(case: CaseData, at_least: float = 0.0) -> ModalAnalysis:
         Modes and damping. [SI]
     """
     highest = max(wanted_frequency(case, build_train(case)), at_least)
-    modes = natural_modes(case, highest)
-    coupled = ModalTrain.of(case, modes.train, modes.modes)
+    modes = natural_modes(case, highest, least_pieces=least_pieces)
+    coupled, rough = _trains(case, modes)
     if not has_bearings(case):
-        return ModalAnalysis(modes, coupled, coupled, None)
-    plain = natural_modes(case, highest, lateral=False)
-    torsional = ModalTrain.of(case, plain.train, plain.modes)
+        return ModalAnalysis(modes, coupled, coupled, None, rough, rough)
+    plain = natural_modes(case, highest, lateral=False, least_pieces=least_pieces)
+    torsional, plain_rough = _trains(case, plain)
     if choice_of(case, "bearings") == "off":
-        return ModalAnalysis(plain, torsional, torsional, coupled)
-    return ModalAnalysis(modes, coupled, torsional, coupled)
+        return ModalAnalysis(plain, torsional, torsional, coupled, plain_rough, plain_rough)
+    return ModalAnalysis(modes, coupled, torsional, coupled, rough, plain_rough)
+
+
+def _trains(case: CaseData, found: SubdividedModes) -> tuple[ModalTrain, ModalTrain | None]:
+    """The train with its damping, and the same in half as many pieces."""
+    rough = None if found.rough is None else ModalTrain.of(case, *found.rough)
+    return ModalTrain.of(case, found.train, found.modes), rough

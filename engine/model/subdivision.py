@@ -45,6 +45,8 @@ class SubdividedModes:
     frequency_error: float  #: Estimated largest relative error of the wanted frequencies. [1]
     #: Modes up to here are within the tolerance; infinite where no shaft is subdivided. [Hz]
     accurate_up_to: float = math.inf
+    #: The same train in half as many pieces, and its modes; None where no shaft is subdivided. [SI]
+    rough: tuple[Train, Modes] | None = None
 
 
 def wanted_frequency(case: CaseData, train: Train) -> float:
@@ -78,6 +80,7 @@ def natural_modes(
     tolerance: float = SUBDIVISION_TOLERANCE,
     *,
     lateral: bool = True,
+    least_pieces: int = 2 * COARSEST,
 ) -> SubdividedModes:
     """Modes of a case; shafts with density are subdivided until the wanted frequencies are right.
 
@@ -95,6 +98,9 @@ def natural_modes(
         Wanted relative error. [1]
     lateral : bool, optional
         Whether gears with bearing data move laterally. [flag]
+    least_pieces : int, optional
+        Pieces of the longest shaft at least, of all shafts together `SUBDIVISION_SEGMENTS` at most.
+        [count]
 
     Returns
     -------
@@ -108,21 +114,23 @@ def natural_modes(
     if not time:
         return SubdividedModes(train, modes_of(train), (), 0.0)
     highest = wanted_frequency(case, train) if highest_frequency is None else highest_frequency
-    density = COARSEST / max(
-        time.values()
-    )  # pieces a second of travel, of the coarser of two trains
+    longest = max(time.values())
+    # pieces a second of travel, of the coarser of two trains
+    density = min(0.5 * least_pieces / longest, 0.5 * SUBDIVISION_SEGMENTS / sum(time.values()))
     while True:
         coarse = {name: max(1, math.ceil(density * t)) for name, t in time.items()}
         fine = {name: 2 * n for name, n in coarse.items()}
         train = build_train(case, fine, lateral=lateral)
         modes = modes_of(train)
-        errors = _refinement_errors(modes_of(build_train(case, coarse, lateral=lateral)), modes)
+        coarser = build_train(case, coarse, lateral=lateral)
+        rough = coarser, modes_of(coarser)
+        errors = _refinement_errors(rough[1], modes)
         error = _largest_wanted(errors, modes, highest)
         growth = min(8.0, 1.1 * math.sqrt(error / tolerance))
         most = SUBDIVISION_SEGMENTS / sum(fine.values())
         if error <= tolerance or most < 1.1:
             reach = _accurate_up_to(errors, modes, tolerance)
-            return SubdividedModes(train, modes, tuple(fine.items()), error, reach)
+            return SubdividedModes(train, modes, tuple(fine.items()), error, reach, rough)
         density *= min(growth, most)
 
 

@@ -35,6 +35,20 @@ class RigidMesh:
 
 
 @dataclass(frozen=True)
+class ShaftEnd:
+    """An end of a shaft with inertia of its own: half a piece beyond the middle of its last piece.
+
+    The torque of a piece is that of its middle. At the end it is that and what the half piece takes:
+    torque of the row + inertia × acceleration of the node.
+    """
+
+    element: int  #: Index of the element.
+    row: int  #: Row of the piece at that end. [index]
+    node: int  #: Node of that end. [index]
+    inertia: float  #: Of half a piece; negative at the To end. [kg m²]
+
+
+@dataclass(frozen=True)
 class GearBody:
     """A gear that moves laterally on its bearings.
 
@@ -107,6 +121,7 @@ class Train:
     incidence: Floats  #: The same from the degrees of freedom. [1] Shape (n_rows, n_dof).
     row_element: Ints  #: Element each row belongs to; −1 for a row of a bearing. Shape (n_rows,).
     rigid_meshes: tuple[RigidMesh, ...]  #: Meshes merged exactly.
+    shaft_ends: tuple[ShaftEnd, ...]  #: Ends of shafts with inertia of their own that can turn.
     orientation: Floats  #: +1 if From is the drive end, −1 if To is. [1] Shape (n_elements,).
     #: Stations on the driven side of each element. [mask] Shape (n_elements, n_stations).
     beyond: Mask
@@ -143,6 +158,13 @@ class Train:
     def element_rows(self) -> Ints:
         """Rows that belong to an element: all but those of the bearings. [indices]"""
         return np.flatnonzero(self.row_element != NO_ELEMENT)
+
+    @property
+    def output_element(self) -> Ints:
+        """Element of each torque that is known: rows of elements, rigid meshes, ends of shafts. [index]"""
+        rows = self.row_element[self.element_rows]
+        others = [m.element for m in self.rigid_meshes] + [e.element for e in self.shaft_ends]
+        return np.concatenate([rows, np.array(others, dtype=np.int64)])
 
     @property
     def element_loss_factor(self) -> Floats:

@@ -183,7 +183,8 @@ def _steady_stress(case: CaseData, steady: SteadyState) -> Iterator[Verdict]:
     ]
     k = max(range(len(finite)), key=lambda i: stresses[i] / (finite[i].allowable or 1.0))
     row, allowable = finite[k], finite[k].allowable or 0.0
-    verdict = _covered(_within(stresses[k], allowable * (1.0 + STRESS_ROUNDING)), named)
+    error = stresses[k] * (row.error or 0.0)
+    verdict = _covered(_within(stresses[k], allowable * (1.0 + STRESS_ROUNDING), error), named)
     where = f"{row.element}, {row.excitation} at {row.frequency:.4g} Hz"
     yield Verdict(name, stresses[k], allowable, "pressure", verdict, where, coverage, named)
 
@@ -204,7 +205,8 @@ def _steady_torque(case: CaseData, steady: SteadyState) -> Iterator[Verdict]:
         return
     row = max(limited, key=lambda r: (r.torque or 0.0) / (r.torque_limit or 1.0))
     torque, limit = row.torque or 0.0, row.torque_limit or 0.0
-    verdict = _covered(_within(torque, limit * (1.0 + STRESS_ROUNDING)), named)
+    error = torque * (row.error or 0.0)
+    verdict = _covered(_within(torque, limit * (1.0 + STRESS_ROUNDING), error), named)
     where = f"{row.element}, {row.excitation} at {row.frequency:.4g} Hz"
     yield Verdict(name, torque, limit, "torque", verdict, where, coverage, named)
 

@@ -28,6 +28,8 @@ module            responsibility
                   during a start
 `start_fatigue`   from a start to allowable starts: fatigue of the judged shafts, and how sure it
                   is
+`pieces`          what the pieces of distributed shafts do to the torques of a start, and how many
+                  it needs
 `warm_up`         loads the compiled routines of a start, so that what is timed afterwards is
                   calculation alone
 ================  ================================================================================

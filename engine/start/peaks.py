@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,7 +22,7 @@ SHARED_ERROR = 0.3
 
 @dataclass(frozen=True)
 class ElementPeak:
-    """Extremes of the torque of one element over the whole start."""
+    """Extremes of the torque of one element over the whole start, of a subdivided shaft over its length."""
 
     element: str  #: Element.
     maximum: float  #: Largest and smallest torque, at the element's own speed. [N m]
@@ -29,11 +30,7 @@ class ElementPeak:
     time: float  #: When the larger of the two magnitudes occurs. [s]
     speed: float  #: Mean speed of the reference shaft then. [rad/s]
     error: float  #: Estimated absolute error of the extremes. [N m]
-
-    @property
-    def peak_to_peak(self) -> float:
-        """Maximum minus minimum. [N m]"""
-        return self.maximum - self.minimum
+    peak_to_peak: float  #: Maximum minus minimum of the section where that is largest. [N m]
 
     @property
     def size(self) -> float:
@@ -61,14 +58,34 @@ def worst_outputs(train: Train, run: SingleRun) -> Ints:
     ndarray of int, shape (n_elements,)
         Output; −1 where an element has none. [index]
     """
-    span = np.array([float(np.ptp(value)) for _, value in run.turning])
     chosen = np.full(len(train.elements), -1, dtype=np.int64)
-    for output, element in enumerate(run.trajectory.output_element):
-        if element < 0:  # a bearing of a gear, not an element of the train
-            continue
-        if chosen[element] < 0 or span[output] > span[chosen[element]]:
-            chosen[element] = output
+    for element, (_, _, widest) in sections_of(run).items():
+        chosen[element] = widest
     return chosen
+
+
+def sections_of(run: SingleRun) -> dict[int, tuple[int, int, int]]:
+    """Outputs with the highest torque, the lowest, and the largest range, of each element.
+
+    Parameters
+    ----------
+    run : SingleRun
+        A simulated start. [SI]
+
+    Returns
+    -------
+    dict of int to tuple of int
+        Element → three outputs, of an undivided element the same; in the order of elements. [index]
+    """
+    high = np.array([float(value.max()) for _, value in run.turning])
+    low = np.array([float(value.min()) for _, value in run.turning])
+    element_of = run.trajectory.output_element
+    found = {}
+    for element in np.unique(element_of[element_of >= 0]).tolist():  # a bearing is no element
+        own = np.flatnonzero(element_of == element)
+        at = (np.argmax(high[own]), np.argmin(low[own]), np.argmax((high - low)[own]))
+        found[element] = (int(own[at[0]]), int(own[at[1]]), int(own[at[2]]))
+    return found
 
 
 def _difference(
@@ -127,6 +144,9 @@ class JudgedRun:
     output_of_element: Ints
     estimated_error: float  #: Largest relative error of the peaks. [1]
     truncation_error: float  #: Part of it that the modes left out may cause. [1]
+    #: By index of each element with several sections: turning points of each, at both steps. Where
+    #: most cycles are used up need not be where the range is largest. [s, N m]
+    sections: Mapping[int, tuple[tuple[Turning, Turning], ...]]
 
 
 def judge_run(
@@ -169,30 +189,40 @@ def judge_run(
     """
     trajectory, turning = fine.trajectory, fine.turning
     output = worst_outputs(train, fine)
+    sections = sections_of(fine)
     judged = [(element, int(i)) for element, i in enumerate(output) if i >= 0]
-    bound = truncation[output[output >= 0]]
-    size = np.array([float(np.max(np.abs(turning[i][1]))) for _, i in judged])
-    change = np.array(
-        [
-            _difference(turning[i], coarse.turning[i], until_largest, guard_share, same_until)
-            for _, i in judged
-        ]
+
+    def largest(values: Mapping[int, float]) -> Floats:
+        """Of the sections of each element that matter."""
+        return np.array([max(values[i] for i in sections[element]) for element, _ in judged])
+
+    used = sorted({i for three in sections.values() for i in three})
+    size = largest({i: float(np.max(np.abs(turning[i][1]))) for i in used})
+    bound = largest({i: float(truncation[i]) for i in used})
+    change = largest(
+        {
+            i: _difference(turning[i], coarse.turning[i], until_largest, guard_share, same_until)
+            for i in used
+        }
     )
     floor = np.maximum(size, NEGLIGIBLE * np.max(size, initial=0.0))
     relative = change / np.where(floor > 0.0, floor, 1.0)
     least = max(SHARED_ERROR * float(np.max(relative, initial=0.0)), LEAST_PEAK_ERROR)
     peaks = []
-    for (element, i), own, scale in zip(judged, relative, floor, strict=True):
-        when, value = turning[i]
+    for (element, i), own, scale, left_out in zip(judged, relative, floor, bound, strict=True):
+        high, low, _ = sections[element]
+        highest, lowest = float(turning[high][1].max()), float(turning[low][1].min())
+        when, value = turning[high if highest >= -lowest else low]
         time = float(when[int(np.argmax(np.abs(value)))])
         peaks.append(
             ElementPeak(
                 train.elements[element],
-                float(value.max()),
-                float(value.min()),
+                highest,
+                lowest,
                 time,
                 float(np.interp(time, trajectory.time, trajectory.mean_speed)),
-                float(max(own, least) * scale + truncation[i]),
+                float(max(own, least) * scale + left_out),
+                float(np.ptp(turning[i][1])),
             )
         )
     scale = np.where(floor > 0.0, floor, np.inf)
@@ -205,4 +235,18 @@ def judge_run(
         output,
         float(np.max(errors / scale, initial=0.0)),
         float(np.max(bound / scale, initial=0.0)),
+        _by_section(fine, coarse),
     )
+
+
+def _by_section(
+    fine: SingleRun, coarse: SingleRun
+) -> dict[int, tuple[tuple[Turning, Turning], ...]]:
+    element_of = fine.trajectory.output_element
+    counts = np.bincount(element_of[element_of >= 0])
+    return {
+        element: tuple(
+            (fine.turning[i], coarse.turning[i]) for i in np.flatnonzero(element_of == element)
+        )
+        for element in np.flatnonzero(counts > 1).tolist()
+    }

@@ -85,6 +85,8 @@ class Start(JudgedRun):
     #: Largest bearing force of each gear that moves laterally. [N]
     bearing_forces: tuple[BearingForce, ...] = ()
     pull_in: PullIn | None = None  #: Field application and what came of it. [SI]
+    #: By element, relative error from the pieces of distributed shafts; part of all errors. [1]
+    pieces_error: tuple[tuple[str, float], ...] = ()
     #: Asked where the answers did not settle as the step was refined. [1]
     sensitivity: Repeatability | None = None
     #: Tooth and bearing forces against time, where they were calculated. [N]

@@ -6,8 +6,11 @@ starts is the change of its damage between the two step sizes the start was calc
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
+from engine.arrays import Floats
 from engine.case.choices import RainflowResidue
 from engine.case.data import CaseData, ElementRow
 from engine.case.result_words import Outcome
@@ -111,28 +114,63 @@ def starts_of(
 def _shaft(
     case: CaseData, element: ElementRow, start: Start, index: int, always_count: bool
 ) -> tuple[ShaftFatigue, float | None]:
-    """Fatigue of one shaft, and the relative error of its starts from the two steps."""
+    """Fatigue of the worst section of a shaft, and the relative error of its starts from the two steps."""
     material = next(m for m in case.materials if m.material == element.material)
     curve = sn_curve_of(case, element.material)
     residue = case.rainflow_residue or RainflowResidue.HALF_CYCLES
-    fine, coarse, error = _histories(start, index, str(element.element))
-    shaft = shaft_fatigue(element, fine, curve, material, residue, error, always_count=always_count)
+    peak = next(p for p in start.peaks if p.element == element.element)
+
+    def of(history: Floats, error: float = 0.0, always: bool = True) -> ShaftFatigue:
+        return shaft_fatigue(element, history, curve, material, residue, error, always_count=always)
+
+    found = []
+    for fine, coarse in _histories(start, index):
+        error = max(peak.error, _cycle_difference(fine, coarse))
+        found.append((of(fine, error, always_count), fine, coarse))
+    shaft, fine, coarse = max(found, key=lambda one: (one[0].damage, one[0].largest_amplitude))
     if shaft.damage == 0.0:
         return shaft, None
-    other = shaft_fatigue(element, coarse, curve, material, residue, always_count=True)
-    return shaft, abs(other.damage / shaft.damage - 1.0)
+    off = abs(of(coarse).damage / shaft.damage - 1.0)
+    if pieces := dict(start.pieces_error).get(shaft.element, 0.0):
+        off += abs(of((1.0 + pieces) * fine).damage / shaft.damage - 1.0)
+    return shaft, off
 
 
-def _histories(start: Start, index: int, name: str) -> tuple[np.ndarray, np.ndarray, float]:
-    """Turning points of one element at both steps, and the error of the finer ones. [N m]"""
-    order = [int(i) for i in np.flatnonzero(start.output_of_element >= 0)]
-    place = order.index(index)
-    peak = next(p for p in start.peaks if p.element == name)
-    fine, coarse = start.turning_points[place][1], start.coarse_turning_points[place][1]
-    return fine, coarse, max(peak.error, _cycle_difference(fine, coarse))
+def _histories(start: Start, index: int) -> list[tuple[Floats, Floats]]:
+    """Torques at the turning points of each section of an element, at both steps. [N m]"""
+    if index in start.sections:
+        return [(fine[1], coarse[1]) for fine, coarse in start.sections[index]]
+    place = np.flatnonzero(start.output_of_element >= 0).tolist().index(index)
+    return [(start.turning_points[place][1], start.coarse_turning_points[place][1])]
 
 
-def _cycle_difference(fine: np.ndarray, coarse: np.ndarray) -> float:
+def largest_damage(case: CaseData, element: ElementRow, histories: Sequence[Floats]) -> float:
+    """Damage of the worst section of a judged shaft.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+    element : ElementRow
+        The shaft. [SI]
+    histories : sequence of ndarray
+        Torques at the turning points of each section. [N m]
+
+    Returns
+    -------
+    float
+        Miner sum of one start. [1]
+    """
+    material = next(m for m in case.materials if m.material == element.material)
+    curve = sn_curve_of(case, element.material)
+    residue = case.rainflow_residue or RainflowResidue.HALF_CYCLES
+    return max(
+        shaft_fatigue(element, torque, curve, material, residue, always_count=True).damage
+        for torque in histories
+    )
+
+
+def _cycle_difference(fine: Floats, coarse: Floats) -> float:
     """Largest change of a turning point between two steps, over the largest ranges. [N m]"""
     a = np.sort(np.abs(np.diff(fine)))[::-1][:COMPARED_CYCLES]
     b = np.sort(np.abs(np.diff(coarse)))[::-1][:COMPARED_CYCLES]
@@ -162,9 +200,12 @@ def stress_over_endurance(case: CaseData, start: Start) -> tuple[float, bool] | 
     for index, element in judged_shafts(case):
         assert element.stress_diameter is not None
         curve = sn_curve_of(case, element.material)
-        history, _, error = _histories(start, index, str(element.element))
+        peak = next(p for p in start.peaks if p.element == element.element)
+        histories = _histories(start, index)
+        error = max(peak.error, *(_cycle_difference(a, b) for a, b in histories))
         unit = (element.scf or 1.0) * stress_of_unit_torque(element)
-        half = 0.5 * unit * float(max(history.max(), 0.0) - min(history.min(), 0.0))
+        largest = max(max(h.max(), 0.0) - min(h.min(), 0.0) for h, _ in histories)
+        half = 0.5 * unit * float(largest)
         wanted = wanted or needs_counting(half, curve, unit * error)
         if curve.endurance > 0.0:
             worst = max(worst, (half + unit * error) / curve.endurance)

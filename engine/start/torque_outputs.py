@@ -3,7 +3,8 @@
 torque = Y_q q + Y_v q̇ + Y_f f, with q in modal coordinates and f the torques at the force
 stations. Elastic elements report their elastic torque k·twist; an element of stiffness 0 its
 viscous torque; one with a clearance the sum of both; a rigid mesh what the equilibrium of its To side
-demands, inertias included.
+demands, inertias included; the end of a shaft with inertia of its own what its last piece and the half
+piece beyond its middle demand.
 The rows of bearings belong to no element and are left out.
 Damping appears in that equilibrium exactly as it does in the equations of motion: with its full
 matrix (`damping` given), or only on each mode for itself, as in a start.
@@ -26,7 +27,7 @@ from engine.model.train import RigidMesh, Train
 class TorqueOutputs:
     """Element torques from modal coordinates, velocities and forces."""
 
-    #: Element of each output; a subdivided shaft has one output a segment. Shape (n_outputs,).
+    #: Element of each output; a subdivided shaft has one a segment, and one an end. Shape (n_outputs,).
     element: Ints
     position: Floats  #: Y_q. [N m] Shape (n_outputs, n_modes).
     velocity: Floats  #: Y_v. [N m s] Shape (n_outputs, n_modes).
@@ -90,8 +91,7 @@ def torque_outputs(
     reach = np.concatenate([force_reach(train, modes, stations), modes.row_twist[rows].T], axis=1)
     keep = np.ones(modes.n_modes, dtype=np.bool_) if kept is None else kept
     own = train.element_rows
-    element = [train.row_element[own]]
-    sign = train.orientation[element[0]][:, None]
+    sign = train.orientation[train.row_element[own]][:, None]
     elastic, viscous_included = train.stiffness[own, None] > 0.0, train.viscous_shown[own, None]
     position = sign * np.where(elastic, modes.row_torque[own], 0.0)
     velocity = sign * np.where(
@@ -101,15 +101,22 @@ def torque_outputs(
     rows_f = [np.zeros((len(own), reach.shape[1]))]
     for mesh in train.rigid_meshes:
         q, v, f = _rigid_mesh_row(train, modes, reach, stations, mesh, damping)
-        element.append(np.array([mesh.element], dtype=np.int64))
         rows_q.append(q[None])
         rows_v.append(v[None])
         rows_f.append(f[None])
+    for end in train.shaft_ends:
+        inertial = end.inertia * train.node_scale[end.node] * modes.shape[train.node_dof[end.node]]
+        facing = float(train.orientation[end.element])
+        q = modes.row_torque[end.row] - inertial * modes.omega**2
+        v = np.zeros(modes.n_modes) if damping is None else -inertial @ damping
+        rows_q.append(facing * q[None])
+        rows_v.append(facing * v[None])
+        rows_f.append(facing * (inertial @ reach)[None])
     all_q, all_f = np.concatenate(rows_q), np.concatenate(rows_f)
     left_out = ~keep & (modes.omega > 0.0)
     flexible = all_q[:, left_out] / modes.omega[left_out] ** 2
     return TorqueOutputs(
-        np.concatenate(element),
+        train.output_element,
         np.ascontiguousarray(all_q[:, keep]),
         np.ascontiguousarray(np.concatenate(rows_v)[:, keep]),
         all_f + flexible @ reach[left_out],

@@ -33,7 +33,7 @@ from engine.operation.margins import nearest_frequency
 from engine.results.results import Results
 from engine.run import calculate_start
 from engine.start.outcome import StartOutcome
-from engine.start.peaks import worst_outputs
+from engine.start.peaks import sections_of
 from engine.start.settings import has_start
 from engine.start.start import PreparedStart, Start, prepared_start
 from engine.start.start_fatigue import COUNTED_STARTS, judged_shafts, sn_curve_of
@@ -313,24 +313,36 @@ def read_start(
     NearStart
         Peaks, damage and turning points. [SI]
     """
+    names = [str(e.element) for e in case.elements]
+    maximum, minimum = np.zeros(len(names)), np.zeros(len(names))
     if isinstance(run, Start):
         turning = run.turning_of_element()
+        for peak in run.peaks:
+            e = names.index(peak.element)
+            maximum[e], minimum[e] = peak.maximum, peak.minimum
     else:
-        output = worst_outputs(model.train, run)
-        turning = {e: run.turning[i] for e, i in enumerate(output.tolist()) if i >= 0}
-    n = len(case.elements)
-    maximum, minimum = np.zeros(n), np.zeros(n)
-    for e, (_, value) in turning.items():
-        maximum[e], minimum[e] = value.max(), value.min()
-    names = [str(e.element) for e in case.elements]
+        sections = sections_of(run)
+        turning = {e: run.turning[widest] for e, (_, _, widest) in sections.items()}
+        for e, (high, low, _) in sections.items():
+            maximum[e], minimum[e] = run.turning[high][1].max(), run.turning[low][1].min()
     reversed_ = tuple(
         name
         for name, high, low in zip(names, maximum, minimum, strict=True)
         if name in recipe.gaps and low < -NOTABLE_REVERSAL * max(high, -low)
     )
-    damage = [_damage(case, recipe, i, turning[i][1]) for i, _ in judged_shafts(case)]
+    damage = [
+        max(_damage(case, recipe, i, torque) for torque in _histories(run, i, turning[i][1]))
+        for i, _ in judged_shafts(case)
+    ]
     sensitive = isinstance(run, Start) and run.is_sensitive
     return NearStart(outcome, maximum, minimum, np.array(damage), turning, reversed_, sensitive)
+
+
+def _histories(run: SingleRun | Start, element: int, worst: Floats) -> list[Floats]:
+    """Torques at the turning points of each section of an element. [N m]"""
+    if isinstance(run, Start):
+        return [fine[1] for fine, _ in run.sections.get(element, ())] or [worst]
+    return [run.turning[i][1] for i in np.flatnonzero(run.trajectory.output_element == element)]
 
 
 def _damage(case: CaseData, recipe: NearbyStartPlan, index: int, torque: Floats) -> float:

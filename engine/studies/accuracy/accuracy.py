@@ -32,10 +32,10 @@ from engine.case.data import CaseData
 from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, DEFAULT_TOLERANCE_STARTS
 from engine.fatigue.allowable_starts import shaft_fatigue
 from engine.model.load import loads_of
-from engine.model.modal_analysis import analyse
 from engine.model.motor import motors_of
 from engine.results.results import AccuracyRow
 from engine.run import PlannedStart, calculate_start, planned_start
+from engine.start.pieces import analysis_for_start
 from engine.start.settings import has_start
 from engine.start.simulation import simulate
 from engine.start.start import Start
@@ -112,7 +112,7 @@ def accuracy_study(
     if not has_start(case) and not case.torque_time:
         return _nothing(case)
     on_stage("start with the effects of the plan")
-    planned = planned_start(case, analyse(case), stage)
+    planned = planned_start(case, analysis_for_start(case), stage)
     if planned.plan.events:
         return _event_study(case, planned, rounds, on_stage)
     return _linear_study(case, planned, rounds, on_stage) if has_start(case) else _nothing(case)

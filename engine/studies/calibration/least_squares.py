@@ -40,6 +40,7 @@ from engine.model.modes import Modes, modes_of
 from engine.model.subdivision import BAND
 from engine.model.train import Train
 from engine.run import planned_start
+from engine.start.pieces import analysis_for_start
 from engine.studies.scatter import NORMAL, Factor, changes_of
 from engine.studies.variation import varied_case
 
@@ -348,7 +349,7 @@ def maximum_torques(case: CaseData) -> dict[str, float]:
         CaseData(**vars(case)),
         tolerance_peak=min(case.tolerance_peak or DEFAULT_TOLERANCE_PEAK, PEAK_ACCURACY),
     )
-    start = planned_start(finer, analyse(finer)).start
+    start = planned_start(finer, analysis_for_start(finer)).start
     return {p.element: p.maximum for p in start.peaks}
 
 

@@ -18,10 +18,10 @@ from engine.case.checks.problem import Cells
 from engine.case.data import CaseData
 from engine.case.study_inputs import ScatterRow, study_digest
 from engine.errors import CaseError, ModelError, Problem
-from engine.model.modal_analysis import analyse
 from engine.numerics.sample_statistics import FEWEST_SAMPLES
 from engine.results.results import Results
 from engine.run import planned_start, run
+from engine.start.pieces import analysis_for_start
 from engine.start.start_fatigue import judged_shafts
 from engine.studies.nearby_start import (
     LINEAR,
@@ -298,7 +298,7 @@ def evaluate(unit: Unit) -> Evaluated:
                     evaluated.by_step[i] = _change(near_start(case, recipe, near, 0.5), start)
                     evaluated.checked[i] = start.counted
                 if start.reversed and unit.replan:
-                    own = planned_start(case, analyse(case))
+                    own = planned_start(case, analysis_for_start(case))
                     start = read_start(case, recipe, own.model, own.start.outcome, own.start)
                 evaluated.counted[i] = start.counted
                 evaluated.reversed[i] = bool(start.reversed)

@@ -136,7 +136,7 @@ def test_the_row_of_a_peak_by_hand(results: Results) -> None:
     """16 (maximum − minimum)/(π d³), and the speed as a share of 60π rad/s."""
     assert results.start is not None
     peaks = tuple(
-        replace(p, maximum=3000.0, minimum=-1000.0, speed=45.0 * math.pi)
+        replace(p, maximum=3000.0, minimum=-1000.0, peak_to_peak=4000.0, speed=45.0 * math.pi)
         for p in results.start.peaks
     )
     tables = result_tables(replace(results, start=replace(results.start, peaks=peaks)))

@@ -1,0 +1,163 @@
+"""What the pieces of distributed shafts do to the torques of a start, and how many it needs.
+
+The same start is simulated once with the train and once with half as many pieces, at one step. The
+change falls with the square of their number, so a third of it is the error; see `RICHARDSON`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from engine.arrays import Floats
+from engine.case.data import CaseData
+from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, DEFAULT_TOLERANCE_STARTS
+from engine.errors import ModelError
+from engine.model.modal_analysis import ModalAnalysis, analyse
+from engine.model.modal_train import ModalTrain
+from engine.model.subdivision import RICHARDSON, SUBDIVISION_SEGMENTS
+from engine.start.peaks import SHARED_ERROR
+from engine.start.prescribed import run_prescribed
+from engine.start.settings import has_start
+from engine.start.start import Start, prepared_start
+from engine.start.start_fatigue import judged_shafts, largest_damage, sn_slope
+from engine.start.start_model import usual_step
+
+#: Share of a tolerance that the pieces may take; steps and modes left out take the rest. [1]
+SHARE = 0.3
+#: Pieces are refined at most so often.
+MOST_REFINEMENTS = 3
+#: Tolerance of the simulations that are compared: both have nearly the same error of the step. [1]
+COMPARED_AT = 1e-3
+
+
+def analysis_for_start(case: CaseData) -> ModalAnalysis:
+    """Natural modes of a case, with as many pieces of shafts as frequencies and the start need.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+
+    Returns
+    -------
+    ModalAnalysis
+        With the error of the torques from the pieces; that of `analyse` where there is no start, or no
+        shaft with inertia of its own. [SI]
+    """
+    analysis = analyse(case)
+    if analysis.rough_torsional is None or not (has_start(case) or case.torque_time):
+        return analysis
+    try:
+        return _refined(case, analysis)
+    except ModelError:  # a train that cannot start says so when it is to
+        return analysis
+
+
+def _refined(case: CaseData, analysis: ModalAnalysis) -> ModalAnalysis:
+    peak = case.tolerance_peak or DEFAULT_TOLERANCE_PEAK
+    starts = case.tolerance_starts or DEFAULT_TOLERANCE_STARTS
+    wanted = SHARE * min(peak, starts / max(sn_slope(case), 1.0))
+    for _ in range(MOST_REFINEMENTS):
+        errors = _errors(case, analysis)
+        analysis = replace(analysis, pieces_error=tuple(errors.items()))
+        worst = max(errors.values(), default=0.0)
+        pieces = dict(analysis.subdivided.segments)
+        if worst <= wanted or sum(pieces.values()) >= 0.9 * SUBDIVISION_SEGMENTS:
+            return analysis
+        finer = min(8.0, 1.1 * math.sqrt(worst / wanted))
+        analysis = analyse(case, least_pieces=math.ceil(finer * max(pieces.values())))
+    return replace(analysis, pieces_error=tuple(_errors(case, analysis).items()))
+
+
+def _errors(case: CaseData, analysis: ModalAnalysis) -> dict[str, float]:
+    """Relative error of the torque of each element: the change from half as many pieces, and less.
+
+    Of the highest and lowest torque and the largest range over its length, wherever they are, and not
+    below a share of the worst element's, so that an accidental agreement is not taken for accuracy. Of a
+    judged shaft also what would change its damage as much as the pieces do.
+    """
+    assert analysis.rough_torsional is not None
+    fine, rough = (_simulated(case, m) for m in (analysis.torsional, analysis.rough_torsional))
+    errors = {}
+    for name, (values, damage) in fine.items():
+        other, other_damage = rough[name]
+        size = float(np.max(np.abs(values)))
+        if size > 0.0:
+            errors[name] = float(np.max(np.abs(values - other))) / size / RICHARDSON
+        if damage > 0.0:
+            off = abs(other_damage / damage - 1.0) / max(sn_slope(case), 1.0)
+            errors[name] = max(errors[name], off / RICHARDSON)
+    least = SHARED_ERROR * max(errors.values(), default=0.0)
+    return {name: max(error, least) for name, error in errors.items()}
+
+
+def _simulated(case: CaseData, modal: ModalTrain) -> dict[str, tuple[Floats, float]]:
+    """Highest and lowest torque, half the largest range [N m], and damage, of each element in a linear start."""
+    loose = replace(CaseData(**vars(case)), tolerance_peak=COMPARED_AT)
+    names = modal.train.elements
+    if not has_start(case):
+        start = run_prescribed(loose, modal)
+        sections = start.sections
+        histories = {
+            e: [fine[1] for fine, _ in sections.get(e, ())] or [turning[1]]
+            for e, turning in start.turning_of_element().items()
+        }
+    else:
+        prepared = prepared_start(loose, modal)
+        step = usual_step(COMPARED_AT, prepared.model.pulsation_omega)
+        _, run = prepared.to_its_end(min(step, prepared.model.largest_step))
+        element_of = run.trajectory.output_element
+        histories = {
+            e: [run.turning[i][1] for i in np.flatnonzero(element_of == e)]
+            for e in np.unique(element_of[element_of >= 0]).tolist()
+        }
+    damage = {e: largest_damage(case, row, histories[e]) for e, row in judged_shafts(case)}
+    return {
+        names[e]: (
+            np.array(
+                [
+                    max(h.max() for h in own),
+                    min(h.min() for h in own),
+                    0.5 * max(np.ptp(h) for h in own),
+                ]
+            ),
+            damage.get(e, 0.0),
+        )
+        for e, own in histories.items()
+    }
+
+
+def with_pieces_error(start: Start, errors: Mapping[str, float], tolerance: float) -> Start:
+    """A start whose errors cover the pieces of its shafts.
+
+    Parameters
+    ----------
+    start : Start
+        A start. [SI]
+    errors : mapping of str to float
+        By element, relative error from the pieces. [1]
+    tolerance : float
+        Wanted relative error of peak torques. [1]
+
+    Returns
+    -------
+    Start
+        The same where there are none. [SI]
+    """
+    if not errors:
+        return start
+    peaks = tuple(
+        replace(p, error=p.error + errors.get(p.element, 0.0) * p.size) for p in start.peaks
+    )
+    error = start.estimated_error + max(errors.values())
+    return replace(
+        start,
+        peaks=peaks,
+        estimated_error=error,
+        met_tolerance=start.met_tolerance and error <= tolerance,
+        pieces_error=tuple(errors.items()),
+    )
