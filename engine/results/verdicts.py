@@ -25,7 +25,7 @@ from engine.case.result_words import ACCEPTABLE, Judgement, NoNumber, Outcome
 from engine.fatigue.allowable_starts import AllowableStarts
 from engine.fatigue.stress import stress_of_unit_torque
 from engine.operation.margins import MarginRow, SeparationMargins
-from engine.operation.steady_state import STRESS_ROUNDING, SteadyState
+from engine.operation.steady_state import STRESS_ROUNDING, SteadyState, SteadyStateRow
 from engine.results.implausible_results import implausible_results
 from engine.results.results import Results, Verdict
 from engine.start.crossings import Crossing
@@ -165,50 +165,51 @@ def _open_in_operation(elements: Sequence[ElementRow], steady: SteadyState) -> l
 
 def _steady_stress(case: CaseData, steady: SteadyState) -> Iterator[Verdict]:
     """Shafts, and other elements with a stress diameter, against UTS/25."""
-    members = shafts(case)
-    finite = [r for r in steady.rows if r.allowable and r.zero_to_peak_stress is not None]
-    if not members and not finite:
-        return
-    name = f"Steady-state stress ({steady.stress_basis})"
-    open_ = _open_in_operation(members, steady)
-    coverage, named = _share(members, open_, "shafts"), listed(open_)
-    if not finite:
-        verdict = Judgement.NOT_JUDGED if open_ else Judgement.PASS
-        where = "" if open_ else "every shaft is judged by its Vibratory limit"
-        yield Verdict(name, None, None, "pressure", verdict, where, coverage, named)
-        return
     is_range = steady.stress_basis != "zero-to-peak"
-    stresses = [
-        (r.peak_to_peak_stress if is_range else r.zero_to_peak_stress) or 0.0 for r in finite
+    judged = [
+        (r, (r.peak_to_peak_stress if is_range else r.zero_to_peak_stress) or 0.0, r.allowable)
+        for r in steady.rows
+        if r.allowable and r.zero_to_peak_stress is not None
     ]
-    k = max(range(len(finite)), key=lambda i: stresses[i] / (finite[i].allowable or 1.0))
-    row, allowable = finite[k], finite[k].allowable or 0.0
-    error = stresses[k] * (row.error or 0.0)
-    verdict = _covered(_within(stresses[k], allowable * (1.0 + STRESS_ROUNDING), error), named)
-    where = f"{row.element}, {row.excitation} at {row.frequency:.4g} Hz"
-    yield Verdict(name, stresses[k], allowable, "pressure", verdict, where, coverage, named)
+    check = f"Steady-state stress ({steady.stress_basis})", "pressure", "shafts", "Vibratory limits"
+    yield from _response(check, shafts(case), steady, judged)
 
 
 def _steady_torque(case: CaseData, steady: SteadyState) -> Iterator[Verdict]:
     """Couplings and meshes, and other elements with a Vibratory limit, against it."""
-    members = links(case)
-    limited = [r for r in steady.rows if r.torque_limit is not None and r.torque is not None]
-    if not members and not limited:
+    judged = [
+        (r, r.torque, r.torque_limit)
+        for r in steady.rows
+        if r.torque_limit and r.torque is not None
+    ]
+    check = "Vibratory torque", "torque", "couplings and meshes", "stresses"
+    yield from _response(check, links(case), steady, judged)
+
+
+def _response(
+    check: tuple[str, str, str, str],
+    members: Sequence[ElementRow],
+    steady: SteadyState,
+    judged: Sequence[tuple[SteadyStateRow, float, float]],
+) -> Iterator[Verdict]:
+    """A forced response: the row that is nearest to its limit, of those judged.
+
+    `check` is its name, dimension, the elements it is for, and what else they may be judged by.
+    """
+    name, dimension, what, instead = check
+    if not members and not judged:
         return
-    name = "Vibratory torque"
     open_ = _open_in_operation(members, steady)
-    coverage, named = _share(members, open_, "couplings and meshes"), listed(open_)
-    if not limited:
+    coverage, named = _share(members, open_, what), listed(open_)
+    if not judged:
         verdict = Judgement.NOT_JUDGED if open_ else Judgement.PASS
-        where = "" if open_ else "every coupling and mesh is judged by its stress"
-        yield Verdict(name, None, None, "torque", verdict, where, coverage, named)
+        where = "" if open_ else f"all {what} are judged by their {instead}"
+        yield Verdict(name, None, None, dimension, verdict, where, coverage, named)
         return
-    row = max(limited, key=lambda r: (r.torque or 0.0) / (r.torque_limit or 1.0))
-    torque, limit = row.torque or 0.0, row.torque_limit or 0.0
-    error = torque * (row.error or 0.0)
-    verdict = _covered(_within(torque, limit * (1.0 + STRESS_ROUNDING), error), named)
+    row, value, limit = max(judged, key=lambda one: one[1] / one[2])
+    verdict = _within(value, limit * (1.0 + STRESS_ROUNDING), value * (row.error or 0.0))
     where = f"{row.element}, {row.excitation} at {row.frequency:.4g} Hz"
-    yield Verdict(name, torque, limit, "torque", verdict, where, coverage, named)
+    yield Verdict(name, value, limit, dimension, _covered(verdict, named), where, coverage, named)
 
 
 # --- start ----------------------------------------------------------------------------------------
