@@ -16,7 +16,7 @@ import numpy as np
 
 from engine.arrays import Floats, Ints
 from engine.backlash.contact_systems import ContactSystem, ContactSystems
-from engine.errors import InternalError
+from engine.errors import InternalError, ModelError
 from engine.start.start_model import Machines
 from engine.start.time_response import knots_of
 from engine.start.trajectory import KEPT_VALUES, Recorder, Trajectory
@@ -370,13 +370,20 @@ class _Simulation:
         rows = self._rows
         while True:
             log = np.empty((LOGGED, 5))
-            done, logged, reason = events.advance_pieces(
-                self.clock, stop, self.step, model.visible, targets, model.limited,
-                pieces.tables(self.step, model.sampled), pieces.contacts, model.curves, model.motors,
-                model.loads, model.timed, model.damper_force, self.electrical, self.piece,
-                self.contact, self.q, self.v, self.phase, self.force, self.rate, rows["t"],
-                rows["q"], rows["v"], rows["f"], rows["fr"], rows["phase"], rows["piece"], log,
-            )  # fmt: skip
+            try:
+                done, logged, reason = events.advance_pieces(
+                    self.clock, stop, self.step, model.visible, targets, model.limited,
+                    pieces.tables(self.step, model.sampled), pieces.contacts, model.curves, model.motors,
+                    model.loads, model.timed, model.damper_force, self.electrical, self.piece,
+                    self.contact, self.q, self.v, self.phase, self.force, self.rate, rows["t"],
+                    rows["q"], rows["v"], rows["f"], rows["fr"], rows["phase"], rows["piece"], log,
+                )  # fmt: skip
+            except ZeroDivisionError as wrong:
+                raise ModelError(
+                    f"The start with clearances cannot be calculated beyond {self.clock[0]:.4g} s: damping "
+                    "and stiffness of meshes or bearings are too far apart for double precision. Check "
+                    "Mesh damping and Bearing damping in table Meshes."
+                ) from wrong
             if done:
                 if not np.all(np.isfinite(rows["q"][done - 1])):
                     raise InternalError(

@@ -136,10 +136,16 @@ def _cut_by_itself(settings: StartSettings, end: float) -> bool:
 
 
 def _late_speed(trajectory: Trajectory, end: float) -> float:
-    """Mean speed over the last tenth of a run, half a second at most."""
+    """Speed at the end: of a straight line through the last tenth of a run, half a second at most.
+
+    The line leaves out what the rotor oscillates; the mean alone would be that of half a stretch before.
+    """
     t, w = trajectory.time, trajectory.mean_speed
     inside = (t >= end - min(0.5, 0.1 * end)) & (t <= end)
-    return float(np.mean(w[inside])) if np.any(inside) else float(w[-1])
+    if np.sum(inside) < 3 or np.ptp(t[inside]) == 0.0:
+        return float(w[-1])
+    _, at_end = np.polyfit(t[inside] - end, w[inside], 1)
+    return float(at_end)
 
 
 def outcome_of(

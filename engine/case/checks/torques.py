@@ -24,6 +24,8 @@ from engine.case.choices import ElementKind
 from engine.case.data import GROUND, TABLES, CaseData, value_of
 from engine.errors import Problem
 
+#: Pole pairs nearer to a whole number than this share are whole: the ratio of a gear is rounded. [1]
+WHOLE_PAIRS = 2e-3
 #: A torque curve reaches at most this multiple of synchronous speed.
 TOP_SPEED = 3.0
 CURVE_SPEED = Limit(
@@ -124,6 +126,31 @@ def check_torques(case: CaseData) -> Iterator[Problem]:
             "a motor is given, but no LineFrequency (or Poles): the slip frequency is unknown. "
             "Type LineFrequency.",
         )
+    yield from _pole_pairs(case)
+
+
+def _pole_pairs(case: CaseData) -> Iterator[Problem]:
+    """Every motor turns with whole pole pairs at its own synchronous speed."""
+    line, synchronous = case.ratings.line_frequency, case.ratings.synchronous_speed
+    if not line or not synchronous:
+        return
+    motors = {p.station for p in case.motor_torque}
+    for cells, s in each_row("Stations", case.stations):
+        if s.station not in motors or not s.speed_ratio or s.speed_ratio <= 0.0:
+            continue
+        if s.speed_ratio == 1.0:  # as Poles say; their disagreement is reported by the ratings
+            continue
+        pairs = 2.0 * math.pi * line / (synchronous * s.speed_ratio)
+        if abs(pairs - max(round(pairs), 1)) > WHOLE_PAIRS * pairs:
+            rpm = 30.0 * synchronous * s.speed_ratio / math.pi
+            yield cells.problem(
+                "Speed ratio",
+                s.speed_ratio,
+                "such that the motor has whole pole pairs",
+                f"found {number_text(s.speed_ratio)} at '{s.station}', which has a motor: at "
+                f"{rpm:.6g} rpm and {line:.6g} Hz it would have {pairs:.4g} pole pairs. Correct the "
+                "ratio, or the station in table MotorTorque.",
+            )
 
 
 def _motor_place(case: CaseData) -> Iterator[Problem]:

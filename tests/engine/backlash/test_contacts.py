@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
+from addin.contract.shipped import template_path
+from addin.reading.workbook import read_workbook
 from engine.backlash.contacts import contact_records, force_histories
 from engine.backlash.event_start import _spread
+from engine.errors import ModelError
+from engine.run import run
 from engine.stepping.contact_loop import BACK, BACK_LIMITED, DRIVE, FREE
 
 #: A mesh of base radius 0.2 m whose normal force is 1.25 times the transverse one.
@@ -60,3 +65,11 @@ def test_the_spread_of_two_runs_is_that_of_either_extreme(sign: float) -> None:
         return SimpleNamespace(turning=[(np.zeros(2), sign * np.array([60.0, changed]))])
 
     assert _spread(of(-30.0), of(-33.0), np.array([0])) == pytest.approx(0.05)
+
+
+def test_damping_beyond_double_precision_is_named_and_no_traceback() -> None:
+    """C12: a bearing damping of 1e14 N s/m, 1e8 times critical, makes a divisor zero in the compiled loop."""
+    case = read_workbook(template_path("example_backlash.xlsx")).case()
+    mesh = replace(case.meshes[0], bearing_damping_drive=1e14)
+    with pytest.raises(ModelError, match=r"cannot be calculated beyond .*Bearing damping in table"):
+        run(replace(case, meshes=(mesh,)))

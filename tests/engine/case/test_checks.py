@@ -576,6 +576,28 @@ def test_contradicting_ratings_name_what_would_agree():
     assert "1200 rpm" in problem.message
 
 
+@pytest.mark.parametrize(
+    ("poles", "ratio", "pairs"),
+    [(4, 2.0, None), (12, 3.0, None), (4, 0.5, None), (4, 1.7, "1.176"), (4, 3.0, "0.6667"),
+     (4, 2.0010, None), (4, 2.01, "0.995")],
+)  # fmt: skip
+def test_a_second_motor_has_whole_pole_pairs_at_its_own_speed(poles, ratio, pairs):
+    """C8: 1800 rpm × 1.7 = 3060 rpm at 60 Hz."""
+    stations = (StationRow("M", None, 10.0), StationRow("L", None, 10.0, ratio))
+    rows = tuple(
+        MotorTorqueRow(name, x, 100.0, 10.0) for name in ("M", "L") for x in (0.0, 0.5, 1.0)
+    )
+    elements = (ElementRow("gears", "gear mesh", "M", "L", 1e6),)
+    case = CaseData(
+        stations=stations, elements=elements, motor_torque=rows, line_frequency=60.0, poles=poles
+    )
+    found = [p for p in find_problems(case) if "pole pairs" in p.message]
+    assert len(found) == (pairs is not None)
+    for problem in found:
+        assert (problem.table, problem.row, problem.column) == ("Stations", 2, "Speed ratio")
+        assert f"would have {pairs} pole pairs" in problem.message
+
+
 @pytest.mark.parametrize("value", [NAN, INF, -INF, -1.0, 0.0])
 def test_no_number_breaks_the_checks(value):
     """Impossible ratings are reported, never raised."""

@@ -243,7 +243,7 @@ def test_the_shocks_of_several_motors_add_and_are_compared_with_the_weakest():
     """A second motor of a tenth of the torque, on the shaft that turns three times as fast."""
     shock = {"shock_amplitude": 0.3 * RATED, "shock_time_constant": 0.05}
     rows = (*motor(), *motor("Load", 0.1 * RATED))
-    share = evidence_of(geared(motor_torque=rows, **shock)).shock_share
+    share = evidence_of(geared(poles=12, motor_torque=rows, **shock)).shock_share
     at_motor_shaft = 0.3 * (1.0 + 3.0)  # of RATED: the stated amplitude at each motor's own shaft
     grown = 2.0 + 120.0 * math.pi * 0.05
     assert share == pytest.approx(at_motor_shaft * grown / (0.1 * 3.0 * 0.85), rel=1e-12)
