@@ -300,6 +300,11 @@ def _startup() -> Shape:
             "outcome": described("How the start ended.", outcomes),
             "time": described("Time at the end of the start. [s]", NUMBER),
             "end_speed": described("Speed at the end. [rad/s]", NUMBER),
+            "in_step_time": described(
+                "Time from which slip stays below in_step_slip; absent where it does not. [s]",
+                NUMBER,
+            ),
+            "in_step_slip": described("Slip below which the motor is in step. [1]", NUMBER),
             "pull_in": closed_object(pull_in),
             "bearing_forces": list_of(closed_object(force)),
         }

@@ -143,6 +143,10 @@ def _pull_in(subject: Subject, field: Mapping[str, Any]) -> Section:
         ("Synchronised at the end", "yes" if field["synchronised"] else "no"),
         ("Pole slips", str(field["pole_slips"])),
     ]
+    startup = subject.calculation.startup or {}
+    if startup.get("in_step_time") is not None:
+        since = f"from {fixed(startup['in_step_time'], 3)} s on (slip below {startup['in_step_slip']:.1%})"
+        facts.append(("In step", since))
     if field.get("load_angle") is not None:
         facts.append(("Load angle at the end", f"{fixed(math.degrees(field['load_angle']), 1)}°"))
     if field.get("swing_frequency") is not None:

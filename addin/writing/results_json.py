@@ -20,7 +20,9 @@ from engine.errors import InternalError
 if TYPE_CHECKING:  # a schema or an error is written without the engine
     from addin.calculation.calculation import Calculation
 
-_STARTUP = ("outcome", "time", "end_speed", "pull_in", "bearing_forces")
+_STARTUP = (
+    "outcome", "time", "end_speed", "in_step_time", "in_step_slip", "pull_in", "bearing_forces",
+)  # fmt: skip
 
 
 def results_to_json(run: Calculation, version: str) -> dict[str, Any]:

@@ -547,14 +547,17 @@ def pull_in_outcome(pull_in: PullIn, end: float, speed: float, synchronous: floa
             share=speed / synchronous,
         )
     assert pull_in.load_angle is not None
-    assert pull_in.pull_in_time is not None
+    limit = f"slip below {pull_in.in_step_slip:.1%}"
+    in_step = f"{limit} not reached at the end"
+    if pull_in.in_step_time is not None:
+        in_step = f"in step ({limit}) from {pull_in.in_step_time:.3f} s on"
     swing = "" if pull_in.swing_frequency is None else f", swing {pull_in.swing_frequency:.3g} Hz"
     return StartOutcome.with_numbers(
         Outcome.SYNCHRONISED,
         end,
         speed,
         applied=applied,
-        pull_in_time=pull_in.pull_in_time,
+        in_step=in_step,
         slips=f"{pull_in.pole_slips} pole slip{'' if pull_in.pole_slips == 1 else 's'}",
         load_angle=math.degrees(pull_in.load_angle),
         swing=swing,

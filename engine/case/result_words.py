@@ -53,8 +53,7 @@ class Outcome(StrEnum):
     #: With the field applied it came into step.
     SYNCHRONISED = (
         "synchronised",
-        "Synchronised: {applied}; in step from {pull_in_time:.3f} s after {slips}, load angle "
-        "{load_angle:.1f} degrees{swing}.",
+        "Synchronised: {applied}; {slips}, {in_step}, load angle {load_angle:.1f} degrees{swing}.",
     )
     #: With the field applied it went on slipping poles, or the run ended first.
     NOT_SYNCHRONISED = (

@@ -25,7 +25,10 @@ def start_summary(results: Results) -> Row | None:
         return None
     summary = asdict(start.outcome)
     if start.pull_in is not None:
-        summary["pull_in"] = asdict(start.pull_in)
+        pull_in = asdict(start.pull_in)
+        for key in ("in_step_time", "in_step_slip"):
+            summary[key] = pull_in.pop(key)
+        summary["pull_in"] = pull_in
     if start.bearing_forces:
         summary["bearing_forces"] = [asdict(force) for force in start.bearing_forces]
     return summary

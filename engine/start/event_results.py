@@ -42,6 +42,9 @@ class PullIn:
     #: When the load angle passed 180 degrees for the last time (or the field was applied, if it
     #: never did); None if it never stayed. [s]
     pull_in_time: float | None
+    #: Instant from which slip stays below `in_step_slip` until the end; None if it does not. [s]
+    in_step_time: float | None
+    in_step_slip: float  #: Slip below which the motor is called in step. [1]
     load_angle: float | None  #: Mean load angle at the end. [rad]
     #: Frequency of the swing after pull-in, from its zero crossings; None where it does not swing.
     #: [Hz]

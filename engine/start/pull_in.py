@@ -35,6 +35,8 @@ NEAR_ZERO_SLIP = 0.05
 STILL_ANGLE, STILL_SHARE, STILL_TIME = 0.02, 0.2, 0.2
 #: Slip below this share of that at field application is at rest: a motor that creeps into step.
 AT_REST = 0.01
+#: A motor whose slip stays below this is in step. [1]
+IN_STEP_SLIP = 1e-3
 #: Zero crossings of slip count while it swings by more than this share of its first swing.
 VISIBLE_SWING = 1e-4
 
@@ -110,9 +112,23 @@ def judge_pull_in(
         synchronised=in_step,
         pole_slips=int(turned + 1e-9),
         pull_in_time=last if in_step else None,
+        in_step_time=_stays_below(t, s, IN_STEP_SLIP) if in_step else None,
+        in_step_slip=IN_STEP_SLIP,
         load_angle=_mean_angle(t[inside], angle[inside], swings) if in_step else None,
         swing_frequency=_frequency(swings) if in_step else None,
     )
+
+
+def _stays_below(time: Floats, slip: Floats, limit: float) -> float | None:
+    """Instant from which slip stays below a limit, between samples on a straight line; None if never."""
+    above = np.flatnonzero(np.abs(slip) >= limit)
+    if not len(above):
+        return float(time[0])
+    i = int(above[-1])
+    if i + 1 == len(time):
+        return None
+    a, b = abs(float(slip[i])), abs(float(slip[i + 1]))
+    return float(time[i] + (a - limit) / (a - b) * (time[i + 1] - time[i]))
 
 
 def _from(

@@ -59,6 +59,26 @@ def test_passages_swing_and_load_angle(turns: int) -> None:
     assert (found.field_time, found.field_slip) == (FIELD_TIME, FIELD_SLIP)
 
 
+@pytest.mark.parametrize("turns", [1, 4])
+def test_it_is_in_step_from_where_slip_stays_below_a_tenth_of_a_per_cent(turns: int) -> None:
+    """C14: the last time |dδ/dt| / ω is 0.001, by the formula of the swing; not the field's instant."""
+    time = np.arange(0.0, 12.0, 1e-3)
+    found = judge_pull_in(time, *pulled_in(turns, time), FIELD_TIME, FIELD_SLIP)
+    fine = np.arange(FIELD_TIME + 0.5, 12.0, 1e-5)
+    _, slip = pulled_in(turns, fine)
+    last = fine[np.flatnonzero(np.abs(slip) >= 1e-3)[-1]]
+    assert found.in_step_slip == 1e-3
+    assert found.in_step_time == pytest.approx(last, abs=1e-4)
+    assert found.in_step_time > FIELD_TIME + 1.0
+
+
+def test_a_motor_that_still_swings_at_the_end_is_not_in_step_from_any_instant() -> None:
+    time = np.arange(0.0, 3.0, 1e-3)
+    found = judge_pull_in(time, *pulled_in(1, time), FIELD_TIME, FIELD_SLIP)
+    assert found.synchronised
+    assert found.in_step_time is None
+
+
 def test_motor_that_never_passes_180_degrees_is_in_step_at_once() -> None:
     time = np.arange(0.0, 6.0, 1e-3)
     angle = -0.5 + 1.4 * np.exp(-time) * np.cos(SWING * time) + 2.0 * math.pi * 7
