@@ -176,7 +176,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 "Accurate", "no for a mode above the frequency up to which the pieces of shafts are fine enough.",
                 "yes where the estimated error from the pieces of shafts with Density is within 0.1 %, for this mode "
                 "and all below",
-                "docs/method.md, Distributed shafts", of_case=MODAL, pane=Pane.MINOR,
+                "docs/method.md, Distributed shafts", of_case=MODAL, pane=Pane.WORKBOOK,
             ),
         ),
         extra_columns=(

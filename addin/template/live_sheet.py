@@ -30,7 +30,7 @@ MODE_ROWS, MARGIN_ROWS = 17, 121
 SHAFTS = 40
 #: Cells, counted from 0: the state of the model, frequencies, margins, shafts.
 _STATE, _MODES, _MARGINS = 4, 11, 11 + MODE_ROWS + 3
-_LEFT, _LEAST, _SHAFT = 1, 8, 9
+_LEFT, _LEAST, _SHAFT = 1, 9, 10
 _ALL_INPUTS, _TRAIN_ONLY, _SHOWN, _STORED = range(_STATE + 1, _STATE + 5)
 _VALUE = 2
 #: Input tables that modes and margins need; a material is named by an element.
@@ -45,8 +45,8 @@ _GEOMETRY = (
 LIVE_SHEET = Sheet(
     "Live",
     "live",
-    {"A": 1.5, "B": 25, "C": 27, "D": 11, "E": 12, "F": 11, "G": 24, "H": 24, "I": 12, "J": 27,
-     "K:M": 12, "N:P": 15},
+    {"A": 1.5, "B": 25, "C": 27, "D": 11, "E": 12, "F": 11, "G": 24, "H": 24, "I": 20, "J": 12,
+     "K": 27, "L:N": 12, "O:Q": 15},
     {},
     freeze="A4",
     intro="Modes, margins and shaft stiffness of the present inputs, without a start. For "

@@ -20,7 +20,10 @@ from addin.worksheet.registry import call
 
 pytestmark = pytest.mark.needs_libreoffice
 
-MODEL, MODES, MARGINS, SHAFT = (5, 2), (11, 1), (11 + MODE_ROWS + 3, 1), (11 + MODE_ROWS + 3, 9)
+MODEL, MODES, MARGINS, SHAFT = (5, 2), (11, 1), (11 + MODE_ROWS + 3, 1), (11 + MODE_ROWS + 3, 10)
+
+#: Column of the least margin of each mode, right of its frequencies.
+LEAST = 9
 
 
 def bits(value):
@@ -111,10 +114,10 @@ def test_it_shows_what_the_registry_says_of_the_same_inputs(calculated, shipped)
     for row in range(12, 11 + MODE_ROWS):
         of_mode = [r for r in margins if r[0] == cells.get((row, 1))]
         if not of_mode:
-            assert cells.get((row, 8)) is None
+            assert cells.get((row, LEAST)) is None
             continue
         worst = min(of_mode, key=lambda r: r[4])
-        assert (bits(cells[row, 8]), cells[row, 9], cells[row, 10]) == (
+        assert (bits(cells[row, LEAST]), *(cells[row, LEAST + k] for k in (1, 2))) == (
             bits(worst[4]), worst[1], worst[6],
         )  # fmt: skip
 
@@ -187,7 +190,9 @@ def test_wrong_inputs_are_said_and_the_train_is_shown_without_them(calc, shipped
         assert word in cells[5, 3]
     assert cells[6, 3] == "No errors."
     whole = call("TV_FREQUENCIES", [call_of(shipped), None, True, MODE_ROWS])
-    assert shown(cells, MODES, MODE_ROWS, 7) == [[bits(v) for v in row] for row in whole]
+    assert shown(cells, MODES, MODE_ROWS, len(whole[0])) == [
+        [bits(v) for v in row] for row in whole
+    ]
 
 
 @pytest.mark.slow
@@ -200,7 +205,7 @@ def test_a_train_that_is_wrong_leaves_the_sheet_blank(calc, shipped, tmp_path):
         assert "Inertia" in cells[row, 3]
         assert "-1" in cells[row, 3]
     assert cells[7, 3] == "No model yet."
-    areas = (MODES, MODE_ROWS, 10), (MARGINS, MARGIN_ROWS, 7)
+    areas = (MODES, MODE_ROWS, 11), (MARGINS, MARGIN_ROWS, 8)
     for at, rows, columns in areas:
         seen = {value for row in shown(cells, at, rows, columns) for value in row}
         assert seen - {"Least margin [%]", "From", "Verdict"} == {None}
