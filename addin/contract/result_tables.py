@@ -344,7 +344,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             ),
             number(
                 "Error", "fraction", "Estimated relative error of torque and stress.",
-                "Change from half as many pieces of shafts with Density, / 2.5; 0 without such shafts",
+                "Change from half as many pieces of shafts with Density; 0 without such shafts",
                 "docs/method.md, Distributed shafts", of_case=MODAL, format=shown.ERROR, pane=Pane.MINOR,
                 error=ReportedError.ESTIMATE,
             ),

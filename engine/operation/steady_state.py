@@ -42,7 +42,6 @@ from engine.model.modes import (
     modal_damping_matrix,
     stated_damping,
 )
-from engine.model.subdivision import RICHARDSON
 from engine.model.train import Train
 from engine.operation.margins import SeparationMargins
 
@@ -60,6 +59,8 @@ BESIDE_RESONANCE = 1e-7
 STRESS_ROUNDING = 1e-9
 #: Speeds of an order line over the operating range, besides its resonances.
 SWEEP_POINTS = 31
+#: No element is taken to be more accurate than this share of the worst under the same excitation.
+SHARED_CHANGE = 0.5
 #: Modes count as coupled by their dampers above this `ModalDamping.coupling`.
 COUPLED = 1e-3
 #: Largest number of matrix entries solved in one batch.
@@ -481,7 +482,10 @@ def with_response_error(
     excitations: Sequence[Excitation],
     margins: SeparationMargins,
 ) -> SteadyState:
-    """Rows with their error from the pieces of shafts: the change from half as many, and less.
+    """Rows with their error from the pieces of shafts: the change from half as many.
+
+    All of the change, three times the error at second order, since a worst section or a resonance may
+    move; and not below a share of the largest of the same excitation, as two may agree by accident.
 
     Parameters
     ----------
@@ -510,13 +514,28 @@ def with_response_error(
     of_rough = steady_state(case, rough, excitations, replace(margins, rows=rows))
     torque = {(r.element, r.excitation, r.mode): r.torque for r in of_rough.rows}
 
-    def error(row: SteadyStateRow) -> float | None:
-        other = torque.get((row.element, row.excitation, row.mode))
-        if not row.torque or other is None:
-            return None
-        return abs(other / row.torque - 1.0) / RICHARDSON
+    changes = [
+        _change(row, torque.get((row.element, row.excitation, row.mode))) for row in steady.rows
+    ]
+    largest: dict[tuple[str, int | None], float] = {}
+    for row, change in zip(steady.rows, changes, strict=True):
+        what = row.excitation, row.mode
+        largest[what] = max(largest.get(what, 0.0), change or 0.0)
+    rows_with = tuple(
+        replace(
+            row,
+            error=None
+            if change is None
+            else max(change, SHARED_CHANGE * largest[row.excitation, row.mode]),
+        )
+        for row, change in zip(steady.rows, changes, strict=True)
+    )
+    return replace(steady, rows=rows_with)
 
-    return replace(steady, rows=tuple(replace(r, error=error(r)) for r in steady.rows))
+
+def _change(row: SteadyStateRow, other: float | None) -> float | None:
+    """Relative change of a torque; None where one of the two is not known. [1]"""
+    return abs(other / row.torque - 1.0) if row.torque and other is not None else None
 
 
 def _pole_frequencies(modal: ModalTrain) -> Floats:
