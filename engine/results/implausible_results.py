@@ -104,7 +104,8 @@ def _of_the_start(results: Results) -> Iterator[Implausible]:
     low, high = RUN_UP
     if is_whole and not low <= outcome.time <= high:
         yield Implausible(
-            f"start of {outcome.time:.3g} s", "Check inertias, speed ratios and torque curves."
+            f"start of {outcome.time:.3g} s",
+            "Check EndSpeed, inertias, speed ratios and torque curves.",
         )
     load = float(start.runup.load[-1])
     if rated and load > LARGEST_LOAD * rated:

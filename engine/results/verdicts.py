@@ -242,7 +242,7 @@ def _outcome(case: CaseData, start: Start | None, crossings: Sequence[Crossing])
             where = f"{o.sentence} The start did not reach the slip for field application."
             return Verdict("Start", o.outcome, wanted, "text", Judgement.FAIL, where)
     modes = [c for c in crossings if c.percent_speed is not None]
-    missed = [c for c in modes if c.time is None]
+    missed = _missed(crossings)
     open_ = listed(
         [f"mode {c.mode} ({c.frequency:.4g} Hz) at {c.percent_speed:.1f} % speed" for c in missed]
     )
@@ -251,6 +251,11 @@ def _outcome(case: CaseData, start: Start | None, crossings: Sequence[Crossing])
     return Verdict(
         "Start", o.outcome, wanted, "text", _covered(verdict, open_), o.sentence, coverage, open_
     )
+
+
+def _missed(crossings: Sequence[Crossing]) -> list[Crossing]:
+    """Modes that the pulsation would cross at a higher speed than the start came to."""
+    return [c for c in crossings if c.percent_speed is not None and c.time is None]
 
 
 def _peaks(start: Start | None) -> dict[str, ElementPeak]:
@@ -386,6 +391,8 @@ def _starts(results: Results) -> Iterator[Verdict]:
                 error = dict(results.starts_error).get(where) or 0.0
                 verdict = _within(required, result, required * error)
         where = "; ".join(filter(None, (where, _undamaged(case, starts))))
+        if _missed(results.crossings):
+            missing.append("modes that the start did not cross")
         if required is None:
             verdict = Judgement.NOT_JUDGED
             missing.append("StartsRequired is blank")
