@@ -8,7 +8,7 @@ rotor's own angle, a load that goes smoothly through zero at standstill.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -313,6 +313,10 @@ def test_two_motors_at_different_speeds_and_two_loads() -> None:
         ElementRow(e.element, e.kind, e.from_, e.to, e.stiffness or 5e7) for e in case.elements
     )
     case = geared(
+        # twice the speed: 3600 rpm and one pole pair
+        stations=tuple(
+            replace(s, speed_ratio=2.0 if s.speed_ratio else None) for s in case.stations
+        ),
         elements=elements,
         motor_torque=motor() + motor("Pinion", rated=1000.0),
         load_torque=load(rated=3000.0) + load("Bull gear", rated=500.0),

@@ -139,7 +139,14 @@ def shocks(seed: int) -> Case | None:
     case = shock(seed)
     assert case is not None
     rng = np.random.default_rng(seed + 6_000_000)
-    others = [s for s in case.stations if s.station != case.motor_torque[0].station]
+    # on the motor's shaft or one as fast: elsewhere it would not have whole pole pairs
+    others = [
+        s
+        for s in case.stations
+        if s.station != case.motor_torque[0].station and (s.speed_ratio or 1.0) == 1.0
+    ]
+    if not others:
+        return None
     second = others[int(rng.integers(len(others)))]
     share = float(10.0 ** rng.uniform(-1.0, 0.0)) / float(second.speed_ratio or 1.0)
     rows = tuple(
