@@ -93,9 +93,8 @@ def run(case: CaseData, on_stage: Callable[[str], None] | None = None) -> Result
         settled = planned.settled
         with stage("fatigue"):
             start, starts, errors = judged_starts(case, planned)
-        start = replace(
-            start, sections={}
-        )  # most of the memory, and nothing more is read from them
+        # sections are most of the memory, and nothing more is read from them
+        start = replace(start, sections={})
         reversals = torque_reversals(case, planned.model.train, start, start.contacts)
         if planned.plan.sweep:
             with stage("crossings"):

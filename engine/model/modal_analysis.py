@@ -52,7 +52,7 @@ def analyse(
     ModalAnalysis
         Modes and damping. [SI]
     """
-    highest = max(wanted_frequency(case, build_train(case)), at_least)
+    highest = max(wanted_frequency(case, build_train(case)), at_least) if at_least else None
     modes = natural_modes(case, highest, least_pieces=least_pieces)
     coupled, rough = _trains(case, modes)
     if not has_bearings(case):

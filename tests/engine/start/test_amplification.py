@@ -59,7 +59,7 @@ def test_it_is_that_of_the_mode_integrated_by_itself(results: Results) -> None:
 
 
 def test_the_note_says_what_the_start_did(results: Results) -> None:
-    """Neither dwelling nor the sweep without damping occurs; what acceleration takes off is told."""
+    """The note names the amplification of this start, and how much less it is than at the resonance."""
     for crossing in results.crossings:
         assert crossing.amplification is not None
         assert crossing.amplification < 1.0 / 0.03
