@@ -3,34 +3,37 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 Record = dict[str, Any]
-#: A run that says so is tried until a peak changes by more than the tolerance, so often at the most: such a
-#: change may be one in twenty.
-MOST_NUDGES = 30
+#: A run that says it is sensitive is repeated so often.
+SENSITIVE_NUDGES = 100
 #: A truth whose step is not below this share of the answer's is not finer.
 NO_FINER = 0.75
+#: Two answers that differ by no more are the same. [1]
+ROUNDING = 1e-9
 #: Torque below this share of the train's largest is rounding.
 NOTHING = 1e-9
 
 
 @dataclass(frozen=True)
 class Answer:
-    """One reported answer beside its truth: a peak torque, or the starts of a shaft.
+    """One statement beside its truth.
 
     Parameters
     ----------
     number : int
         Train. [1]
     element, kind : str
-        Where; ``peak`` or ``starts``. [words]
-    tolerance, stated, true : float
-        Relative errors: wanted, reported, found. [1]
+        Where; ``peak``, ``starts``, or ``bound`` of an effect left out. [words]
+    tolerance, true : float
+        Relative errors: wanted, found. [1]
+    stated : float or None
+        What is stated of the error, effects left out included; None = no bound. [1]
     resolved : bool
         False where the truth was calculated at the very step of the answer (both had refined as
         far as they may): nothing is said of the estimate then. [flag]
@@ -40,7 +43,7 @@ class Answer:
     element: str
     kind: str
     tolerance: float
-    stated: float
+    stated: float | None
     true: float
     resolved: bool = True
 
@@ -50,9 +53,24 @@ class Answer:
         return self.true <= self.tolerance
 
     @property
+    def holds(self) -> bool:
+        """Whether the true error is at most the stated one. [flag]"""
+        return self.stated is not None and self.true <= self.stated * (1.0 + ROUNDING) + ROUNDING
+
+    @property
     def ratio(self) -> float:
-        """Reported error over the true one; infinite where there is none. [1]"""
-        return self.stated / self.true if self.true > 0.0 else math.inf
+        """Stated error over the true one; infinite where there is none. [1]"""
+        return (self.stated or 0.0) / self.true if self.true > 0.0 else math.inf
+
+
+@dataclass(frozen=True)
+class Repeated:
+    """One answer of a sensitive start beside one of its repetitions."""
+
+    number: int  #: Train.
+    element: str  #: Where.
+    kind: str  #: ``peak`` or ``starts``.
+    inside: bool  #: Whether the repetition is within the range that was told.
 
 
 @dataclass(frozen=True)
@@ -63,25 +81,28 @@ class ClassSummary:
     ----------
     name : str
         Class. [words]
-    trains, answers, within : int
-        How many, and how many answers are within their tolerance. [count]
+    trains, answers, hold, within, unbounded : int
+        Trains; answers; how many of their statements hold; how many are within their tolerance; how many
+        more have no bound. [count]
     ratio : float
-        Median of reported over true error. [1]
+        Median of stated over true error. [1]
     worst : Answer or None
-        Largest true error over its tolerance. [1]
+        Largest true error over the stated one. [1]
     """
 
     name: str
     trains: int
     answers: int
+    hold: int
     within: int
+    unbounded: int
     ratio: float
     worst: Answer | None
 
     @property
     def share(self) -> float:
-        """Share of the answers that are within. [1]"""
-        return self.within / self.answers if self.answers else 1.0
+        """Share of the statements that hold. [1]"""
+        return self.hold / self.answers if self.answers else 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,9 +113,11 @@ class Study:
     ----------
     records : list of dict
         Everything of every train.
-    answers, independent : list of Answer
-        Against the hundredfold finer run, and against the independent integrator; without trains
-        that say they are sensitive.
+    answers, independent, bounds : list of Answer
+        Against the hundredfold finer run with all effects, and against the independent integrator, without
+        trains that say they are sensitive; and bounds of effects left out.
+    repeated : list of Repeated
+        Answers of sensitive trains beside those of their repetitions.
     sensitive : list of int
         Trains that say so. [numbers]
     felt, unfelt : list of int
@@ -107,6 +130,8 @@ class Study:
     records: list[Record]
     answers: list[Answer]
     independent: list[Answer]
+    bounds: list[Answer]
+    repeated: list[Repeated]
     sensitive: list[int]
     felt: list[int]
     unfelt: list[int]
@@ -120,7 +145,7 @@ class Study:
 
 def summary_of(records: list[Record]) -> Study:
     """Judge the records."""
-    found = Study(records, [], [], [], [], [], [r for r in records if "failed" in r])
+    found = Study(records, [], [], [], [], [], [], [], [r for r in records if "failed" in r])
     for r in records:
         if "failed" in r:
             continue
@@ -130,11 +155,14 @@ def summary_of(records: list[Record]) -> Study:
             found.sensitive.append(r["number"])
             if felt:
                 found.felt.append(r["number"])
+            found.repeated.extend(_repeated(r))
             continue
         if felt:
             found.unfelt.append(r["number"])
         resolved = r["truth"]["step"] <= NO_FINER * r["asked"]["step"]
         found.answers.extend(replace(a, resolved=resolved) for a in _beside(r, r["truth"]))
+        for effect, (bound, change) in r.get("bounds", {}).items():
+            found.bounds.append(Answer(r["number"], effect, "bound", bound, bound, change))
         if r.get("independent"):
             found.independent.extend(_peaks(r, r["independent"]["peaks"]))
     return found
@@ -142,39 +170,81 @@ def summary_of(records: list[Record]) -> Study:
 
 def change_under_nudges(record: Record) -> float:
     """Largest relative change of a peak under a billionth."""
+    before = record["asked"]["peaks"]
     return max(
-        (a.true for other in record.get("nudged", []) for a in _peaks(record, other["peaks"])),
-        default=0.0,
+        (largest_change(before, other["peaks"]) for other in record.get("nudged", [])), default=0.0
     )
 
 
-def _peaks(record: Record, truth: dict[str, Sequence[float]]) -> list[Answer]:
-    """Peaks of a record beside true ones. Torques that are only rounding say nothing."""
+def largest_change(peaks: dict[str, Sequence[float]], truth: dict[str, Sequence[float]]) -> float:
+    """Largest relative change of an extreme; torques that are only rounding say nothing."""
+    return max((true for _, _, true in _beside_truth(peaks, truth)), default=0.0)
+
+
+def _beside_truth(
+    peaks: dict[str, Sequence[float]], truth: dict[str, Sequence[float]]
+) -> Iterator[tuple[str, float, float]]:
+    """Element, size of its true peak and relative error of its extremes."""
     largest = max(max(abs(p[0]), abs(p[1])) for p in truth.values())
-    found = []
-    for element, (high, low, error) in record["asked"]["peaks"].items():
+    for element, (high, low, *_) in peaks.items():
         if element not in truth:
             continue
         size = max(abs(truth[element][0]), abs(truth[element][1]))
-        if size <= NOTHING * largest:
-            continue
-        off = max(abs(high - truth[element][0]), abs(low - truth[element][1]))
+        if size > NOTHING * largest:
+            off = max(abs(high - truth[element][0]), abs(low - truth[element][1]))
+            yield element, size, off / size
+
+
+def _peaks(record: Record, truth: dict[str, Sequence[float]]) -> list[Answer]:
+    """Peaks of a record beside true ones, their error with what is left out."""
+    found, peaks = [], record["asked"]["peaks"]
+    for element, size, off in _beside_truth(peaks, truth):
+        error, left_out = peaks[element][2:4]
+        stated = None if left_out is None else (error + left_out) / size
         tolerance = record["tolerance"][0]
-        found.append(Answer(record["number"], element, "peak", tolerance, error / size, off / size))
+        found.append(Answer(record["number"], element, "peak", tolerance, stated, off))
     return found
 
 
 def _beside(record: Record, truth: Record) -> list[Answer]:
     """Every answer of a record beside those of the finer run."""
     found = _peaks(record, truth["peaks"])
-    for element, (starts, error) in record["asked"]["starts"].items():
+    for element, (starts, left_out, low, high) in record["asked"]["starts"].items():
         true = truth["starts"][element][0]
         if starts is None and true is None:
             continue  # unlimited is right, and has no error
-        off = abs(starts / true - 1.0) if starts is not None and true is not None else math.inf
+        if starts is None or true is None:
+            off = math.inf
+            side = low is not None and true is not None and low <= true
+            stated = math.inf if side or (starts is not None and high is None) else 0.0
+        else:
+            off = abs(true / starts - 1.0)
+            end = low if true < starts else (math.inf if high is None else high)
+            stated = abs(end / starts - 1.0)
+        told = None if left_out is None else stated
         tolerance = record["tolerance"][1]
-        found.append(Answer(record["number"], element, "starts", tolerance, error or 0.0, off))
+        found.append(Answer(record["number"], element, "starts", tolerance, told, off))
     return found
+
+
+def _repeated(record: Record) -> Iterator[Repeated]:
+    """Each answer of a sensitive train beside each of its repetitions."""
+    number, asked = record["number"], record["asked"]
+    for other in record.get("nudged", []):
+        for element, (_, _, _, _, low, high) in asked["peaks"].items():
+            size = max(abs(other["peaks"][element][0]), abs(other["peaks"][element][1]))
+            if low is not None:
+                yield Repeated(number, element, "peak", low <= size <= high)
+        for element, (_, left_out, low, high) in asked["starts"].items():
+            starts = other["starts"][element][0]
+            least, most = (0.0 if low is None else low), (math.inf if high is None else high)
+            if left_out is not None:
+                yield Repeated(
+                    number,
+                    element,
+                    "starts",
+                    least <= (math.inf if starts is None else starts) <= most,
+                )
 
 
 def classes_of(found: Study) -> list[ClassSummary]:
@@ -182,14 +252,17 @@ def classes_of(found: Study) -> list[ClassSummary]:
     by_number = {r["number"]: r for r in found.records if "failed" not in r}
 
     def of(name: str, chosen: list[Answer]) -> ClassSummary:
-        ratios = [a.ratio for a in chosen if a.resolved]
+        told = [a for a in chosen if a.stated is not None]
+        ratios = [a.ratio for a in told if a.resolved]
         return ClassSummary(
             name,
-            len({a.number for a in chosen}),
-            len(chosen),
-            sum(a.within for a in chosen),
+            len({a.number for a in told}),
+            len(told),
+            sum(a.holds for a in told),
+            sum(a.within for a in told),
+            len(chosen) - len(told),
             float(np.median(ratios)) if ratios else math.nan,
-            max(chosen, key=lambda a: a.true / a.tolerance, default=None),
+            max(told, key=lambda a: a.true / max(a.stated or 0.0, 1e-300), default=None),
         )
 
     rows = [of("all", found.answers)]
@@ -216,4 +289,5 @@ def classes_of(found: Study) -> list[ClassSummary]:
     for events, words in ((False, "linear"), (True, "with events")):
         chosen = [a for a in found.independent if by_number[a.number]["asked"]["events"] == events]
         rows.append(of(f"independent integrator, {words}", chosen))
+    rows.append(of("bounds of effects left out", found.bounds))
     return rows

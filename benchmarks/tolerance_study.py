@@ -1,8 +1,10 @@
-"""Are stated tolerances honoured? A thousand random trains: `python -m benchmarks.tolerance_study`.
+"""Does what a start says of itself hold? A thousand random trains: `python -m benchmarks.tolerance_study`.
 
-Every train is run as a user runs it, and again at a hundredth of its tolerances: that is the truth.
-A run with events is repeated with every inertia changed by a billionth. Every twentieth pair is
-also integrated by tests/hard_cases/reference.py, which shares no code with the engine. What each
+Every train is run as a user runs it, and again at a hundredth of its tolerances with every effect on
+that it has data for: that is the truth. Each effect left out is also forced on by itself. A run that says
+it is sensitive is repeated with every inertia changed by a billionth, of the others with events every
+third. Every twentieth pair is also integrated by tests/hard_cases/reference.py, which shares no code with the
+engine. What each
 train gave is kept in build/, by the engine that gave it, so an interrupted study goes on where it
 was.
 """
@@ -15,7 +17,7 @@ import json
 import os
 import sys
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import replace
 from pathlib import Path
@@ -27,9 +29,16 @@ os.environ.update(single_threaded())  # one thread a process: there is a process
 import numpy as np  # noqa: E402
 
 from benchmarks import report, study_pages  # noqa: E402
-from benchmarks.study_answers import MOST_NUDGES, Record, change_under_nudges, summary_of  # noqa: E402
+from benchmarks.study_answers import (  # noqa: E402
+    SENSITIVE_NUDGES,
+    Record,
+    largest_change,
+    summary_of,
+)
 from benchmarks.study_trains import StudyTrain, gaps_of, study_train  # noqa: E402
 from engine.case.case import Case
+from engine.case.data import EffectChoiceRow  # noqa: E402
+from engine.case.effects import EFFECTS  # noqa: E402
 from engine.errors import TorsionError  # noqa: E402
 from engine.results.results import Results  # noqa: E402
 from engine.run import run  # noqa: E402
@@ -41,6 +50,8 @@ KEPT = ROOT / "build" / "tolerance-study"
 FULL, QUICK = 1000, 20
 #: The truth is asked for at this share of the tolerance.
 FINER = 0.01
+#: Effects that are forced on for the truth, where a train has their data.
+ALL_EFFECTS = ("bearings", "coupled damping", "fast modes", "breaker closing", "backlash")
 #: Change of the input that a sound answer does not feel.
 TINY = 1e-9
 #: Of the runs that do not say that they are sensitive, every so many is tried.
@@ -52,8 +63,8 @@ REFERENCE_ANGLE, REFERENCE_STEP = 0.08, 1e-5
 # --- one train ------------------------------------------------------------------------------------
 
 
-def record_of(number: int) -> Record:
-    """Everything the study calculates of one train."""
+def record_of(number: int, nudges: int = SENSITIVE_NUDGES) -> Record:
+    """Everything the study calculates of one train; one that is sensitive is repeated `nudges` times."""
     train = study_train(number)
     record: Record = {
         "number": number,
@@ -69,16 +80,36 @@ def record_of(number: int) -> Record:
         peak, starts = train.tolerances
         began = time.perf_counter()
         finer = replace(train.case, tolerance_peak=FINER * peak, tolerance_starts=FINER * starts)
-        record["truth"] = _answers(run(finer), time.perf_counter() - began)
+        record["truth"] = _answers(run(_with(finer, ALL_EFFECTS)), time.perf_counter() - began)
+        record["bounds"] = _bounds(finer, asked)
     if record["asked"]["events"] and (sensitive or number % (2 * NUDGED) == 1):
-        record["nudged"] = []
-        for which in range(MOST_NUDGES if sensitive else 1):
-            record["nudged"].append(_answers(run(_nudged(train, which)), 0.0))
-            if change_under_nudges(record) > record["tolerance"][0]:
-                break
+        times = nudges if sensitive else 1
+        record["nudged"] = [_answers(run(_nudged(train, k)), 0.0) for k in range(times)]
     if train.independent and not sensitive and asked.start is not None:
         record["independent"] = _independent(train, asked.start, asked)
     return record
+
+
+def _with(case: Case, names: Iterable[str]) -> Case:
+    """The case with some effects forced on where it has their data, besides those that it forces."""
+    forced = {row.effect for row in case.effect_choices}
+    inputs = {name: EFFECTS[name].inputs for name in names if name not in forced}
+    on = [name for name, needed in inputs.items() if needed is None or needed.given(case)]
+    choices = tuple(EffectChoiceRow(name, "on") for name in on)
+    return replace(case, effect_choices=(*case.effect_choices, *choices))
+
+
+def _bounds(finer: Case, asked: Results) -> dict[str, list[float]]:
+    """Each effect left out with a bound: the bound, and how the peaks change when it is forced on."""
+    plan = asked.plans[-1]
+    known = {d.effect: d.bound for d in plan.decisions if d.effect in plan.left_out and d.bound}
+    if not known:
+        return {}
+    without = _answers(run(finer), 0.0)["peaks"]
+    return {
+        name: [bound, largest_change(without, _answers(run(_with(finer, [name])), 0.0)["peaks"])]
+        for name, bound in known.items()
+    }
 
 
 def _answers(found: Results, wall: float) -> Record:
@@ -98,12 +129,14 @@ def _answers(found: Results, wall: float) -> Record:
         "step": start.step,
         "impacts": sum(c.impacts for c in start.contacts),
         "sensitivity": None
-        if start.sensitivity is None
-        else {"spread": start.sensitivity.spread, "sensitive": start.sensitivity.sensitive},
-        "peaks": {p.element: [p.maximum, p.minimum, p.error] for p in start.peaks},
+        if start.repeatability is None
+        else {"spread": start.repeatability.spread, "sensitive": start.is_sensitive},
+        "peaks": {
+            p.element: [p.maximum, p.minimum, p.error, p.left_out, p.low, p.high]
+            for p in start.peaks
+        },
         "starts": {
-            s.element: [s.allowable_starts, e]
-            for s, (_, e) in zip(shafts, found.starts_error, strict=True)
+            s.element: [s.allowable_starts, s.left_out, s.starts_low, s.starts_high] for s in shafts
         },
     }
 
@@ -157,12 +190,14 @@ def engine_print() -> str:
     return digest.hexdigest()[:16]
 
 
-def study(count: int, jobs: int, kept: Path | None = KEPT) -> list[Record]:
+def study(
+    count: int, jobs: int, kept: Path | None = KEPT, nudges: int = SENSITIVE_NUDGES
+) -> list[Record]:
     """Records of the first `count` trains, those at hand as they are."""
-    folder = None if kept is None else kept / engine_print()
+    folder = None if kept is None else kept / f"{engine_print()}-{nudges}"
     done = {} if folder is None else dict(_at_hand(folder, count))
     missing = [n for n in range(count) if n not in done]
-    for record in _calculated(missing, jobs):
+    for record in _calculated(missing, jobs, nudges):
         done[record["number"]] = record
         if folder is not None:
             folder.mkdir(parents=True, exist_ok=True)
@@ -181,19 +216,19 @@ def _at_hand(folder: Path, count: int) -> Iterator[tuple[int, Record]]:
             yield record["number"], record
 
 
-def _calculated(numbers: Sequence[int], jobs: int) -> Iterator[Record]:
+def _calculated(numbers: Sequence[int], jobs: int, nudges: int) -> Iterator[Record]:
     if jobs <= 1:
-        yield from map(_safely, numbers)
+        yield from (_safely(n, nudges) for n in numbers)
         return
     with ProcessPoolExecutor(jobs) as pool:
-        for future in as_completed([pool.submit(_safely, n) for n in numbers]):
+        for future in as_completed([pool.submit(_safely, n, nudges) for n in numbers]):
             yield future.result()
 
 
-def _safely(number: int) -> Record:
+def _safely(number: int, nudges: int) -> Record:
     """A record; a run that raises is a finding."""
     try:
-        return record_of(number)
+        return record_of(number, nudges)
     except (TorsionError, ArithmeticError, AssertionError, ValueError) as wrong:
         train = study_train(number)
         return {
@@ -215,11 +250,14 @@ def main() -> None:
     parser.add_argument("--trains", type=int, help="so many trains")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="processes")
     parser.add_argument(
+        "--nudges", type=int, default=SENSITIVE_NUDGES, help="repetitions of a sensitive start"
+    )
+    parser.add_argument(
         "--write-docs", action="store_true", help="write docs/accuracy-study.md and its picture"
     )
     args = parser.parse_args()
     count = args.trains or (QUICK if args.quick else FULL)
-    found = summary_of(study(count, args.jobs))
+    found = summary_of(study(count, args.jobs, nudges=args.nudges))
     sections = study_pages.study_sections(found)
     report.show(sections)
     if args.write_docs:

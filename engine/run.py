@@ -24,18 +24,24 @@ from engine.operation.acceptance import judge, mode_parts
 from engine.operation.margins import interference, separation_margins
 from engine.operation.steady_state import steady_state, with_response_error
 from engine.plan.evidence import Evidence, collect_evidence, start_evidence
-from engine.plan.plan import Plan, first_plan, revised_plan, with_times
+from engine.plan.plan import (
+    Plan,
+    effects_with,
+    first_plan,
+    revised_plan,
+    with_measured,
+    with_times,
+)
 from engine.results.results import AtSpeed, Results
 from engine.results.times import COMPILING_EVENTS, accuracy_of, measured_times
 from engine.results.verdicts import verdicts_of
 from engine.results.warnings import MAX_PLANS, warnings_of
 from engine.start.crossings import Crossing, crossings_of
-from engine.start.event_results import Repeatability
 from engine.start.pieces import analysis_for_start, with_pieces_error
 from engine.start.prescribed import run_prescribed
 from engine.start.reversals import Reversal, torque_reversals
-from engine.start.settings import has_start
-from engine.start.start import Start, run_start
+from engine.start.settings import NEGLIGIBLE, has_start
+from engine.start.start import Start, run_start, with_left_out
 from engine.start.start_fatigue import starts_of
 from engine.start.warm_up import load_routines
 from engine.stepping.compiling import is_compiled
@@ -43,6 +49,9 @@ from engine.stepping.contact_loop import advance_pieces
 
 #: How often the start is repeated at half the step where the starts are not accurate enough.
 MAX_STARTS_REFINEMENTS = 3
+
+#: Least share of the tolerance that is left to steps where effects left out take the rest. [1]
+LEAST_SHARE = 0.2
 
 #: Names an analysis and measures its time.
 Stage = Callable[[str], AbstractContextManager[None]]
@@ -58,6 +67,8 @@ class PlannedStart:
     model: ModalTrain  #: The train it was calculated with. [SI]
     evidence: Evidence  #: What the plans were made from. [SI]
     settled: bool  #: False if the last plan, too, was found wrong by its run.
+    #: The start with every effect on that the plan leaves out, where bounds must be measured. [SI]
+    full: Start | None = None
 
     @property
     def plan(self) -> Plan:
@@ -93,8 +104,10 @@ def run(case: CaseData, on_stage: Callable[[str], None] | None = None) -> Result
         settled = planned.settled
         with stage("fatigue"):
             start, starts, errors = judged_starts(case, planned)
-        # sections are most of the memory, and nothing more is read from them
+        # sections and runs are most of the memory, and nothing more is read from them
         start = replace(start, sections={})
+        if start.repeatability is not None:
+            start = replace(start, repeatability=replace(start.repeatability, histories=()))
         reversals = torque_reversals(case, planned.model.train, start, start.contacts)
         if planned.plan.sweep:
             with stage("crossings"):
@@ -191,7 +204,16 @@ def planned_start(
     with stage("plan"):
         evidence = replace(evidence, linear=start_evidence(case, model.train, linear, wall))
         plans = [first_plan(case, evidence)]
-    start, settled = linear, True
+    bound = plans[-1].left_out_bound
+    if bound and not plans[-1].events and linear.met_tolerance:
+        # error and what is left out keep the tolerance together
+        tighter = max(left - bound, LEAST_SHARE * tolerance)
+        if linear.estimated_error > tighter:
+            stepped = replace(CaseData(**vars(case)), tolerance_peak=tighter)
+            with stage("start"):
+                linear = calculate_start(stepped, model, plain, None)
+                linear = with_pieces_error(linear, pieces, tolerance)
+    start, settled, full = linear, True, None
     while plans[-1].events:
         effects = plans[-1].effects
         if not is_compiled(advance_pieces):
@@ -209,7 +231,47 @@ def planned_start(
             plans.append(new)
         if runs_as_before or not settled:
             break
-    return PlannedStart(start, linear, tuple(plans), model, evidence, settled)
+    if plans[-1].events and plans[-1].left_out:
+        with stage("effects left out"):
+            full, change = _with_all_effects(stepped, analysis, plans[-1], evidence, start)
+        adopted = change is not None and change > tolerance
+        plan = with_measured(plans[-1], change, adopted)
+        plans = [*plans, plan] if adopted else [*plans[:-1], plan]
+        if adopted and full is not None:
+            start, full = with_pieces_error(full, pieces, tolerance), None
+            model = (analysis.coupled if plan.lateral else None) or model
+    start = with_left_out(start, plans[-1].left_out_bound, tolerance)
+    return PlannedStart(start, linear, tuple(plans), model, evidence, settled, full)
+
+
+def _with_all_effects(
+    case: CaseData, analysis: ModalAnalysis, plan: Plan, evidence: Evidence, start: Start
+) -> tuple[Start | None, float | None]:
+    """A start with events and every effect that its plan leaves out, and how that changes the peaks.
+
+    Bounds of effects hold for linear starts; what teeth make of a small change is measured. None where
+    they cannot be simulated, or runs part whatever is changed.
+    """
+    names = [name for name in plan.left_out if plan.decision(name).bound is not None]
+    if not names or start.repeatability is not None:
+        return None, None
+    lateral = plan.lateral or "bearings" in names
+    model = (analysis.coupled if lateral else None) or analysis.torsional
+    full = calculate_start(case, model, effects_with(plan, evidence, names), None)
+    return full, _change(start, full)
+
+
+def _change(start: Start, other: Start) -> float:
+    """Largest relative change of an extreme of the torque of any element. [1]"""
+    before = {p.element: p for p in start.peaks}
+    largest = max((p.size for p in other.peaks), default=0.0)
+    changes = [
+        max(abs(p.maximum - before[p.element].maximum), abs(p.minimum - before[p.element].minimum))
+        / max(p.size, NEGLIGIBLE * largest, 1e-300)
+        for p in other.peaks
+        if p.element in before
+    ]
+    return max(changes, default=0.0)
 
 
 def _timed(calculate: Callable[[], Start]) -> tuple[Start, float]:
@@ -263,10 +325,10 @@ def judged_starts(
         return start, None, ()
     always = counting.choice == "on"
     tolerance = case.tolerance_starts or DEFAULT_TOLERANCE_STARTS
-    starts, errors = starts_of(case, start, always_count=always)
+    starts, errors = starts_of(case, start, planned.full, always_count=always)
     for _ in range(MAX_STARTS_REFINEMENTS):
         worst = max((e for _, e in errors if e is not None), default=0.0)
-        if worst <= tolerance or start.runup is None or start.is_sensitive:
+        if worst <= tolerance or start.runup is None or start.repeatability is not None:
             break
         # Cycles may need a finer step than any peak: this is no tolerance that a user may type.
         finest = max(start.estimated_error / 16.0, 1e-9)
@@ -277,16 +339,14 @@ def judged_starts(
             break
         wanted = case.tolerance_peak or DEFAULT_TOLERANCE_PEAK
         finer = with_pieces_error(finer, dict(start.pieces_error), wanted)
-        start = _as_asked(finer, wanted)
-        starts, errors = starts_of(case, start, always_count=always)
+        start = with_left_out(_as_asked(finer, wanted), planned.plan.left_out_bound, wanted)
+        starts, errors = starts_of(case, start, planned.full, always_count=always)
     return start, starts, errors
 
 
 def _as_asked(start: Start, tolerance: float) -> Start:
     """A start that was refined for the sake of its cycles, judged by the tolerance of its peaks."""
-    spread = None if start.sensitivity is None else start.sensitivity.spread
-    return replace(
-        start,
-        met_tolerance=start.estimated_error <= tolerance,
-        sensitivity=None if spread is None else Repeatability.of(spread, tolerance),
-    )
+    repeated = start.repeatability
+    if repeated is not None:
+        repeated = replace(repeated, sensitive=repeated.spread > tolerance)
+    return replace(start, met_tolerance=start.estimated_error <= tolerance, repeatability=repeated)

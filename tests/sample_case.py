@@ -12,6 +12,7 @@ from engine.case.data import (
     ElementRow,
     LoadTorqueRow,
     MaterialRow,
+    MeshRow,
     MotorTorqueRow,
     SNPointRow,
     StationRow,
@@ -82,7 +83,10 @@ LIMITS = {
 
 
 def with_limits(case: Case) -> Case:
-    """The sample with what an engineer knows of every element, so that every check is judged."""
+    """The sample with what an engineer knows of every element, so that every check is judged.
+
+    Without any backlash the linear start is the answer, whatever its mesh torque does.
+    """
     elements = []
     for e in case.elements:
         peak, vibratory, reversal = LIMITS.get(str(e.element), (None, None, None))
@@ -96,7 +100,13 @@ def with_limits(case: Case) -> Case:
             )
         elements.append(limited)
     materials = (replace(case.materials[0], yield_=586e6),)
-    known = {"elements": tuple(elements), "materials": materials, "starts_required": 2000.0}
+    tight = tuple(replace(m, backlash=0.0) for m in case.meshes) or (MeshRow("Mesh", backlash=0.0),)
+    known = {
+        "meshes": tight,
+        "elements": tuple(elements),
+        "materials": materials,
+        "starts_required": 2000.0,
+    }
     return Case(**(vars(case) | known))
 
 

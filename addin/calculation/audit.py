@@ -189,11 +189,11 @@ def _plans(results: Results) -> Iterator[tuple[str, str]]:
     if reported.effects.clearances:
         yield "Clearances modelled", ", ".join(reported.effects.clearances)
         yield "Contact law", reported.effects.contact_law
-    sensitivity = None if results.start is None else results.start.sensitivity
+    sensitivity = None if results.start is None else results.start.repeatability
     if sensitivity is not None:
         spread = (
             "a relative change of the input of 1e-9 may change a peak by "
-            f"{_percent(sensitivity.spread)}"
+            f"{_percent(sensitivity.spread)}, by {sensitivity.runs} runs"
         )
         yield "Sensitive", f"{'yes' if sensitivity.sensitive else 'no'}: {spread}"
 

@@ -403,6 +403,27 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 "docs/method.md, The start; docs/method.md, Distributed shafts", of_case=("TolerancePeak", "Method"), format=shown.ERROR,
                 error=ReportedError.ESTIMATE, printed="Estimated error", pane=Pane.MINOR,
             ),
+            number(
+                "Left out", "fraction", "Bound on the relative change by effects that are off; blank: none is known.",
+                "Sum of the bounds of the effects left out; where teeth separate, the change of the peaks by one start "
+                "with all of them on",
+                "docs/method.md, Errors of a start", of_case=("EffectChoices.Choice",), format=shown.ERROR,
+                error=ReportedError.ESTIMATE, pane=Pane.MINOR,
+            ),
+            number(
+                "Peak low", "torque", "Least magnitude of the peak within error and effects left out.",
+                "Larger extreme − error − left out; where runs part after impacts, the lower end of a 99 % interval "
+                "from several runs",
+                "docs/method.md, Errors of a start", us="lbf*ft", of_row=("StartupPeaks.Error", "StartupPeaks.Left out"),
+                error=ReportedError.PEAKS, pane=Pane.MINOR,
+            ),
+            number(
+                "Peak high", "torque", "Largest magnitude of the peak, likewise; verdicts use it.",
+                "Larger extreme + error + left out; where runs part after impacts, the upper end of a 99 % interval "
+                "from several runs",
+                "docs/method.md, Errors of a start", us="lbf*ft", of_row=("StartupPeaks.Error", "StartupPeaks.Left out"),
+                error=ReportedError.PEAKS, pane=Pane.MINOR,
+            ),
         ),
     ),
     table(
@@ -514,8 +535,6 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
         row_name=("Element",), changes_shown=("Allowable starts",), of_the_start=True, rank=6,
         json_only=(
             UNLIMITED,
-            number("starts_low", "count", "Fewest allowable starts within the error."),
-            number("starts_high", "count", "Most allowable starts within the error; absent = unlimited."),
         ),
         columns=(
             text("Element", "Element.", kind="element", trace=named("Elements.Element")),
@@ -550,6 +569,25 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 "Governing", "yes for the element that allows the fewest starts.",
                 "yes for the element that allows the fewest starts", FIGURE_3,
                 of_row=("AllowableStarts.Damage",), pane=Pane.MINOR,
+            ),
+            number(
+                "Left out", "fraction", "Bound on the relative change by effects that are off; blank: none is known.",
+                "Change of 1/q where every torque is larger by the bound of the effects left out",
+                "docs/method.md, Errors of a start", of_case=("EffectChoices.Choice",), format=shown.ERROR,
+                error=ReportedError.ESTIMATE, pane=Pane.MINOR,
+            ),
+            number(
+                "Starts low", "count", "Fewest allowable starts within error and effects left out; verdicts use it.",
+                "1/q with the error of every torque, of 1/q and what is left out; where runs part after impacts, the "
+                "lower end of a 99 % interval from several runs",
+                "docs/method.md, Errors of a start", of_row=("AllowableStarts.Error", "AllowableStarts.Left out"),
+                format=shown.STARTS, error=ReportedError.STARTS, pane=Pane.MINOR,
+            ),
+            number(
+                "Starts high", "count", "Most allowable starts, likewise; blank: unlimited, or no bound is known.",
+                "As Starts low, at the other end",
+                "docs/method.md, Errors of a start", of_row=("AllowableStarts.Error", "AllowableStarts.Left out"),
+                format=shown.STARTS, error=ReportedError.STARTS, pane=Pane.MINOR,
             ),
         ),
         extra_columns=(

@@ -209,9 +209,9 @@ SHEETS: tuple[Sheet, ...] = (
         {"A": 1.5, "B": 20, "C:J": 10.4, "K": 20, "L:O": 10.4, "P": 52},
         {"StartupCrossings": "B5", "StartupPeaks": f"B{9 + CROSSING_ROWS}"},
         (
-            ChartAt("speed-time", f"K{9 + CROSSING_ROWS}", 736, 304),
-            ChartAt("blow", f"K{25 + CROSSING_ROWS}", 736, 284),
-            ChartAt("pull-in", f"K{40 + CROSSING_ROWS}", 736, 284),
+            ChartAt("speed-time", f"N{9 + CROSSING_ROWS}", 520, 304),
+            ChartAt("blow", f"N{25 + CROSSING_ROWS}", 520, 284),
+            ChartAt("pull-in", f"N{40 + CROSSING_ROWS}", 520, 284),
         ),
         one_page=True,
         intro="The start from rest to EndSpeed, or to the end of pull-in or coast-down. Torques "
@@ -244,9 +244,9 @@ SHEETS: tuple[Sheet, ...] = (
     Sheet(
         "Starts",
         "result",
-        {"A": 1.5, "B": 24, "C:F": 13, "G": 11, "H:I": 12, "J": 2, "K:R": 9.5},
-        {"AllowableStarts": "B5", "StartCycles": "K44"},
-        (ChartAt("sn", "K8", 570, 420),),
+        {"A": 1.5, "B": 24, "C:F": 13, "G:H": 11, "I:L": 12, "M": 2, "N:U": 9.5},
+        {"AllowableStarts": "B5", "StartCycles": "N44"},
+        (ChartAt("sn", "N8", 570, 420),),
         freeze="A8",
         header_rows=7,
         intro="Fatigue damage of one start by rainflow count and Miner's rule; allowable starts "
@@ -332,7 +332,7 @@ def _of_shaft(column: str) -> str:
 
 
 #: Cell of the caption above the facts of the governing shaft on sheet `Starts`.
-CYCLE_FACTS_AT = "K31"
+CYCLE_FACTS_AT = "N31"
 
 #: What leads from the cycles of one start to 1/q.
 CYCLE_FACTS = (

@@ -331,10 +331,12 @@ def _details() -> Shape:
     plan = closed_object({"number": COUNT, "reason": TEXT})
     sensitivity = {
         "spread": described(
-            "Largest relative change of a peak for a relative change of the input of 1e-9. [1]",
+            "Largest relative distance of a reported peak from an end of its interval over several runs, "
+            "their torques changed by billionths. [1]",
             NUMBER,
         ),
-        "sensitive": described("Whether this change exceeds the tolerance.", FLAG),
+        "sensitive": described("Whether this exceeds the tolerance.", FLAG),
+        "runs": described("Runs of which the intervals are made.", COUNT),
     }
     return {
         "plans": list_of(plan, "The plans in order; the last one is reported."),

@@ -29,7 +29,7 @@ class Allowances:
         self._peaks: float | None = None
         start = results.start
         if start is not None:
-            spread = start.sensitivity.spread if start.sensitivity is not None else 0.0
+            spread = start.repeatability.spread if start.repeatability is not None else 0.0
             self._peaks = max(start.estimated_error, spread)
 
     def of_words(self) -> float | None:

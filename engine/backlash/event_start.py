@@ -9,7 +9,9 @@ which the field is applied or the motor trips is an event of the same kind.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields, replace
+from itertools import islice
 
 import numpy as np
 
@@ -40,9 +42,9 @@ from engine.model.modes import stated_damping
 from engine.model.motor import motors_of, voltage_factor
 from engine.model.rigid_runup import RigidRunup, rigid_runup
 from engine.model.train import Flank, Train
-from engine.start.event_results import PullIn, Repeatability
+from engine.start.event_results import PullIn, Repeatability, prediction_interval
 from engine.start.outcome import StartOutcome, outcome_of, run_length
-from engine.start.peaks import judge_run
+from engine.start.peaks import JudgedRun, judge_run
 from engine.start.prescribed import run_prescribed
 from engine.start.pull_in import has_failed, has_settled, judge_pull_in, swing_frequency_linear
 from engine.start.settings import NEGLIGIBLE, StartSettings, has_start, keeps_history, settings_of
@@ -69,10 +71,6 @@ def clearances_of(train: Train) -> tuple[Flank, ...]:
 #: Largest phase of the pulsation per step at the default tolerance: finer than in a plain start,
 #: since events are looked for on the cubic between two samples. Its error is of fourth order. [rad]
 COARSEST_EVENT_ANGLE = 0.8
-#: Share of the tolerance at which modes are dropped: impacts ring them more than a plain start. So where modes
-#: are dropped, this share is also the least that is claimed for them: in 180 random starts they moved a
-#: peak by up to 0.064 of the tolerance, fourteen times what the bound of the plain start says.
-DROPPED = 0.1
 #: Ringing below this share of the tolerance is passed over in the first, coarsest run.
 VISIBLE = 0.4
 #: Two runs that agree on the largest torque may agree by chance; so the next smaller extremes are
@@ -86,24 +84,19 @@ SAME_CONTACTS_SHARE = 1.0 / 7.0
 #: this share of the coarser step. (Teeth that chatter have the same order in runs that have long
 #: diverged; in runs that are together, changes are within some hundredths of the step.)
 TOGETHER = 0.1
-#: Once runs have diverged, each is one sample of possible courses. Where one of them comes as near as
-#: this to a largest torque that both had before, a third run shows whether it may be exceeded.
-OVERTAKING = 0.75
-#: Extremes of one sign below this share of an element's largest torque are not asked for.
-SMALL_EXTREME = 0.1
 #: Halvings of the step before the answers are taken as they are.
 MAX_HALVINGS = 5
 #: Steps of all simulations of one start together. A halving that would exceed them is not made: the
 #: answers stand as they are, their errors said. (Steps that follow ringing grow faster than 1/h.)
 MOST_STEPS_IN_ALL = 8_000_000
-#: Where so many halvings were needed, the input is changed by `TINY` to see whether the answers are
-#: defined that well at all: two runs may also agree by chance. Not where they agree and are together up to the
-#: largest torques: what a halving changes in each step is far more than `TINY`, and where changes are
-#: magnified without bound two runs do not stay together.
-PATIENCE = 2
-TINY = 1e-9
-#: One halving is enough to ask after so many changes of contact.
-MANY_CONTACTS = 300
+#: Runs of an ensemble, those that led to it included.
+ENSEMBLE = 12
+#: Change of all torques from one run of an ensemble to the next, and of the step. [1]
+TINY, STEP_CHANGE = 1e-9, 0.02
+#: Runs that are added to an ensemble at the least, however many steps they take.
+FEWEST_MORE = 3
+#: A billionth that changes a peak by this share of the tolerance is felt: no finer step can help.
+FELT = 1.0 / 3.0
 #: End of a coast-down, over synchronous speed, and the longest one followed. [1, s]
 COAST_END, COAST_TIME = 0.02, 60.0
 #: A field that waits for a load angle waits for one slip cycle at the most, of this length. [s]
@@ -157,23 +150,21 @@ def run_event_start(
         return _Run(**vars(single), events=replace(run, trajectory=single.trajectory))
 
     coarse, fine = _light(at(step)), at(0.5 * step)
-    halvings, sensitivity, taken = 0, None, coarse.n_steps + fine.n_steps
+    halvings, repeatability, taken = 0, None, coarse.n_steps + fine.n_steps
     while True:
-        unseen = _left_out(setup, fine, tolerance)
         same_until = _together_until(coarse.events, fine.events, TOGETHER * step)
         judged = judge_run(
             train,
-            unseen,
+            setup.truncation,
             fine,
             coarse,
             until_largest=bool(modelled),
             guard_share=SAME_CONTACTS_SHARE,
             same_until=same_until,
         )
-        output, error = judged.output_of_element, judged.estimated_error
-        same = _last_extreme(coarse, fine, output) < same_until
+        error = judged.estimated_error
         met = error <= tolerance and not fine.events.gave_up
-        values = fine.n_steps * len(unseen)
+        values = fine.n_steps * len(setup.truncation)
         next_steps = fine.n_steps * max(2.0, fine.n_steps / coarse.n_steps)
         last = (
             halvings >= MAX_HALVINGS
@@ -182,22 +173,20 @@ def run_event_start(
         )
         if fine.events.gave_up:
             break  # a finer run would only give up sooner
-        doubtful = (
-            halvings >= PATIENCE
-            or (last and not met)
-            or (halvings >= 1 and len(fine.events.log) > MANY_CONTACTS)
-        ) and not (met and same)
-        overtaken = met and _may_be_overtaken(coarse, fine, output, same_until)
-        if (doubtful or overtaken) and sensitivity is None:
-            other = at(0.5 * step, _changed(model))
-            parted = _together_until(fine.events, other.events, TOGETHER * step)
-            spread = _spread(fine, other, output)
-            if parted < math.inf:
-                runs = (coarse, fine, other)
-                spread = max(spread, _beyond(runs, output, min(parted, same_until)))
-            sensitivity = Repeatability.of(spread, tolerance)
+        contacts = len(coarse.events.log) + len(fine.events.log)
+        if contacts and same_until < math.inf and (met or last or halvings):
+            other = at(0.5 * step, _changed(model, 1))
             taken += other.n_steps
-        if met or last or (sensitivity is not None and sensitivity.sensitive):
+            felt = _spread(fine, other, judged.output_of_element) > FELT * tolerance
+            parted = _together_until(fine.events, other.events, TOGETHER * step) < math.inf
+            if (met and parted) or last or felt:  # no step is fine enough to keep runs together
+                most = max((MOST_STEPS_IN_ALL - taken) // max(coarse.n_steps, 1), FEWEST_MORE)
+                varied = islice(_variations(step), most)
+                more = (_light(at(h, _changed(model, k))) for k, h in varied)
+                runs = [fine, other, coarse, *(run for run in more if not run.events.gave_up)]
+                repeatability = _repeatability(runs, TOGETHER * step, judged, tolerance)
+                break
+        if met or last:
             break
         halvings += 1
         step *= 0.5
@@ -205,6 +194,9 @@ def run_event_start(
         taken += fine.n_steps
     run = fine.events
     pull_in = _pull_in(run, case)
+    if repeatability is not None:
+        judged = judged.repeated_in(repeatability.sizes)
+        met = met and not repeatability.sensitive
     return Start(
         **vars(judged),
         outcome=_outcome(run, case, linear, pull_in, fine.end),
@@ -218,7 +210,8 @@ def run_event_start(
         contacts=contact_records(model, run, fine.turning, fine.end),
         bearing_forces=bearing_forces(train, run),
         pull_in=pull_in,
-        sensitivity=sensitivity,
+        repeatability=repeatability,
+        left_out=None if setup.drops_modes else 0.0,
         forces=force_histories(train, run),
         load_angle=None if pull_in is None else 0.5 * run.phase[0],
     )
@@ -261,10 +254,10 @@ def _start(
         modal,
         motors,
         loads,
-        DROPPED * tolerance,
+        tolerance,
         script.maximum_time,
         effects,
-        implicit_dampers=True,
+        events=True,
     )
     model = _event_model(case, modal, plain, effects, linear)
     angle = min(COARSEST_EVENT_ANGLE * (tolerance / DEFAULT_TOLERANCE_PEAK) ** 0.25, COARSEST_FIRST)
@@ -379,14 +372,6 @@ def _scale(train: Train, linear: Start) -> Floats:
     return np.asarray(np.maximum(scale, floor if floor > 0.0 else 1.0))
 
 
-def _left_out(setup: _Setup, run: _Run, tolerance: float) -> Floats:
-    """What modes that are not simulated may add to each output. [N m]"""
-    if not setup.drops_modes:
-        return setup.truncation
-    size = np.array([float(np.max(np.abs(value), initial=0.0)) for _, value in run.turning])
-    return np.asarray(np.maximum(setup.truncation, DROPPED * tolerance * size))
-
-
 def _together_until(coarse: EventRun, fine: EventRun, apart: float) -> float:
     """Until when two runs were together: the same changes of contact, at least one, no more than so
     much apart. [s]"""
@@ -401,26 +386,6 @@ def _together_until(coarse: EventRun, fine: EventRun, apart: float) -> float:
     )
 
 
-def _last_extreme(coarse: _Run, fine: _Run, output: Ints) -> float:
-    """When the last of the largest and least torques of all elements is, in either run. [s]"""
-    turning = [run.turning[i] for run in (coarse, fine) for i in output if i >= 0]
-    times = [when[[np.argmax(value), np.argmin(value)]] for when, value in turning]
-    return float(np.max(times, initial=-math.inf))
-
-
-def _may_be_overtaken(coarse: _Run, fine: _Run, output: Ints, parted: float) -> bool:
-    """Whether a torque after the runs diverged comes near the largest one, which is before that."""
-    for i in output[output >= 0]:
-        for sign in (1.0, -1.0):
-            for when, value in (coarse.turning[i], fine.turning[i]):
-                largest = float(np.max(sign * value))
-                late = float(np.max(sign * value[when >= parted], initial=0.0))
-                notable = largest > SMALL_EXTREME * float(np.max(np.abs(value)))
-                if notable and OVERTAKING * largest <= late < largest:
-                    return True
-    return False
-
-
 def _light(run: _Run) -> _Run:
     """A run whose turning points are all that is still wanted."""
     none, thin = np.empty((0, 0)), run.without_history()
@@ -428,10 +393,14 @@ def _light(run: _Run) -> _Run:
     return replace(thin, events=events)
 
 
-def _changed(model: EventModel) -> EventModel:
-    """The same with every torque of motors and loads greater by a billionth."""
+def _changed(model: EventModel, times: int) -> EventModel:
+    """The same with every torque greater by some billionths."""
+    factor = 1.0 + times * TINY
     knots, cubics, counts = model.curves
-    return replace(model, curves=(knots, cubics * (1.0 + TINY), counts))
+    force, time, torque, rows = model.timed
+    return replace(
+        model, curves=(knots, cubics * factor, counts), timed=(force, time, torque * factor, rows)
+    )
 
 
 def _spread(fine: _Run, other: _Run, output: Ints) -> float:
@@ -447,24 +416,60 @@ def _spread(fine: _Run, other: _Run, output: Ints) -> float:
     return spread
 
 
-def _beyond(runs: tuple[_Run, ...], output: Ints, parted: float) -> float:
-    """How far another course after the runs diverged may go beyond the largest torques, relative to them.
+def _variations(step: float) -> Iterator[tuple[int, float]]:
+    """Change of the torques and step of each further run of an ensemble. [1, s]"""
+    for k in range(2, ENSEMBLE - 1):
+        yield k, step * (1.0 - STEP_CHANGE * (k - 2))
 
-    Three runs are three samples of the largest torque after that; another may exceed the largest of them by
-    their range. (Below `OVERTAKING` they are not looked at, as in `_may_be_overtaken`.)
+
+def _repeatability(
+    runs: Sequence[_Run], apart: float, judged: JudgedRun, tolerance: float
+) -> Repeatability:
+    """Intervals of the peaks from an ensemble, the reported run first.
+
+    Those of the extremes themselves, and of the extremes after the runs have parted (the first change of
+    contact that is `apart` [s] in two of them): where these come near the largest torque before, one more
+    run may exceed it though none has.
     """
-    ringing = 0.0
-    for i in output[output >= 0]:
-        size = max(float(np.max(np.abs(run.turning[i][1]))) for run in runs)
+    reported = runs[0]
+    parted = min(_together_until(reported.events, r.events, apart) for r in runs[1:])
+    element_of = reported.trajectory.output_element
+    sizes, spread = [], 0.0
+    largest = max((p.size for p in judged.peaks), default=0.0)
+    for element, peak in zip(
+        np.flatnonzero(judged.output_of_element >= 0), judged.peaks, strict=True
+    ):
+        own = np.flatnonzero(element_of == element)
+        ends = []
+        scale = max(peak.size, NEGLIGIBLE * largest, 1e-300)
         for sign in (1.0, -1.0):
-            extremes = [
-                (np.max(sign * v, initial=0.0), np.max(sign * v[t >= parted], initial=0.0))
-                for t, v in (run.turning[i] for run in runs)
-            ]
-            largest, late = max(e[0] for e in extremes), [e[1] for e in extremes]
-            if largest > SMALL_EXTREME * size and max(late) >= OVERTAKING * largest:
-                ringing = max(ringing, (2.0 * max(late) - min(late) - largest) / size)
-    return float(ringing)
+            late = np.array([_largest(r, own, sign, parted, math.inf) for r in runs])
+            before = np.array([_largest(r, own, sign, -math.inf, parted) for r in runs])
+            extremes = np.maximum(before, late)
+            low, high = prediction_interval(extremes)
+            low = max(low, 0.0)
+            high = max(high, prediction_interval(late)[1])
+            extreme = float(extremes[0])
+            spread = max(spread, (high - extreme) / scale, (extreme - low) / scale)
+            ends.append((low, high))
+        sizes.append((max(low for low, _ in ends), max(high for _, high in ends)))
+    return Repeatability(
+        spread,
+        spread > tolerance,
+        len(runs),
+        tuple(sizes),
+        tuple(tuple(run.turning) for run in runs),
+    )
+
+
+def _largest(run: _Run, outputs: Ints, sign: float, since: float, until: float) -> float:
+    """Largest value of some outputs within a time, of their negative for a sign of −1; 0 at least. [N m]"""
+    found = 0.0
+    for i in outputs:
+        when, value = run.turning[i]
+        inside = (when >= since) & (when < until)
+        found = max(found, float(np.max(sign * value[inside], initial=0.0)))
+    return found
 
 
 def _outcome(

@@ -53,6 +53,9 @@ class ShaftFatigue:
     above_first_point: float
     above_shear_yield: bool | None  #: Nominal peak above Yield/2; None when Yield is blank.
     notes: tuple[str, ...]  #: What a reader must know.
+    #: Bound on the relative change of the starts by effects left out, part of the interval; None = no bound
+    #: is known, and then the interval has no ends. [1]
+    left_out: float | None = 0.0
 
     @property
     def starts_error(self) -> float | None:
@@ -184,6 +187,7 @@ class AllowableStarts:
     unlimited: bool  #: Shafts are judged and none is damaged.
     starts_low: float | None  #: Interval of the least starts over all shafts. [1]
     starts_high: float | None  #: Likewise. [1]
+    bounded: bool  #: False where what is left out has no bound: the interval is not known.
     starts_factor: float  #: What the starts are divided by before they are judged. [1]
     judged_starts: float | None  #: `starts` over `starts_factor`. [1]
 
@@ -225,6 +229,7 @@ def allowable_starts(
         unlimited=worst is not None and starts is None,
         starts_low=_least(shaft.starts_low for shaft in shafts),
         starts_high=_least(shaft.starts_high for shaft in shafts),
+        bounded=all(shaft.left_out is not None for shaft in shafts),
         starts_factor=factor,
         judged_starts=None if starts is None else starts / factor,
     )

@@ -44,6 +44,23 @@ class TorqueCurve:
             c[..., 0] + s * (c[..., 1] + s * (c[..., 2] + s * c[..., 3])), dtype=np.float64
         )
 
+    @property
+    def steepest(self) -> float:
+        """Largest change of torque over that of the fraction of synchronous speed. [N m]"""
+        _, b, c, d = self.cubic[:-1].T
+        width = np.diff(self.knots)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            turn = np.clip(np.nan_to_num(-c / (3.0 * d)), 0.0, width)  # slope is a parabola
+        places = (np.zeros_like(width), turn, width)
+        return max(
+            float(np.max(np.abs(b + s * (2.0 * c + 3.0 * d * s)), initial=0.0)) for s in places
+        )
+
+    @property
+    def range(self) -> float:
+        """Largest less smallest torque of its points. [N m]"""
+        return float(np.ptp(self.cubic[:, 0]))
+
 
 def torque_curve(fraction: Floats, torque: Floats) -> TorqueCurve:
     """Curve through points.

@@ -277,9 +277,13 @@ def _relative(value: float, base: float) -> float:
 
 
 def _element_minima(case: CaseData, train: Train, start: Start) -> tuple[ElementMinimum, ...]:
-    """Lowest torque of every element with two flanks, the moment of rest left out; errors as estimated."""
-    error = {p.element: p.error for p in start.peaks}
-    turning = start.turning_of_element()
+    """Lowest torque of every element with two flanks, the moment of rest left out.
+
+    Its error is its own change between the two steps, with what modes left out and pieces may add: near
+    rest it is far smaller than that of the peak.
+    """
+    turning, coarse = start.turning_of_element(), start.coarse_turning_of_element()
+    pieces = dict(start.pieces_error)
     toothed = {m.element for m in case.meshes} | {train.elements[f.element] for f in train.flanks}
     given = {train.elements[f.element] for f in train.flanks if f.gap}
     zero = {m.element for m in case.meshes if 0.0 in (m.backlash, m.angular_backlash)}
@@ -287,12 +291,18 @@ def _element_minima(case: CaseData, train: Train, start: Start) -> tuple[Element
     for i, name in enumerate(train.elements):
         if name in toothed and i in turning:
             value = turning[i][1]
-            after = value[1:] if len(value) > 1 else value
             largest = float(np.max(np.abs(value)))
-            lowest, off = float(after.min()), error.get(name, 0.0)
+            lowest = _after_rest(value)
+            off = abs(lowest - _after_rest(coarse[i][1]))
+            off += (start.truncation_error + pieces.get(name, 0.0)) * largest
             tight = name in zero and name not in given
             minima.append(ElementMinimum(name, lowest, off, largest, name in given, tight))
     return tuple(minima)
+
+
+def _after_rest(torques: Floats) -> float:
+    """Lowest torque after the first. [N m]"""
+    return float((torques[1:] if len(torques) > 1 else torques).min())
 
 
 def start_evidence(case: CaseData, train: Train, start: Start, wall_time: float) -> StartEvidence:

@@ -20,14 +20,14 @@ time of the linear start from a simple model of what each adds (modes, steps, si
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
 from engine.case.choices import ContactLaw
 from engine.case.data import CaseData
 from engine.case.effect import StartEffects
 from engine.case.effects import EFFECTS, choice_of
-from engine.plan.decision import EffectDecision, Finding, decide
+from engine.plan.decision import EffectDecision, Finding, decide, percent, quoted
 from engine.plan.effects import FINDINGS
 from engine.plan.evidence import Evidence, reversing, reversing_minima
 
@@ -41,6 +41,15 @@ class Plan:
     decisions: tuple[EffectDecision, ...]  #: One an effect, in the order of `EFFECTS`. [mixed]
     effects: StartEffects  #: What the start simulates.
     warnings: tuple[str, ...] = ()  #: Choices that go against the evidence.
+    #: Effects that are off though the train has their data, and may change an answer.
+    left_out: tuple[str, ...] = ()
+
+    @property
+    def left_out_bound(self) -> float | None:
+        """Sum of the bounds of the effects left out; None = one of them has none. [1]"""
+        bounds = [self.decision(name).bound for name in self.left_out]
+        known = [bound for bound in bounds if bound is not None]
+        return sum(known) if len(known) == len(bounds) else None
 
     def decision(self, effect: str) -> EffectDecision:
         """The decision on one effect, by its name in `EFFECTS`."""
@@ -70,6 +79,10 @@ class Plan:
         e = self.effects
         return bool(e.clearances) or e.pull_in or e.aborted_start or self.lateral
 
+
+#: Effects whose bound is no part of `Plan.left_out`: modes left out are in the error, and what a run
+#: does not go on to is not left out of it.
+NOT_LEFT_OUT = frozenset({"fast modes", "run length"})
 
 # --- plans ----------------------------------------------------------------------------------------
 
@@ -138,7 +151,7 @@ def _plan(
 ) -> Plan:
     """Findings and choices together; `modelled` are the clearances of the plan before."""
     wall_time = evidence.linear.wall_time if evidence.linear is not None else None
-    decisions, warnings = [], []
+    decisions, warnings, left_out = [], [], []
     for name, effect in EFFECTS.items():
         if evidence.start or not effect.of_the_start:
             finding = FINDINGS[name](case, evidence, modelled)
@@ -146,6 +159,9 @@ def _plan(
             finding = Finding.impossible("Neither a motor curve nor a prescribed torque: no start.")
         decision, warning = decide(effect, choice_of(case, name), finding, wall_time)
         decisions.append(decision)
+        has_data = finding.number is not None and name not in NOT_LEFT_OUT
+        if has_data and not decision.on and decision.bound != 0.0:
+            left_out.append(name)
         if warning:
             warnings.append(warning)
     clearances: tuple[str, ...] = ()
@@ -157,4 +173,64 @@ def _plan(
     flags = {effect.flag: on[name] for name, effect in EFFECTS.items() if effect.flag}
     law = case.contact_law or ContactLaw.LIMITED
     effects = StartEffects(clearances=clearances, contact_law=law, **flags)
-    return Plan(number, reason, tuple(decisions), effects, tuple(warnings))
+    return Plan(
+        number, reason, tuple(decisions), effects, tuple(warnings), left_out=tuple(left_out)
+    )
+
+
+def effects_with(plan: Plan, evidence: Evidence, names: Iterable[str]) -> StartEffects:
+    """The effects of a plan and some more.
+
+    Parameters
+    ----------
+    plan : Plan
+        The plan. [mixed]
+    evidence : Evidence
+        What it was made from. [SI]
+    names : iterable of str
+        Effects to be on, besides those of the plan. [names]
+
+    Returns
+    -------
+    StartEffects
+        Bearings have no flag: they are in the train that is simulated. [flags]
+    """
+    on = set(names)
+    flags = {flag: True for name in on if (flag := EFFECTS[name].flag)}
+    clearances = evidence.clearances if "backlash" in on else plan.effects.clearances
+    law = plan.effects.contact_law
+    return replace(plan.effects, clearances=clearances, contact_law=law, **flags)
+
+
+def with_measured(plan: Plan, change: float | None, on: bool) -> Plan:
+    """The plan with what its effects left out change together, measured by one more start.
+
+    Parameters
+    ----------
+    plan : Plan
+        A plan with clearances or other events. [mixed]
+    change : float or None
+        Largest relative change of a peak; None = it could not be measured. [1]
+    on : bool
+        Whether they are simulated from now on. [flag]
+
+    Returns
+    -------
+    Plan
+        The same, or one more where they are on. [mixed]
+    """
+    if change is None:
+        said = "With clearances no bound is known."
+    else:
+        said = f"With clearances measured, all such effects together: {percent(change)}."
+    decisions = tuple(
+        replace(d, on=on, bound=None if on else change, why=f"{d.why} {said}")
+        if d.effect in plan.left_out and d.bound is not None
+        else d
+        for d in plan.decisions
+    )
+    if not on:
+        return replace(plan, decisions=decisions)
+    names = quoted(plan.left_out)
+    reason = f"In the run of plan {plan.number}: {names} together change a peak by {percent(change or 0.0)}."
+    return replace(plan, number=plan.number + 1, reason=reason, decisions=decisions, left_out=())

@@ -43,8 +43,13 @@ def plan_details(results: Results) -> Row:
     details: Row = {
         "plans": [{"number": plan.number, "reason": plan.reason} for plan in results.plans]
     }
-    if results.start is not None and results.start.sensitivity is not None:
-        details["sensitivity"] = asdict(results.start.sensitivity)
+    if results.start is not None and results.start.repeatability is not None:
+        repeated = results.start.repeatability
+        details["sensitivity"] = {
+            "spread": repeated.spread,
+            "sensitive": repeated.sensitive,
+            "runs": repeated.runs,
+        }
     return details
 
 

@@ -149,6 +149,9 @@ def _startup_peaks(results: Results) -> list[Row]:
                 "time": p.time,
                 "percent_speed": p.speed / synchronous if synchronous else None,
                 "error": p.relative_error,
+                "left_out": start.left_out,
+                "peak_low": p.low,
+                "peak_high": p.high,
             }
         )
     return rows
@@ -169,11 +172,12 @@ def _allowable_starts(results: Results) -> list[Row]:
             "damage": s.damage,
             "allowable_starts": s.allowable_starts,
             "unlimited": s.unlimited,
-            "starts_low": s.starts_low,
-            "starts_high": s.starts_high,
             "paper_count": s.paper_starts,
             "error": errors.get(s.element),
             "governing": s.element == starts.governing,
+            "left_out": s.left_out,
+            "starts_low": s.starts_low,
+            "starts_high": s.starts_high,
         }
         for s in starts.shafts
     ]

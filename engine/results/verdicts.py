@@ -66,8 +66,8 @@ def verdicts_of(results: Results) -> tuple[Verdict, ...]:
     if calls_for_start(case):
         checks += [
             _outcome(case, start, results.crossings),
-            *_peak_torque(case, start),
-            *_yield(case, start),
+            *_peak_torque(case, start, _unbounded(results)),
+            *_yield(case, start, _unbounded(results)),
             *_reversal(case, start, results.reversals),
             *_starts(results),
         ]
@@ -262,10 +262,24 @@ def _peaks(start: Start | None) -> dict[str, ElementPeak]:
     return {} if start is None else {p.element: p for p in start.peaks}
 
 
-def _uncertainty(start: Start, peak: ElementPeak) -> float:
-    """What the size of a peak may be larger: its error, of a sensitive start its spread. [N m]"""
-    spread = start.sensitivity.spread if start.is_sensitive and start.sensitivity else 0.0
-    return max(peak.error, spread * peak.size)
+def _within_range(size: float, limit: float, peak: ElementPeak) -> Judgement:
+    """Whether a peak, in any dimension, keeps its limit up to the unfavourable end of its range."""
+    if peak.high is None or peak.size == 0.0:
+        return Judgement.FAIL if size > limit else Judgement.PASS
+    return _within(size, limit, size * (peak.high / peak.size - 1.0))
+
+
+def _unbounded(results: Results) -> str:
+    """What a start leaves out with no bound on its effect, in words; empty where all is bounded."""
+    start, plan = results.start, results.plans[-1]
+    if start is None or start.left_out is not None:
+        return ""
+    names = [name for name in plan.left_out if plan.decision(name).bound is None]
+    return f"no bound on what is left out: {', '.join(names) or 'fast modes'} (see sheet Effects)"
+
+
+def _and(named: str, unbounded: str) -> str:
+    return "; ".join(filter(None, (named, unbounded)))
 
 
 def _with_peaks(case: CaseData, start: Start | None, names: Iterable[str]) -> list[str]:
@@ -281,7 +295,7 @@ def _with_peaks(case: CaseData, start: Start | None, names: Iterable[str]) -> li
     ]
 
 
-def _peak_torque(case: CaseData, start: Start | None) -> Iterator[Verdict]:
+def _peak_torque(case: CaseData, start: Start | None, unbounded: str) -> Iterator[Verdict]:
     """Couplings and meshes, and other elements with a Peak torque limit, against it."""
     members, peaks = links(case), _peaks(start)
     limits = {
@@ -298,15 +312,15 @@ def _peak_torque(case: CaseData, start: Start | None) -> Iterator[Verdict]:
     if start is None or not limits:
         yield Verdict(name, None, None, "torque", Judgement.NOT_JUDGED, "", coverage, named)
         return
-    worst = max(limits, key=lambda e: peaks[e].size / limits[e])
+    worst = max(limits, key=lambda e: (peaks[e].high or peaks[e].size) / limits[e])
     size = peaks[worst].size
-    verdict = _within(size, limits[worst], _uncertainty(start, peaks[worst]))
+    verdict, named = _within_range(size, limits[worst], peaks[worst]), _and(named, unbounded)
     yield Verdict(
         name, size, limits[worst], "torque", _covered(verdict, named), worst, coverage, named
     )
 
 
-def _yield(case: CaseData, start: Start | None) -> Iterator[Verdict]:
+def _yield(case: CaseData, start: Start | None, unbounded: str) -> Iterator[Verdict]:
     """Nominal stress of the start against half the tensile yield (maximum shear theory)."""
     members, peaks = shafts(case), _peaks(start)
     strength = {m.material: m.yield_ for m in case.materials if m.yield_}
@@ -327,9 +341,11 @@ def _yield(case: CaseData, start: Start | None) -> Iterator[Verdict]:
         yield Verdict(name, None, None, "pressure", verdict, where, coverage, named)
         return
     stress = {e: per_torque * peaks[e].size for e, (per_torque, _) in judged.items()}
-    worst = max(stress, key=lambda e: stress[e] / judged[e][1])
-    error = judged[worst][0] * _uncertainty(start, peaks[worst])
-    verdict = _covered(_within(stress[worst], judged[worst][1], error), named)
+    worst = max(
+        stress, key=lambda e: judged[e][0] * (peaks[e].high or peaks[e].size) / judged[e][1]
+    )
+    named = _and(named, unbounded)
+    verdict = _covered(_within_range(stress[worst], judged[worst][1], peaks[worst]), named)
     yield Verdict(
         name, stress[worst], judged[worst][1], "pressure", verdict, worst, coverage, named
     )
@@ -387,10 +403,15 @@ def _starts(results: Results) -> Iterator[Verdict]:
             result, where = NoNumber.UNLIMITED.value, ""
         else:
             result, where = starts.judged_starts, starts.governing or ""
-            if required is not None:
-                error = dict(results.starts_error).get(where) or 0.0
-                verdict = _within(required, result, required * error)
+            if required is not None and result < required:
+                verdict = Judgement.FAIL
+        fewest = starts.starts_low
+        if required is not None and fewest is not None and verdict != Judgement.FAIL:
+            least = fewest / starts.starts_factor
+            verdict = Judgement.PASS if least >= required else Judgement.WITHIN_ERROR
         where = "; ".join(filter(None, (where, _undamaged(case, starts))))
+        if not starts.bounded:
+            missing.append(_unbounded(results))
         if _missed(results.crossings):
             missing.append("modes that the start did not cross")
         if required is None:

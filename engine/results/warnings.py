@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from engine.case.choices import ElementKind, Method
-from engine.case.defaults import DEFAULT_TOLERANCE_STARTS
+from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, DEFAULT_TOLERANCE_STARTS
 from engine.case.plausibility import implausible
 from engine.case.result_words import Outcome
 from engine.model.motor import motors_of
@@ -20,6 +20,7 @@ from engine.results.implausible_results import (
     inertia_constant,
 )
 from engine.results.results import Results
+from engine.start.event_results import CONFIDENCE
 from engine.start.start import Start
 from engine.start.start_fatigue import judged_shafts
 
@@ -106,7 +107,15 @@ def _start_warnings(results: Results) -> Iterator[str]:
                 f"'{e.element}' has a stress diameter, but its material '{e.material}' has no S-N "
                 "points: its allowable starts were not calculated. Add S-N points."
             )
-    if not start.met_tolerance:
+    wanted = case.tolerance_peak or DEFAULT_TOLERANCE_PEAK
+    if start.left_out is None and start.estimated_error <= wanted and not start.is_sensitive:
+        plan = results.plans[-1]
+        names = [name for name in plan.left_out if plan.decision(name).bound is None]
+        yield (
+            f"Peaks and starts are those without {', '.join(names) or 'fast modes'}, and how far that "
+            "changes them is not known: they pass no check. See sheet Effects for the data that are missing."
+        )
+    elif not start.met_tolerance:
         yield (
             f"The wanted accuracy of peak torques was not reached: estimated error "
             f"{start.estimated_error:.2g} at a step of {start.step:.3g} s." + _why_not_met(start)
@@ -132,7 +141,11 @@ def _start_warnings(results: Results) -> Iterator[str]:
 
 def _why_not_met(start: Start) -> str:
     """What kept a start from a finer step."""
-    if start.is_sensitive or start.sensitivity is None:  # said elsewhere, or a plain start
+    if start.is_sensitive:  # said elsewhere
+        return ""
+    if start.left_out is not None and start.left_out > start.estimated_error:
+        return f" Effects left out may change it by {start.left_out:.2g}: force them on."
+    if not start.contacts:
         return ""
     return (
         " A finer step would need more steps than one calculation allows. Raise TolerancePeak, or "
@@ -178,11 +191,12 @@ def _run_warnings(start: Start, settled: bool) -> Iterator[str]:
             "far too short time steps: the start neglects the coupling of modes by it. Check the "
             "damping."
         )
-    if start.sensitivity is not None and start.sensitivity.sensitive:
+    if start.repeatability is not None and start.repeatability.sensitive:
         yield (
             "Sensitive: a change of the input by 1e-9 may change a peak torque by "
-            f"{start.sensitivity.spread:.2g}. The peaks are only one sample of possible values; "
-            "run torsionbook tolerances for their spread."
+            f"{100.0 * start.repeatability.spread:.2g} % ({100.0 * CONFIDENCE:.0f} % interval from "
+            f"{start.repeatability.runs} runs). The peaks are one sample of possible values; verdicts use "
+            "the unfavourable end of their range."
         )
     if not settled:
         yield (

@@ -3,6 +3,8 @@
 ================  ================================================================================
 module            responsibility
 ================  ================================================================================
+`trajectory`      sampled histories of a start, their turning points, and how they are kept in
+                  bounded memory
 `event_results`   what a start with events found: teeth that met again, forces of bearings, pull-
                   in, repeatability
 `pull_in`         pull-in of a synchronous motor, read from a simulated run: did it come into
@@ -12,8 +14,6 @@ module            responsibility
 `time_response`   any train under prescribed torques, untwisted at the beginning
 `start_model`     a start in arrays: as few modes as the tolerance allows, forces, dampers and
                   curves
-`trajectory`      sampled histories of a start, their turning points, and how they are kept in
-                  bounded memory
 `outcome`         how a start ended: the word, and the sentence with its numbers
 `peaks`           extremes of the torque of each element, and how sure they are
 `simulation`      one simulation of a start at one step, and what is read out of it

@@ -2,7 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+
+import numpy as np
+
+from engine.arrays import Floats
+from engine.start.trajectory import Turning
 
 
 @dataclass(frozen=True)
@@ -51,35 +57,50 @@ class PullIn:
     swing_frequency: float | None
 
 
-#: A start is sensitive if one tiny change shows this share of the tolerance: others show more.
-NEARLY_FELT = 1.0 / 3.0
+#: Probability that one more run lies in an interval from some. [1]
+CONFIDENCE = 0.99
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Repeatability:
-    """Change of the answers under a change of the input by 1e-9."""
+    """Spread of the answers over an ensemble of equally right runs, where impacts make runs part.
 
-    #: Largest relative change of a peak torque, seen or, by what three runs did once they had
-    #: parted, to be expected. [1]
-    spread: float
-    #: True if another such change may well exceed the tolerance: the answer is one of many equally
-    #: right ones.
-    sensitive: bool
+    Each run has torques changed by less than 1e-7 and a step of its own. Whatever is reported of one run
+    is one of many possible values; one more run lies in the intervals with a probability of `CONFIDENCE`.
+    """
 
-    @classmethod
-    def of(cls, spread: float, tolerance: float) -> Repeatability:
-        """Judge one change: the spread that it shows is one sample of many.
+    spread: float  #: Largest distance of a reported peak from an end of its interval, relative. [1]
+    sensitive: bool  #: Whether that is more than the tolerance. [flag]
+    runs: int  #: Runs of the ensemble. [count]
+    #: Interval of the larger magnitude of the extremes of each element with a peak. [N m]
+    sizes: tuple[tuple[float, float], ...]
+    #: Of each run the turning points of every output; what cycles are counted in. [s, N m]
+    histories: tuple[tuple[Turning, ...], ...]
 
-        Parameters
-        ----------
-        spread : float
-            Largest relative change of a peak torque. [1]
-        tolerance : float
-            Wanted relative error of the peaks. [1]
 
-        Returns
-        -------
-        Repeatability
-            Sensitive from `NEARLY_FELT` of the tolerance on. [1]
-        """
-        return cls(spread, spread > NEARLY_FELT * tolerance)
+def prediction_interval(values: Floats) -> tuple[float, float]:
+    """Interval in which one more of some values is expected, and all of them lie.
+
+    mean ± t s √(1 + 1/n), t of Student for `CONFIDENCE`, widened to the values themselves.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        Two at least, of independent runs. [any unit]
+
+    Returns
+    -------
+    tuple of (float, float)
+        Its ends. [as given]
+
+    References
+    ----------
+    Hahn and Meeker, Statistical Intervals, section 4.7 (interval for one future observation).
+    """
+    from scipy.special import stdtrit
+
+    n = len(values)
+    quantile = float(stdtrit(n - 1, 0.5 + 0.5 * CONFIDENCE))
+    reach = quantile * float(np.std(values, ddof=1)) * math.sqrt(1.0 + 1.0 / n)
+    middle = float(np.mean(values))
+    return min(middle - reach, float(np.min(values))), max(middle + reach, float(np.max(values)))

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 
@@ -31,6 +32,26 @@ class ElementPeak:
     speed: float  #: Mean speed of the reference shaft then. [rad/s]
     error: float  #: Estimated absolute error of the extremes. [N m]
     peak_to_peak: float  #: Maximum minus minimum of the section where that is largest. [N m]
+    #: Bound on what effects left out may change; None = no bound is known. [N m]
+    left_out: float | None = 0.0
+    #: Interval of the size over an ensemble of equally right runs; None where it is repeatable. [N m]
+    repeated: tuple[float, float] | None = None
+
+    @property
+    def low(self) -> float | None:
+        """Least size within error, what is left out and the ensemble; None = no bound. [N m]"""
+        if self.left_out is None:
+            return None
+        least = self.size if self.repeated is None else self.repeated[0]
+        return max(min(least, self.size - self.error) - self.left_out, 0.0)
+
+    @property
+    def high(self) -> float | None:
+        """Largest size, likewise. [N m]"""
+        if self.left_out is None:
+            return None
+        most = self.size if self.repeated is None else self.repeated[1]
+        return max(most, self.size + self.error) + self.left_out
 
     @property
     def size(self) -> float:
@@ -147,6 +168,17 @@ class JudgedRun:
     #: By index of each element with several sections: turning points of each, at both steps. Where
     #: most cycles are used up need not be where the range is largest. [s, N m]
     sections: Mapping[int, tuple[tuple[Turning, Turning], ...]]
+
+    def repeated_in(self, sizes: Sequence[tuple[float, float]]) -> Self:
+        """The same with the intervals of the peaks over an ensemble of runs.
+
+        Parameters
+        ----------
+        sizes : sequence of (float, float)
+            One a peak. [N m]
+        """
+        peaks = tuple(replace(p, repeated=s) for p, s in zip(self.peaks, sizes, strict=True))
+        return replace(self, peaks=peaks)
 
 
 def judge_run(

@@ -43,7 +43,7 @@ from engine.start.start_model import (
     start_model,
     usual_step,
 )
-from engine.start.trajectory import SingleRun
+from engine.start.trajectory import SingleRun, Turning
 
 #: The same for Newmark: error ≈ this × (phase per step)², second order and far larger.
 NEWMARK_ERROR_AT_ONE_RADIAN = 0.4
@@ -87,8 +87,11 @@ class Start(JudgedRun):
     pull_in: PullIn | None = None  #: Field application and what came of it. [SI]
     #: By element, relative error from the pieces of distributed shafts; part of all errors. [1]
     pieces_error: tuple[tuple[str, float], ...] = ()
-    #: Asked where the answers did not settle as the step was refined. [1]
-    sensitivity: Repeatability | None = None
+    #: Where impacts make runs part however fine the step; None where they stay together. [1]
+    repeatability: Repeatability | None = None
+    #: Bound on the relative change of the answers by what is left out of the simulation: effects with
+    #: data that are off. None = no bound is known. [1]
+    left_out: float | None = 0.0
     #: Tooth and bearing forces against time, where they were calculated. [N]
     forces: ForceHistories | None = None
     #: Unwrapped load angle at the samples, the motor lagging positive; None without a field. [rad]
@@ -98,7 +101,7 @@ class Start(JudgedRun):
     @property
     def is_sensitive(self) -> bool:
         """Whether it was found that a tiny change of the input changes its peaks. [flag]"""
-        return self.sensitivity is not None and self.sensitivity.sensitive
+        return self.repeatability is not None and self.repeatability.sensitive
 
     def largest_peak(
         self, speed_ratios: Mapping[str | None, float]
@@ -120,10 +123,42 @@ class Start(JudgedRun):
         peak = max(self.peaks, key=lambda p: p.size * speed_ratios[p.element], default=None)
         return peak, 0.0 if peak is None else float(peak.size * speed_ratios[peak.element])
 
-    def turning_of_element(self) -> dict[int, tuple[Floats, Floats]]:
+    def turning_of_element(self) -> dict[int, Turning]:
         """Turning points by element index: times and torques. [s, N m]"""
+        return self._by_element(self.turning_points)
+
+    def coarse_turning_of_element(self) -> dict[int, Turning]:
+        """The same at twice the step. [s, N m]"""
+        return self._by_element(self.coarse_turning_points)
+
+    def _by_element(self, turning: tuple[Turning, ...]) -> dict[int, Turning]:
         judged = np.flatnonzero(self.output_of_element >= 0)
-        return dict(zip((int(e) for e in judged), self.turning_points, strict=True))
+        return dict(zip((int(e) for e in judged), turning, strict=True))
+
+
+def with_left_out(start: Start, bound: float | None, tolerance: float) -> Start:
+    """A start beside what its simulation leaves out.
+
+    Parameters
+    ----------
+    start : Start
+        A start. [SI]
+    bound : float or None
+        Bound on the relative change of the answers by effects that are off; None = none is known. [1]
+    tolerance : float
+        Wanted relative error of peak torques, of error and bound together. [1]
+
+    Returns
+    -------
+    Start
+        The tolerance is met only where there is a bound. [SI]
+    """
+    known = None if bound is None or start.left_out is None else bound + start.left_out
+    peaks = tuple(
+        replace(p, left_out=None if known is None else known * p.size) for p in start.peaks
+    )
+    met = start.met_tolerance and known is not None and start.estimated_error + known <= tolerance
+    return replace(start, peaks=peaks, left_out=known, met_tolerance=met)
 
 
 def _first_step(settings: StartSettings, fastest: float) -> float:

@@ -6,7 +6,9 @@ starts is the change of its damage between the two step sizes the start was calc
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -20,9 +22,10 @@ from engine.fatigue.allowable_starts import (
     allowable_starts,
     shaft_fatigue,
 )
-from engine.fatigue.damage import needs_counting
+from engine.fatigue.damage import needs_counting, starts_from_damage
 from engine.fatigue.sn_curve import SNCurve, sn_curve_for
 from engine.fatigue.stress import stress_of_unit_torque
+from engine.start.event_results import prediction_interval
 from engine.start.start import Start
 
 #: Outcomes after which the cycles are those of a whole start.
@@ -80,7 +83,7 @@ def sn_curve_of(case: CaseData, name: str | None) -> SNCurve:
 
 
 def starts_of(
-    case: CaseData, start: Start, *, always_count: bool = False
+    case: CaseData, start: Start, full: Start | None = None, *, always_count: bool = False
 ) -> tuple[AllowableStarts | None, tuple[tuple[str, float | None], ...]]:
     """Allowable starts of every judged shaft, with the error of each.
 
@@ -90,6 +93,8 @@ def starts_of(
         The case. [SI]
     start : Start
         The start. [SI]
+    full : Start, optional
+        The same with every effect that it leaves out, where that was measured. [SI]
     always_count : bool, optional
         Count even where the largest amplitude is at or below the endurance limit. [flag]
 
@@ -105,16 +110,25 @@ def starts_of(
         return None, ()
     shafts, errors = [], []
     for index, element in judged:
-        shaft, error = _shaft(case, element, start, index, always_count)
+        shaft, error = _shaft(case, element, (start, full), index, always_count)
         shafts.append(shaft)
         errors.append((shaft.element, error))
     return allowable_starts(shafts, case.starts_factor), tuple(errors)
 
 
 def _shaft(
-    case: CaseData, element: ElementRow, start: Start, index: int, always_count: bool
+    case: CaseData,
+    element: ElementRow,
+    starts: tuple[Start, Start | None],
+    index: int,
+    always_count: bool,
 ) -> tuple[ShaftFatigue, float | None]:
-    """Fatigue of the worst section of a shaft, and the relative error of its starts from the two steps."""
+    """Fatigue of the worst section of a shaft with its interval, and the relative error of its starts.
+
+    The error is the change of the damage between the two steps, and by what pieces and modes left out may
+    do to every torque; where runs part, it reaches to the ends of the interval over the ensemble.
+    """
+    start, full = starts
     material = next(m for m in case.materials if m.material == element.material)
     curve = sn_curve_of(case, element.material)
     residue = case.rainflow_residue or RainflowResidue.HALF_CYCLES
@@ -125,15 +139,70 @@ def _shaft(
 
     found = []
     for fine, coarse in _histories(start, index):
-        error = max(peak.error, _cycle_difference(fine, coarse))
+        error = max(peak.error, _cycle_difference(fine, coarse)) + (peak.left_out or 0.0)
         found.append((of(fine, error, always_count), fine, coarse))
     shaft, fine, coarse = max(found, key=lambda one: (one[0].damage, one[0].largest_amplitude))
-    if shaft.damage == 0.0:
-        return shaft, None
-    off = abs(of(coarse).damage / shaft.damage - 1.0)
-    if pieces := dict(start.pieces_error).get(shaft.element, 0.0):
-        off += abs(of((1.0 + pieces) * fine).damage / shaft.damage - 1.0)
+    damage = shaft.damage
+    if damage == 0.0:
+        if peak.high is not None:  # an ensemble may go higher than its reported run
+            shaft = of(fine, peak.high - peak.size, always_count)
+        return replace(shaft, left_out=None if start.left_out is None else 0.0), None
+
+    def change(relative: float) -> float:
+        """Of the damage, where every torque is larger by a share."""
+        return abs(of((1.0 + relative) * fine).damage / damage - 1.0) if relative else 0.0
+
+    pieces = dict(start.pieces_error).get(shaft.element, 0.0)
+    off = abs(of(coarse).damage / damage - 1.0) + change(pieces + start.truncation_error)
+    low, high = shaft.damage_low, shaft.damage_high
+    if start.repeatability is not None:
+        ends = _over_ensemble(case, element, start, index)
+        low, high = min(low, ends[0]), max(high, ends[1])
+    left_out = None if start.left_out is None else change(start.left_out)
+    if left_out is not None and full is not None:
+        other = largest_damage(case, element, [fine for fine, _ in _histories(full, index)])
+        left_out = max(left_out, abs(other / damage - 1.0))
+    shaft = _with_interval(shaft, (low, high), off, left_out)
+    if start.repeatability is not None:
+        off = max(off, 1.0 - damage / high, damage / low - 1.0 if low else 1.0)
     return shaft, off
+
+
+def _with_interval(
+    shaft: ShaftFatigue, damage: tuple[float, float], error: float, left_out: float | None
+) -> ShaftFatigue:
+    """The shaft with all of its errors in its interval; without one where what is left out has no bound."""
+    if left_out is None:
+        return replace(shaft, starts_low=None, starts_high=None, left_out=None)
+    share = 1.0 + left_out
+    low = max(0.0, min(damage[0], shaft.damage / (1.0 + error))) / share
+    high = max(damage[1], shaft.damage * (1.0 + error)) * share
+    return replace(
+        shaft,
+        damage_low=low,
+        damage_high=high,
+        starts_low=starts_from_damage(high),
+        starts_high=starts_from_damage(low),
+        left_out=left_out,
+    )
+
+
+def _over_ensemble(
+    case: CaseData, element: ElementRow, start: Start, index: int
+) -> tuple[float, float]:
+    """Interval of the damage of one more run, from those of an ensemble: of its logarithm."""
+    assert start.repeatability is not None
+    own = np.flatnonzero(start.trajectory.output_element == index)
+    damages = np.array(
+        [
+            largest_damage(case, element, [run[i][1] for i in own])
+            for run in start.repeatability.histories
+        ]
+    )
+    if not np.all(damages > 0.0):
+        return 0.0, 2.0 * float(np.max(damages))
+    low, high = prediction_interval(np.log(damages))
+    return math.exp(low), math.exp(high)
 
 
 def _histories(start: Start, index: int) -> list[tuple[Floats, Floats]]:

@@ -108,7 +108,7 @@ def start_model(
     maximum_time: float = 60.0,
     effects: StartEffects = PLAIN_START,
     *,
-    implicit_dampers: bool = False,
+    events: bool = False,
 ) -> StartModel:
     """Arrays of a start, with as few modes as the tolerance allows.
 
@@ -132,8 +132,10 @@ def start_model(
     effects : StartEffects, optional
         Which electrical transients, dampers and modes count. Field, trip and clearances are events
         of the run; here only the sizes of their torques are taken into account. [flags]
-    implicit_dampers : bool, optional
-        True: the loop solves for the forces of dampers, so none is too strong for it. [flag]
+    events : bool, optional
+        True: for the loop with events. It solves for the forces of dampers, so none is too strong for
+        it; and every mode is kept that can be followed, since no bound is known on what impacts make
+        of one left out. [flag]
 
     Returns
     -------
@@ -161,11 +163,12 @@ def start_model(
         sizes = _with_dampers(of_stations, modal, dampers, all_reach, fastest)
         outputs = _outputs(train, modes, forces, dampers, uncoupled)
         ringing, slow, scale = _mode_amplitudes(modes, outputs, all_reach, sizes, fastest)
-        keep = _kept_modes(modes, ringing, slow, scale, tolerance, fastest, effects)
+        every = effects.fast_modes or events
+        keep = _kept_modes(modes, ringing, slow, scale, tolerance, fastest, every)
         windows = _windows(modal, ringing, scale, keep, tolerance, fastest, maximum_time, effects)
         gains = dampers.viscous * np.sum(all_reach[keep][:, len(index) :] ** 2, axis=0)
         held = _too_strong(dampers, gains, all_reach[keep][:, len(index) :], tolerance, fastest)
-        if implicit_dampers or not np.any(held):
+        if events or not np.any(held):
             break
         uncoupled += [dampers.names[i] for i in np.flatnonzero(held)]
         dampers = dampers.without(held)
@@ -412,6 +415,8 @@ class _ForceSizes:
     ramp: Floats  # sum of all changes of slope [N m/s]
     smooth: Floats  # largest value of what varies no faster than the pulsation
     carried: Floats  # what the scale of the outputs is judged by
+    slope: Floats  # what it changes with the speed of its station, as that vibrates [N m s/rad]
+    range: Floats  # and the most by which it can
 
 
 def _force_sizes(
@@ -425,7 +430,7 @@ def _force_sizes(
 ) -> tuple[_ForceSizes, float]:
     """Sizes of the forces at stations, and the sum of the driving ones at the reference shaft."""
     n = len(column)
-    step, ramp, smooth = (np.zeros(n) for _ in range(3))
+    step, ramp, smooth, slope, span = (np.zeros(n) for _ in range(5))
     reference_torque = 0.0
     shock = _shock(case, effects)
     line_omega = motors[0].pole_pairs * motors[0].synchronous_speed
@@ -438,6 +443,9 @@ def _force_sizes(
         switched_off = largest + pulsating + pull_out if effects.aborted_start else 0.0
         step[i] += max(initial, SWITCHED_SHARE * largest, switched_off)
         smooth[i] += pulsating
+        for curve in (m.average, m.pulsating):
+            slope[i] += curve.steepest / m.synchronous_speed
+            span[i] += curve.range
         if shock is not None:  # begins with the slope of A sin ωt, then varies no faster than that
             ramp[i] += shock.amplitude * line_omega
             smooth[i] += shock.amplitude
@@ -449,7 +457,10 @@ def _force_sizes(
             smooth[i] += pull_out
         reference_torque += (largest + pulsating) * float(train.speed_ratio[m.station])
     for d in loads:
-        step[column[d.station]] += float(d.torque(0.0))
+        i = column[d.station]
+        step[i] += float(d.torque(0.0))
+        slope[i] += d.torque.steepest / d.synchronous_speed
+        span[i] += d.torque.range
     for p in torques:
         i = column[p.station]
         step[i] += p.jump
@@ -457,7 +468,7 @@ def _force_sizes(
         smooth[i] += float(np.max(np.abs(p.samples)))
         reference_torque += smooth[i] * float(train.speed_ratio[p.station])
     carried = np.maximum(step, SWITCHED_SHARE * smooth)
-    return _ForceSizes(step, ramp, smooth, carried), reference_torque
+    return _ForceSizes(step, ramp, smooth, carried, slope, span), reference_torque
 
 
 def _with_dampers(
@@ -471,7 +482,8 @@ def _with_dampers(
 
     A damper without a spring carries the whole torque. Any other has its coefficient times the
     speed across it: of the vibration its modes may reach, and to ground that of the shaft itself.
-    It loads no element by more than those forces do, so it has no part in the scale.
+    It loads no element by more than those forces do, so it has no part in the scale. Curves of torque
+    against speed act as dampers to ground on a station that vibrates.
     """
     train, modes, damping = modal
     sizes, reference_torque = of_stations
@@ -484,6 +496,7 @@ def _with_dampers(
     ramp = dampers.viscous * np.abs(reach[:, n:].T @ (reach[:, :n] @ sizes.step))
     carried = np.zeros(len(smooth))
     grounded = len(dampers.nodes)
+    follows = np.minimum(sizes.slope * (np.abs(reach[:, :n]).T @ vibration), sizes.range)
     ratio = train.speed_ratio[dampers.nodes]
     smooth[:grounded] += dampers.viscous[:grounded] * 0.5 * fastest * ratio
     for k, row in enumerate(dampers.rows, start=grounded):
@@ -494,8 +507,10 @@ def _with_dampers(
     return _ForceSizes(
         np.concatenate([sizes.step, np.zeros(len(smooth))]),
         np.concatenate([sizes.ramp, ramp]),
-        np.concatenate([sizes.smooth, smooth]),
+        np.concatenate([sizes.smooth + follows, smooth]),
         np.concatenate([sizes.carried, carried]),
+        sizes.slope,
+        sizes.range,
     )
 
 
@@ -522,11 +537,11 @@ def _mode_amplitudes(
 
 def _kept_modes(
     modes: Modes, ringing: Floats, slow: Floats, scale: Floats, tolerance: float, fastest: float,
-    effects: StartEffects,
+    every: bool,
 ) -> Mask:  # fmt: skip
-    """Drop modes from the top while their bound stays below a tenth of the tolerance."""
+    """Drop modes from the top while their bound stays below a tenth of the tolerance; or keep all."""
     keep = np.ones(modes.n_modes, dtype=np.bool_)
-    if effects.fast_modes:
+    if every:
         return keep
     budget = 0.1 * tolerance * scale
     used = np.zeros(len(scale))

@@ -67,8 +67,9 @@ def test_the_paper_changed_three_couplings(folder):
         ("Intermediate coupling", "Stiffness"),
     ]
     verdicts = {v.row: (v.before, v.after) for v in found.verdicts if v.table == "Verdicts"}
-    assert verdicts["Overall"] == ("fail", "accepted by forced response")
-    assert verdicts["Allowable starts"] == ("fail", "pass")
+    # the mesh torque still reverses, and its backlash is not given
+    assert verdicts["Overall"] == ("fail", "incomplete")
+    assert verdicts["Allowable starts"] == ("fail", "incomplete")
     assert verdicts["Start"] == ("pass", "pass")
     # Figures of the paper: modes at 30, 53, 86 Hz become 21, 39, 69 Hz
     modes = [c for c in found.results if (c.table, c.column) == ("NaturalFrequencies", "Frequency")]

@@ -237,8 +237,7 @@ def check_partial(seeds: range) -> int:
             continue
         every = planned_start(with_choices(case, backlash="on"), analyse(case))
         assert set(every.plan.effects.clearances) == set(some.evidence.clearances)
-        sensitivity = every.start.sensitivity
-        if sensitivity is not None and sensitivity.sensitive:
+        if every.start.is_sensitive:
             continue
         compared += 1
         assert peak_change(some, every) <= TOLERANCE, seed

@@ -14,8 +14,8 @@ from addin.verify.findings import Agreement
 
 def started(spread: float | None) -> SimpleNamespace:
     """A start with peaks to 0.04 %, and the spread of a sensitive one."""
-    sensitivity = None if spread is None else SimpleNamespace(spread=spread)
-    return SimpleNamespace(estimated_error=4e-4, sensitivity=sensitivity)
+    repeatability = None if spread is None else SimpleNamespace(spread=spread)
+    return SimpleNamespace(estimated_error=4e-4, repeatability=repeatability)
 
 
 def reported(**fields: Any) -> Allowances:

@@ -14,8 +14,9 @@ def finding(case: CaseData, e: Evidence, modelled: tuple[str, ...]) -> Finding:
             f"{e.tolerance:.2g}."
         )
         return Finding(False, True, None, e.tolerance, None, why, cost=0.0)
-    number, kept = e.linear.truncation_error, e.linear.kept_modes
-    n = max(e.linear.n_modes or 0, kept)
+    latest = e.event or e.linear
+    number, kept = latest.truncation_error, latest.kept_modes
+    n = max(latest.n_modes or 0, kept)
     why = (
         f"{kept} of {n} modes integrated; the others are included statically, with an error "
         f"of at most {number:.2g}."

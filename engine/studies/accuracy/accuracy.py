@@ -264,7 +264,7 @@ def _event_study(
         text += f", as far as a step of {best.step:.2g} s allows. "
     text += papers + _timed(rounds)
     sentence = _sentence(case, rows, EVENTS, NEWMARK_LINEAR, " (without clearances and events)")
-    felt = planned.start.sensitivity
+    felt = planned.start.repeatability
     if felt is not None and felt.sensitive:
         sentence = (
             "This start is sensitive: a change of the input by 1e-9 may change a peak torque by "

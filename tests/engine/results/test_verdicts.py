@@ -254,8 +254,8 @@ def test_starts_nearer_to_those_required_than_their_error_say_so(
     assert complete.starts.judged_starts is not None
     required = complete.starts.judged_starts / 1.05
     near = replace(complete.case, starts_required=required)
-    errors = ((FIRST, error),)
-    found = check(replace(complete, case=near, starts_error=errors), "Allowable starts")
+    low = replace(complete.starts, starts_low=(complete.starts.starts or 0.0) / (1.0 + error))
+    found = check(replace(complete, case=near, starts=low), "Allowable starts")
     assert found.verdict == verdict
 
 
