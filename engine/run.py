@@ -172,7 +172,9 @@ def _at_speed(case: CaseData, stage: Stage) -> tuple[ModalAnalysis, AtSpeed]:
         frequency_error=error,
         accurate_up_to=analysis.subdivided.accurate_up_to,
         damping=damping,
-        eigenvalues=damped_eigenvalues(train, modes) if damping.neglected > 0.0 else None,
+        eigenvalues=damped_eigenvalues(train, modes, damping.structural)
+        if damping.neglected > 0.0
+        else None,
         excitations=excitations,
         margins=margins,
         interference=diagram,

@@ -327,8 +327,8 @@ def modal_damping_matrix(train: Train, modes: Modes) -> Floats:
     return np.asarray((modes.row_twist.T * train.viscous) @ modes.row_twist + modes.shape.T @ nodal)
 
 
-def damped_eigenvalues(train: Train, modes: Modes) -> Complexes:
-    """Eigenvalues of the viscously damped train, in modal coordinates.
+def damped_eigenvalues(train: Train, modes: Modes, structural: Floats | None = None) -> Complexes:
+    """Eigenvalues of the damped train, in modal coordinates.
 
     Parameters
     ----------
@@ -336,6 +336,8 @@ def damped_eigenvalues(train: Train, modes: Modes) -> Complexes:
         The train. [SI]
     modes : Modes
         Its undamped modes. [SI]
+    structural : ndarray, shape (n_modes,), optional
+        Damping ratio of each mode besides the dampers, stated or hysteretic. [1]
 
     Returns
     -------
@@ -344,6 +346,8 @@ def damped_eigenvalues(train: Train, modes: Modes) -> Complexes:
     """
     n = modes.n_modes
     damping = modal_damping_matrix(train, modes)
+    if structural is not None:
+        damping = damping + np.diag(2.0 * structural * modes.omega)
     A = np.block([[np.zeros((n, n)), np.eye(n)], [-np.diag(modes.omega**2), -damping]])
     values = np.linalg.eigvals(A)
     return np.asarray(values[np.lexsort((values.real, np.abs(values.imag)))], dtype=np.complex128)

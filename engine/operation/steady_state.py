@@ -546,7 +546,7 @@ def _pole_frequencies(modal: ModalTrain) -> Floats:
     peak = omega * np.sqrt(np.maximum(0.0, 1.0 - 2.0 * zeta**2))
     poles = [omega, peak[zeta > 1e-6]]
     if damping.coupling > COUPLED:
-        poles.append(np.abs(damped_eigenvalues(train, modes).imag))
+        poles.append(np.abs(damped_eigenvalues(train, modes, damping.structural).imag))
     return np.concatenate(poles) / (2.0 * math.pi)
 
 

@@ -7,6 +7,8 @@ Its states are [θ₀, θ₁, θ₃, ω₀, ω₁, ω₃] in physical senses, ou
 own running direction, so the order is the same and the sign is `Train.sense`.
 """
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import scipy.linalg
@@ -106,3 +108,17 @@ def test_step_response(t02):
     for row in step:
         state = scipy.linalg.expm(augmented * row[0])[: 2 * n, -1]
         assert s * state == pytest.approx(np.array(row[1:]), abs=1e-9)
+
+
+def test_eigenvalues_have_the_stated_damping_too(t02):
+    """With 1.5 % beside the dampers each eigenvalue has the damping ratio of the frequency table."""
+    _, case, train = t02
+    stated = replace(case, damping_ratio=0.015)
+    modes = modes_of(train)
+    damping = modal_damping(stated, train, modes)
+    values = damped_eigenvalues(train, modes, damping.structural)
+    for value in values[values.imag > 1.0]:
+        mode = int(np.argmin(np.abs(modes.omega - abs(value))))
+        assert damping.ratio[mode] > 0.015
+        ratio = -value.real / abs(value)
+        assert damping.ratio[mode] == pytest.approx(ratio, rel=2 * damping.coupling + 1e-3)
