@@ -217,6 +217,8 @@ def _beside(record: Record, truth: Record) -> list[Answer]:
             off = math.inf
             side = low is not None and true is not None and low <= true
             stated = math.inf if side or (starts is not None and high is None) else 0.0
+        elif left_out is None:
+            off, stated = abs(true / starts - 1.0), 0.0
         else:
             off = abs(true / starts - 1.0)
             end = low if true < starts else (math.inf if high is None else high)

@@ -311,7 +311,7 @@ def accuracy_block(rows: Iterable[Mapping[str, Any]]) -> Rows:
     Returns
     -------
     list of rows
-        Name, wall time and error of each method, the shortest time first. [ms, %]
+        Name, processor time and error of each method, the shortest time first. [ms, %]
     """
     study = sorted((row for row in rows if row.get("time")), key=lambda row: float(row["time"]))
     columns: list[Sequence[Cell]] = []
@@ -329,10 +329,10 @@ def accuracy_block(rows: Iterable[Mapping[str, Any]]) -> Rows:
 def accuracy_title(drawn: bool, studied: bool = False) -> str:
     """Title of the chart of sheet `Accuracy`, which says why where it is empty."""
     if drawn:
-        return "Error against wall time, as measured in this study"
+        return "Error against processor time, as measured in this study"
     if studied:
-        return "Error against wall time: nothing to study, see the note above"
-    return "Error against wall time: no study yet; run torsionbook accuracy FILE"
+        return "Error against processor time: nothing to study, see the note above"
+    return "Error against processor time: no study yet; run torsionbook accuracy FILE"
 
 
 def _drawn_elements(

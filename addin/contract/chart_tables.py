@@ -8,7 +8,7 @@ from dataclasses import dataclass
 #: How many speeds the train drawing distinguishes, mode shapes and excitation lines are drawn.
 GROUPS, SHAPES, LINES, CROSSINGS, HISTORIES = 4, 5, 12, 6, 6
 #: Methods whose error against time is drawn.
-METHODS = ("exponential", "newmark")
+METHODS = ("exponential", "newmark", "chosen", "alternative")
 #: Field application and trip on the chart of speed against time.
 EVENTS = 2
 #: Forces drawn together: of the teeth, and of the bearings of two gears.
@@ -120,6 +120,6 @@ CHART_TABLES: tuple[ChartTable, ...] = (
     ChartTable(
         "ChartAccuracy",
         _of_methods(("peak name", "peak time", "peak", "starts name", "starts time", "starts")),
-        "Name, wall time in ms and error in % of each method.",
+        "Name, processor time in ms and error in % of each method.",
     ),
 )

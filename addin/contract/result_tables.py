@@ -769,7 +769,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
     ),
     table(
         "AccuracyCost", sheet="Accuracy", caption="Accuracy and its cost",
-        help="Error against wall time of this case on this machine.",
+        help="Error against computing time of this case on this machine.",
         row_name=("Method", "Setting"), of_the_start=True, worded=True, rank=7,
         columns=(
             text(
@@ -784,7 +784,8 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             number(
                 "Error peak", "fraction", "Error of the peak torques.",
                 "Largest error of a peak / larger extreme of its element: estimated from h "
-                "and h/2; in a study, found by comparison with a reference 256 times more accurate "
+                "and h/2; of an alternative, the change of the start as calculated by it; in a study, found by "
+                "comparison with a reference 256 times more accurate "
                 "(with events: with a start calculated to a tolerance 100 times finer, where the "
                 "step allows)",
                 "docs/method.md, What accuracy costs", of_case=START, format=shown.STUDIED,
@@ -797,8 +798,8 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 printed="Error of starts",
             ),
             number(
-                "Time", "calculation time", "Wall time, in a study the median of repeats.",
-                "Wall time, in a study the median of repeats",
+                "Time", "calculation time", "Wall time; in a study processor time, the median of repeats.",
+                "Wall time of each analysis; in a study processor time, the median of repeats",
                 "docs/method.md, What accuracy costs", wall_time=True,
             ),
         ),

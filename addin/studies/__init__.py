@@ -7,7 +7,7 @@ its command. Everything is in SI here; sheets have the units that stand above th
 module           responsibility
 ===============  =================================================================================
 `study`          what a study is: its check, its calculation, options and what it shows
-`accuracy`       what accuracy costs in time: error against wall time of one case
+`accuracy`       what accuracy costs in time: error against processor time
 `calibration`    measured frequencies and peak torques: its starts and its rows
 `registry`       every study, found in this folder, and what is wrong with the rows of all of them
 `run_study`      one input through a study: read, check, calculate, write

@@ -50,7 +50,7 @@ class AccuracyRow:
     error_peak: float | None
     #: Error of the allowable starts, relative; None where none is counted, or unlimited. [1]
     error_starts: float | None
-    time: float  #: Wall time. [s]
+    time: float  #: Wall time of an analysis; in a study processor time. [s]
 
 
 @dataclass(frozen=True, eq=False)

@@ -51,7 +51,7 @@ def test_a_study_in_the_workbook_is_drawn_and_listed(tmp_path):
     for text in (flat(pdf_text(tmp_path / "a.pdf")), docx_text(tmp_path / "a.docx")):
         for words in (
             "You asked for 0.1 %: 12.3 ms.", "Against a finer one.", "torsionbook 9.9",
-            "Error against wall time, as measured by the accuracy study", "newmark", "step 0.002 s",
+            "Error against processor time, as measured by the accuracy study", "newmark", "step 0.002 s",
         ):  # fmt: skip
             assert words in text
         # 4.7e-5 in percent, 0.0871 in percent, seconds in ms

@@ -1,4 +1,4 @@
-"""What accuracy costs in time, for one case: error of the answers against wall time.
+"""What accuracy costs in time, for one case: error of the answers against processor time.
 
 The start is calculated at fixed settings without refinement, by the exponential step and by the
 paper's average acceleration (Newmark), and compared with the exponential step at a quarter of its
@@ -19,18 +19,16 @@ from __future__ import annotations
 import math
 import statistics
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
 
-from engine.arrays import Floats
-from engine.case.choices import Method, RainflowResidue
+from engine.case.choices import Method
 from engine.case.data import CaseData
 from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, DEFAULT_TOLERANCE_STARTS
-from engine.fatigue.allowable_starts import shaft_fatigue
 from engine.model.load import loads_of
 from engine.model.motor import motors_of
 from engine.results.results import AccuracyRow
@@ -39,11 +37,10 @@ from engine.start.pieces import analysis_for_start
 from engine.start.settings import has_start
 from engine.start.simulation import simulate
 from engine.start.start import Start
-from engine.start.start_fatigue import judged_shafts, sn_curve_of
 from engine.start.start_model import MAX_VALUES, StartModel, start_model
 from engine.start.trajectory import turning_of
-
-Histories = Mapping[int, tuple[Floats, Floats]]
+from engine.studies.accuracy.alternatives import alternatives, duration, price_sentence
+from engine.studies.accuracy.answers import Answers, Histories, answers_of, errors_between
 
 #: Settings of each method, each at half the step of the one before.
 SETTINGS = 6
@@ -56,8 +53,8 @@ EVENT_TOLERANCES = (3e-2, 1e-2, 3e-3, 1e-3, 3e-4)
 EVENT_REFERENCE, EVENT_CHECK = 0.01, 0.1
 #: Modes are kept for this share of the wanted tolerance, for the reference a tenth of it.
 MODES_TOLERANCE = 0.1
-#: An error is shown no smaller than rounding leaves it.
-LEAST_ERROR = 1e-12
+#: How often an alternative is timed, at the most: each is a whole start with its plan.
+PRICED_ROUNDS = 3
 #: Names of the methods in the table.
 EXPONENTIAL = "exponential"
 EVENTS, NEWMARK_LINEAR = "exponential with events", "newmark (linear train)"
@@ -65,7 +62,7 @@ EVENTS, NEWMARK_LINEAR = "exponential with events", "newmark (linear train)"
 
 @dataclass(frozen=True)
 class AccuracyStudy:
-    """Error against wall time of one case."""
+    """Error against processor time of one case."""
 
     #: From coarse to fine, method by method; empty where there is nothing to study. [1, s]
     rows: tuple[AccuracyRow, ...]
@@ -75,18 +72,10 @@ class AccuracyStudy:
     reference_error_starts: float | None = None  #: Likewise. [1]
 
 
-@dataclass(frozen=True)
-class _Answers:
-    """What is reported of a start: extremes of each element, damage of each judged shaft."""
-
-    extremes: Mapping[int, tuple[float, float]]
-    damage: Mapping[int, float]
-
-
 def accuracy_study(
     case: CaseData, *, rounds: int = 5, on_progress: Callable[[str], None] | None = None
 ) -> AccuracyStudy:
-    """Error of peak torques and allowable starts against wall time, for this very case.
+    """Error of peak torques and allowable starts against processor time, for this very case.
 
     Parameters
     ----------
@@ -112,10 +101,20 @@ def accuracy_study(
     if not has_start(case) and not case.torque_time:
         return _nothing(case)
     on_stage("start with the effects of the plan")
-    planned = planned_start(case, analysis_for_start(case), stage)
+    analysis = analysis_for_start(case)
+    planned = planned_start(case, analysis, stage)
     if planned.plan.events:
-        return _event_study(case, planned, rounds, on_stage)
-    return _linear_study(case, planned, rounds, on_stage) if has_start(case) else _nothing(case)
+        study = _event_study(case, planned, rounds, on_stage)
+    elif has_start(case):
+        study = _linear_study(case, planned, rounds, on_stage)
+    else:
+        return _nothing(case)
+    priced = alternatives(case, analysis, planned, min(rounds, PRICED_ROUNDS), on_stage)
+    return replace(
+        study,
+        rows=(*study.rows, *priced),
+        sentence=f"{study.sentence} {price_sentence(case, priced)}",
+    )
 
 
 def _nothing(case: CaseData) -> AccuracyStudy:
@@ -188,17 +187,17 @@ class _Ladder:
 
     def references(
         self, on_stage: Callable[[str], None]
-    ) -> tuple[_Answers, tuple[float, float | None]]:
+    ) -> tuple[Answers, tuple[float, float | None]]:
         """The reference, and how far its check is from it."""
         starts = []
         for share in (REFERENCE, CHECK):
             step = share * self.finest(EXPONENTIAL)
             on_stage(f"reference at a step of {step:.2g} s")
-            starts.append(_answers(self.case, self.histories(self.strict, step, EXPONENTIAL)))
-        return starts[0], _errors(starts[1], starts[0])
+            starts.append(answers_of(self.case, self.histories(self.strict, step, EXPONENTIAL)))
+        return starts[0], errors_between(starts[1], starts[0])
 
     def rows(
-        self, method: str, label: str, reference: _Answers, rounds: int,
+        self, method: str, label: str, reference: Answers, rounds: int,
         on_stage: Callable[[str], None],
     ) -> Iterator[AccuracyRow]:  # fmt: skip
         """One a step, from coarse to fine."""
@@ -206,11 +205,11 @@ class _Ladder:
             step = 2.0**halving * self.finest(method)
             on_stage(f"{label} at a step of {step:.2g} s")
 
-            def once(step: float = step) -> _Answers:
-                return _answers(self.case, self.histories(self.model, step, method))
+            def once(step: float = step) -> Answers:
+                return answers_of(self.case, self.histories(self.model, step, method))
 
             answers, wall = _timed_runs(once, rounds)
-            peak, starts = _errors(answers, reference)
+            peak, starts = errors_between(answers, reference)
             yield AccuracyRow(label, f"step {step:.3g} s", peak, starts, wall)
 
 
@@ -226,19 +225,19 @@ def _event_study(
         tighter = replace(case, tolerance_peak=tolerance)
         return calculate_start(tighter, planned.model, planned.plan.effects, planned.linear)
 
-    def answers_at(tolerance: float) -> _Answers:
-        return _answers(case, at(tolerance).turning_of_element())
+    def answers_at(tolerance: float) -> Answers:
+        return answers_of(case, at(tolerance).turning_of_element())
 
     finest = EVENT_TOLERANCES[-1]
     on_stage("references with events")
     best, check = at(EVENT_REFERENCE * finest), at(EVENT_CHECK * finest)
-    reference = _answers(case, best.turning_of_element())
-    off = _errors(_answers(case, check.turning_of_element()), reference)
+    reference = answers_of(case, best.turning_of_element())
+    off = errors_between(answers_of(case, check.turning_of_element()), reference)
     rows = []
     for tolerance in EVENT_TOLERANCES:
         on_stage(f"start with events to {tolerance:.2g}")
         answers, wall = _timed_runs(partial(answers_at, tolerance), rounds)
-        peak, starts = _errors(answers, reference)
+        peak, starts = errors_between(answers, reference)
         rows.append(AccuracyRow(EVENTS, f"tolerance {tolerance:.2g}", peak, starts, wall))
     if has_start(case):
         ladder = _Ladder(case, planned)
@@ -273,50 +272,17 @@ def _event_study(
     return AccuracyStudy(tuple(rows), sentence, text, off[0], off[1])
 
 
-# --- answers and their differences ----------------------------------------------------------------
+# --- times and words ------------------------------------------------------------------------------
 
 
-def _answers(case: CaseData, histories: Histories) -> _Answers:
-    """Extremes and damage from turning points."""
-    extremes = {e: (float(value.max()), float(value.min())) for e, (_, value) in histories.items()}
-    residue = case.rainflow_residue or RainflowResidue.HALF_CYCLES
-    damage = {}
-    for index, element in judged_shafts(case):
-        material = next(m for m in case.materials if m.material == element.material)
-        curve = sn_curve_of(case, element.material)
-        damage[index] = shaft_fatigue(element, histories[index][1], curve, material, residue).damage
-    return _Answers(extremes, damage)
-
-
-def _errors(answers: _Answers, reference: _Answers) -> tuple[float, float | None]:
-    """Relative error of the peaks, and of the starts; None where all are unlimited."""
-    largest = max((max(map(abs, x)) for x in reference.extremes.values()), default=0.0)
-    peak = LEAST_ERROR
-    for e, (high, low) in reference.extremes.items():
-        size = max(abs(high), abs(low), 1e-9 * largest)
-        extremes = answers.extremes[e]
-        if size > 0.0:
-            peak = max(peak, abs(extremes[0] - high) / size, abs(extremes[1] - low) / size)
-    starts: float | None = None
-    for e, damage in reference.damage.items():
-        other = answers.damage[e]
-        if damage > 0.0 or other > 0.0:
-            both = damage > 0.0 and other > 0.0
-            starts = max(starts or LEAST_ERROR, abs(damage / other - 1.0) if both else 1.0)
-    return peak, starts
-
-
-def _timed_runs(once: Callable[[], _Answers], rounds: int) -> tuple[_Answers, float]:
-    """Answers and the median wall time of `rounds` runs; compiled code is warm by then."""
+def _timed_runs(once: Callable[[], Answers], rounds: int) -> tuple[Answers, float]:
+    """Answers and the median processor time of `rounds` runs; compiled code is warm by then."""
     walls = []
     for _ in range(max(rounds, 1)):
-        began = time.perf_counter()
+        began = time.process_time()
         answers = once()
-        walls.append(time.perf_counter() - began)
+        walls.append(time.process_time() - began)
     return answers, statistics.median(walls)
-
-
-# --- words ----------------------------------------------------------------------------------------
 
 
 def _checked(off: tuple[float, float | None]) -> str:
@@ -326,7 +292,7 @@ def _checked(off: tuple[float, float | None]) -> str:
 
 def _timed(rounds: int) -> str:
     runs = f"medians of {rounds} runs" if rounds > 1 else "of a single run"
-    return f"Times are {runs} in this process, on this machine, from model to peaks and starts."
+    return f"Times are processor times, {runs} in this process, on this machine, from model to peaks and starts."
 
 
 def _sentence(
@@ -359,13 +325,6 @@ def _cost(rows: list[AccuracyRow], method: str, wanted: float, on_starts: bool) 
     ]
     enough = [wall for error, wall in tried if error is not None and error <= wanted]
     if enough:
-        return _duration(min(enough))
+        return duration(min(enough))
     slowest = max((wall for _, wall in tried), default=0.0)
-    return f"more than {_duration(slowest)} (the finest setting tried is not enough)"
-
-
-def _duration(seconds: float) -> str:
-    """In ms below a second, with two digits."""
-    if seconds < 1.0:
-        return f"{float(f'{1e3 * seconds:.2g}'):g} ms"
-    return f"{float(f'{seconds:.2g}'):g} s"
+    return f"more than {duration(slowest)} (the finest setting tried is not enough)"

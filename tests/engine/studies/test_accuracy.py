@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from engine.case.data import MeshRow, TorqueTimeRow
+from engine.case.data import EffectChoiceRow, MeshRow, TorqueTimeRow
 from engine.studies.accuracy.accuracy import AccuracyRow, AccuracyStudy, accuracy_study
 from engine.studies.accuracy.accuracy import _cost as cost
 from tests.sample_case import sample_case
@@ -23,7 +23,7 @@ def of(study: AccuracyStudy, method: str) -> list[AccuracyRow]:
 
 
 def test_at_least_five_settings_of_each_method_from_coarse_to_fine(study):
-    assert {r.method for r in study.rows} == {"exponential", "newmark"}
+    assert {r.method for r in study.rows} == {"exponential", "newmark", "chosen", "alternative"}
     for method in ("exponential", "newmark"):
         rows = of(study, method)
         assert len(rows) >= 5
@@ -61,6 +61,34 @@ def test_the_sentence_quotes_the_cheapest_measured_setting(study):
     assert "Newmark at 2 % takes " in text
 
 
+def test_every_other_approximation_has_its_price(study):
+    """Modes left out may change a peak by no more than the start says; twice the modes are no other start."""
+    (chosen,) = of(study, "chosen")
+    prices = {r.setting: r for r in of(study, "alternative")}
+    assert prices["all modes"].error_peak <= chosen.error_peak
+    assert f"The start as calculated ({chosen.setting}) takes " in study.sentence
+    assert "; all modes would take " in study.sentence
+
+
+def test_an_effect_left_out_costs_what_it_is_worth():
+    """The same start with coupled damping on and off, each the other's alternative."""
+    case = geared(tolerance_peak=1e-3)
+    stations = (replace(case.stations[0], damping=5.0), *case.stations[1:])
+    on, off = (
+        accuracy_study(
+            replace(
+                case, stations=stations, effect_choices=(EffectChoiceRow("coupled damping", c),)
+            ),
+            rounds=1,
+        )
+        for c in ("on", "off")
+    )
+    worth = {r.setting: r.error_peak for s in (on, off) for r in of(s, "alternative")}
+    of_off = worth["coupled damping off"]  # each is relative to its own peak
+    assert worth["coupled damping on"] == pytest.approx(of_off / (1.0 + of_off), rel=1e-3)
+    assert worth["coupled damping on"] > 0.0
+
+
 def row(method: str, error: float, time: float) -> AccuracyRow:
     return AccuracyRow(method, "", error, 0.1 * error, time)
 
@@ -84,7 +112,7 @@ def test_without_judged_shafts_the_sentence_is_about_peaks():
 def test_a_stalled_start_is_studied_over_the_time_it_was_followed():
     stall = motor(curve=((0.0, 0.5, 0.1), (0.5, 0.0, 0.1), (1.0, 0.0, 0.1)))
     found = accuracy_study(geared(motor_torque=stall, maximum_time=3.0), rounds=1)
-    assert len(found.rows) == 12
+    assert len(of(found, "exponential")) + len(of(found, "newmark")) == 12
     assert of(found, "exponential")[-1].error_peak < 1e-6
 
 
@@ -113,7 +141,8 @@ def test_prescribed_torques_that_part_teeth_are_studied():
     )
     found = accuracy_study(case, rounds=1)
     events = of(found, "exponential with events")
-    assert len(found.rows) == len(events) == 5
+    assert len(events) == 5
+    assert [r.setting for r in of(found, "alternative")] == ["backlash off"]
     assert events[-1].error_peak <= 3e-4
     assert events[-1].error_peak <= events[0].error_peak
     assert found.sentence.startswith("Wanted accuracy of 0.1 % on peak torques: ")
@@ -138,4 +167,4 @@ def test_a_start_with_events_is_studied_by_tolerance_and_newmark_without_them():
     assert events[-1].error_peak < 3e-4
     assert len(of(found, "newmark (linear train)")) == 6
     assert "cannot simulate events" in found.reference
-    assert found.sentence.endswith("(without clearances and events).")
+    assert "(without clearances and events)." in found.sentence
