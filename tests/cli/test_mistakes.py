@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import math
 from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
@@ -12,7 +14,10 @@ import pytest
 from addin.contract.shipped import template_path
 from addin.contract.tables import INPUT_TABLES, scalar
 from addin.contract.units import RATED_TORQUE, SYNCHRONOUS_SPEED, parse_unit
+from addin.recorded.results import recorded_fact
 from addin.template.examples import EXAMPLES, example_case
+from addin.xlsx import open_workbook
+from addin.xlsx.references import cell_name
 from engine.case.case import Case
 from engine.case.checks.find_problems import find_problems
 from engine.case.data import TABLES, CaseData, value_of
@@ -269,3 +274,25 @@ def test_a_mistake_typed_into_a_blank_template_is_named(
         "check", typed(blank, tmp_path / "wrong.xlsx", cells | mistake(cells)), cwd=tmp_path
     )
     assert words.lower() in " ".join((done.stdout + done.stderr).split()).lower()
+
+
+def test_a_calculation_repeats_the_train_at_full_speed(tmp_path: Path) -> None:
+    """Modified design: 1,800 and 10,080 rpm, loads of 0.25 × rated, H of the paper's inertias by hand."""
+    cells = cells_of(example_case(EXAMPLES["modified"], "us"), "si")
+    file = typed(template_path("blank_si.xlsx"), tmp_path / "train.xlsx", cells)
+    done = torsionbook("recalc", file, "--in-place", "--json", "out.json", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    facts = json.loads((tmp_path / "out.json").read_text(encoding="utf-8"))["full_speed"]
+    assert facts["poles"] == 4
+    assert [row["station"] for row in facts["shafts"]] == ["Motor", "Pinion"]
+    assert facts["shafts"][1]["speed"] == pytest.approx(10080.0 * math.pi / 30.0)
+    assert facts["load"] == pytest.approx(0.25, rel=1e-9)
+    assert facts["inertia_constant"] == pytest.approx(2.461, abs=0.001)
+    assert facts["motor_inertia_constant"] == pytest.approx(0.7436, abs=0.0001)
+    assert "running_load" not in facts
+    book = open_workbook(file, read_only=True, ignore_lock=True)
+    assert recorded_fact(book, "run_ShaftSpeeds") == "Pinion 10,080 rpm"
+    at = book.name("run_LoadShare")
+    assert at.sheet is not None
+    assert at.rect is not None
+    assert book.shown_value(at.sheet, cell_name(at.rect.top, at.rect.left)) == pytest.approx(25.0)
