@@ -60,21 +60,21 @@ def full_speed(case: CaseData, train: Train) -> FullSpeed:
         first.setdefault(r, name)
     constant = own = None
     if speed and power:
-        constant = 0.5 * float(train.inertia @ train.dof_ratio**2) * speed**2 / power
+        constant = _finite(0.5 * float(train.inertia @ train.dof_ratio**2) * speed * speed / power)
         motors = {p.station for p in case.motor_torque}
         typed = sum(
-            (s.inertia or 0.0) * (s.speed_ratio or 1.0) ** 2
+            (s.inertia or 0.0) * (s.speed_ratio or 1.0) * (s.speed_ratio or 1.0)
             for s in case.stations
             if s.station in motors
         )
-        own = 0.5 * typed * speed**2 / power if typed else None
+        own = _finite(0.5 * typed * speed * speed / power) if typed else None
     load = running = None
     if torque:
         if case.load_torque:
-            load = sum(_loads_at_full_speed(case)) / torque
+            load = _finite(sum(_loads_at_full_speed(case)) / torque)
         stated = [(s.running_load, r) for s, r in zip(case.stations, ratio.tolist(), strict=True)]
         if any(t is not None for t, _ in stated):
-            running = sum((t or 0.0) * r for t, r in stated) / torque
+            running = _finite(sum((t or 0.0) * r for t, r in stated) / torque)
     return FullSpeed(
         line_frequency=ratings.line_frequency,
         poles=2 * ratings.pole_pairs if ratings.pole_pairs else None,
@@ -96,3 +96,8 @@ def _loads_at_full_speed(case: CaseData) -> Iterator[float]:
         speeds = [p.speed or 0.0 for p in points]
         at_full = float(np.interp(1.0, speeds, [p.torque or 0.0 for p in points]))
         yield at_full * case.speed_ratios.get(station, 1.0)
+
+
+def _finite(value: float) -> float | None:
+    """The value; None where inputs of absurd size make it infinite."""
+    return value if math.isfinite(value) else None
