@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from engine.case.choices import ElementKind
-from engine.case.data import CaseData, ElementRow
+from engine.case.data import CaseData, ElementRow, value_of
 from engine.case.usual_range import UsualRange, quotient
 from engine.model.excitation import transmitted_torque
 from engine.model.train import Train
@@ -30,7 +30,7 @@ NO_TORQUE = 1e-9
 
 _CARRIED = "under the torque that it transmits"
 OWN_INERTIA = UsualRange(
-    "Stations", "Inertia", 0.03, 2.5, "s", 1.0, "motors: 0.3 to 2 s",
+    "Stations", "Inertia", 0.1, 2.5, "s", 1.0, "motors: 0.3 to 2 s",
     "Check its unit (J, WR², GD²), the speed and the rated power.", "inertia constant H",
 )  # fmt: skip
 STRESS = UsualRange(
@@ -68,10 +68,14 @@ BEARING_DAMPING = UsualRange(
 )  # fmt: skip
 LIMITS = tuple(
     UsualRange(
-        "Elements", column, 1.0, 100.0, "× the torque that it transmits", 1.0, usual,
+        "Elements", column, low, high, "× the torque that it transmits", 1.0, usual,
         "Check its unit, and the loads.",
     )
-    for column, usual in (("Rated torque", "1 to 5"), ("Peak torque limit", "2 to 15"))
+    for column, low, high, usual in (
+        ("Rated torque", 1.0, 100.0, "1 to 5"),
+        ("Peak torque limit", 1.0, 100.0, "2 to 15"),
+        ("Vibratory limit", 0.01, 20.0, "0.1 to 1.5"),
+    )
 )  # fmt: skip
 
 
@@ -197,9 +201,7 @@ def _strength(case: CaseData, carried: dict[str, float]) -> Iterator[str]:
         yield from usual.notes(
             (e.element, limit / carried[str(e.element)])
             for e in loaded
-            if (
-                limit := e.rated_torque if usual.quantity == "Rated torque" else e.peak_torque_limit
-            )
+            if (limit := value_of(e, usual.quantity))
         )
 
 

@@ -16,7 +16,9 @@ from addin.template.examples import EXAMPLES, Example, example_case
 from engine.case.data import CaseData
 
 Row = dict[str, float | int | str]
+#: Listed before any rule was written, and after all of them.
 MISTAKES = Path(__file__).with_name("mistakes.tsv")
+AFTERWARDS = Path(__file__).with_name("mistakes_afterwards.tsv")
 
 
 def _rows(headers: str, *rows: tuple[float | str | None, ...]) -> list[Row]:
@@ -169,9 +171,9 @@ def _edited(edit: str, value: float | int | str | None) -> float | str:
     return value * float(typed) if operation == "*" else value / float(typed)
 
 
-def mistakes() -> Iterator[Mistake]:
-    """The list, in its order."""
-    with MISTAKES.open(encoding="utf-8", newline="") as file:
+def mistakes(path: Path = MISTAKES) -> Iterator[Mistake]:
+    """A list, in its order."""
+    with path.open(encoding="utf-8", newline="") as file:
         for row in csv.DictReader(file, delimiter="\t"):
             says = tuple(row["says"].split("; "))
             yield Mistake(**{**row, "says": says})

@@ -27,7 +27,7 @@ from engine.model.build_train import build_train
 from engine.operation.full_speed import full_speed
 from engine.operation.plausible_train import impossible_train, unusual_train
 from engine.run import run
-from tests.cli.sensible_trains import SENSIBLE, Mistake, mistakes
+from tests.cli.sensible_trains import AFTERWARDS, SENSIBLE, Mistake, mistakes
 from tests.command_line import torsionbook
 from tests.plausible_trains import plausible_train
 from tests.random_starts import random_start
@@ -98,6 +98,26 @@ def test_at_least_55_of_the_60_are_caught() -> None:
     listed = list(mistakes())
     assert len(listed) == 60
     assert sum(silent_name(m) not in SILENT for m in listed) >= 55
+
+
+#: Of the list made after the rules: mistakes that no note names.
+SILENT_AFTERWARDS = {
+    "divided by 4",
+    "cm under mm",
+    "kg under lb",
+    "order of motor",  # at the frequency of another row
+    "N m/rad under lbf in/rad",
+    "lbf in under lbf ft",
+    "divided by ratio squared",
+    "wrong frequency",
+}
+
+
+@pytest.mark.parametrize("mistake", list(mistakes(AFTERWARDS)), ids=lambda m: m.mistake)
+def test_mistakes_that_were_listed_after_the_rules(mistake: Mistake) -> None:
+    """22 of 30: what the rules find of mistakes that they were not made for."""
+    found = names_the_cause(mistake, sentences_of_check(mistake.typed()))
+    assert found == (mistake.mistake not in SILENT_AFTERWARDS)
 
 
 # --- no false alarm -------------------------------------------------------------------------------
