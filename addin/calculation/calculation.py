@@ -16,7 +16,14 @@ from addin.calculation.audit import Stamp, audit_rows
 from addin.contract.result_tables import SHARE_MODES
 from engine.case.case import Case
 from engine.case.data import CaseData
-from engine.results.details import energy_rows, modal_details, plan_details, start_summary
+from engine.operation.full_speed import FullSpeed, full_speed
+from engine.results.details import (
+    energy_rows,
+    full_speed_details,
+    modal_details,
+    plan_details,
+    start_summary,
+)
 from engine.results.results import Results
 from engine.results.tables import result_tables
 from engine.run import run
@@ -52,6 +59,7 @@ class RunView:
     #: Time, unwrapped load angle and slip, where the field was applied. [s, rad, 1]
     load_angle: tuple[Floats, Floats, Floats] | None = None
     energies: Rows = ()  #: Energy shares of every stiffness and inertia in the first modes. [1]
+    full_speed: FullSpeed | None = None  #: The train at full speed in a few numbers. [SI]
 
 
 def view_of(results: Results, audit: Rows = ()) -> RunView:
@@ -86,6 +94,7 @@ def view_of(results: Results, audit: Rows = ()) -> RunView:
         forces=None if start is None else start.forces,
         load_angle=_load_angle(results),
         energies=energy_rows(results, SHARE_MODES),
+        full_speed=full_speed(results.case, results.train),
     )
 
 
@@ -214,6 +223,6 @@ def present_results(
         view=view,
         warnings=warnings,
         outcome=results.outcome,
-        details=modal_details(results) | plan_details(results),
+        details=modal_details(results) | plan_details(results) | full_speed_details(results),
         stamp=stamp,
     )

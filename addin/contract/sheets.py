@@ -113,7 +113,7 @@ SHEETS: tuple[Sheet, ...] = (
         {"A": 1.5, "B": 26, "C": 14, "D": 9, "E:F": 18, "G": 2, "H": 28, "I:J": 11, "K": 21,
          "L": 40, "M": 22, "N": 44},
         {"Verdicts": "H11"},
-        (ChartAt("train", "B12", 612, 270), ChartAt("speed-time", "B36", 612, 290)),
+        (ChartAt("train", "B12", 612, 270), ChartAt("speed-time", "B40", 612, 290)),
         freeze="",
         header_rows=2,
         one_page=True,
@@ -385,7 +385,28 @@ def _extreme(column: str, extreme: str) -> str:
 
 #: Key numbers of the Summary.
 KEY_NUMBERS = (
-    KeyNumber("Synchronous speed", BLANK_TEXT.format("run_SynchronousSpeed"), "rpm", "#,##0.0"),
+    KeyNumber(
+        "Poles",
+        BLANK_TEXT.format("run_Poles"),
+        number_format="0",
+        where='=IF(OR(run_Poles="",run_LineFrequency=""),"","at "&run_LineFrequency&" Hz")',
+    ),
+    KeyNumber(
+        "Synchronous speed",
+        BLANK_TEXT.format("run_SynchronousSpeed"),
+        "rpm",
+        "#,##0.0",
+        BLANK_TEXT.format("run_ShaftSpeeds"),
+    ),
+    KeyNumber("Total ratio", BLANK_TEXT.format("run_TotalRatio"), number_format="0.0000"),
+    KeyNumber(
+        "Inertia constant H",
+        BLANK_TEXT.format("run_InertiaConstant"),
+        "s",
+        "0.00",
+        '=IF(run_MotorInertiaConstant="","","motor "&ROUND(run_MotorInertiaConstant,2)&" s")',
+    ),
+    KeyNumber("Load at full speed / rated", BLANK_TEXT.format("run_LoadShare"), "%", "0.0"),
     KeyNumber(
         "First torsional mode",
         '=IFERROR(INDEX(NaturalFrequencies[Frequency],MATCH(1,NaturalFrequencies[Mode],0)),"")',

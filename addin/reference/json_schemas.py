@@ -338,7 +338,28 @@ def _details() -> Shape:
         "sensitive": described("Whether this exceeds the tolerance.", FLAG),
         "runs": described("Runs of which the intervals are made.", COUNT),
     }
+    shaft = {
+        "station": described("First station of that speed in table Stations.", TEXT),
+        "speed": described("With the motor at synchronous speed. [rad/s]", NUMBER),
+    }
+    full_speed = {
+        "line_frequency": described("Line frequency. [Hz]", NUMBER),
+        "poles": described("Number of poles.", COUNT),
+        "rated_power": described("Rated power. [W]", NUMBER),
+        "rated_torque": described("Rated torque. [N m]", NUMBER),
+        "shafts": list_of(closed_object(shaft), "Every speed of the train."),
+        "total_ratio": described("Speed ratio that is farthest from 1. [1]", NUMBER),
+        "inertia_constant": described(
+            "H of the train: kinetic energy over rated power. [s]", NUMBER
+        ),
+        "motor_inertia_constant": described("H of the Inertia typed at the motors. [s]", NUMBER),
+        "load": described("LoadTorque, referred to the motor, over rated torque. [1]", NUMBER),
+        "running_load": described(
+            "Running load, referred to the motor, over rated torque. [1]", NUMBER
+        ),
+    }
     return {
+        "full_speed": closed_object(full_speed),
         "plans": list_of(plan, "The plans in order; the last one is reported."),
         "sensitivity": closed_object(sensitivity),
         "accuracy": closed_object({"sentence": TEXT, "reference": TEXT}),

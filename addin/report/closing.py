@@ -16,6 +16,7 @@ from addin.report.opening import signatures
 from addin.report.subject import Subject
 from addin.report.tables import without_blanks
 from engine.case.result_words import NoNumber
+from engine.start.start_fatigue import is_counted
 
 _EFFECT_COLUMNS = ("Effect", "Choice", "Deciding number", "Limit", "Bound", "Why")
 #: Items of table Audit that tell how accurate the answers are.
@@ -134,7 +135,7 @@ def _starts_errors(subject: Subject) -> list[tuple[str, str]]:
     errors = {k.removeprefix(head): v for k, v in subject.audit.items() if k.startswith(head)}
     facts = [(f"{head}{clean(k)}", clean(v)) for k, v in errors.items() if v != NoNumber.UNLIMITED]
     unlimited = len(errors) - len(facts)
-    if unlimited:
+    if unlimited and is_counted(subject.calculation.results.start):
         shafts = "1 shaft" if unlimited == 1 else f"{unlimited} shafts"
         facts.append(("Unlimited starts", f"{shafts}: no damaging cycle"))
     return facts

@@ -158,9 +158,13 @@ def conclusions(subject: Subject) -> Iterator[str]:
     elif len(open_checks) < len(verdicts):
         yield "No judged check fails."
     if open_checks:
+        start = subject.calculation.results.start
+        ended = (
+            "" if start is None or is_counted(start) else f" The start is {start.outcome.outcome}."
+        )
         yield (
             f"Not judged, or only in part: {', '.join(open_checks)}. Table Verdicts names the elements; "
-            "this report makes no statement on them."
+            f"this report makes no statement on them.{ended}"
         )
     near = _nearest_modes(subject)
     for mode in near:

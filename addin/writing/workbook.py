@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from addin.calculation.calculation import RunView
+from addin.calculation.full_speed_words import shaft_speeds
 from addin.charts.data import accuracy_block, accuracy_title, chart_blocks
 from addin.charts.start_cycles import start_cycle_facts, start_cycle_rows
 from addin.contract import tables as fields
@@ -358,6 +359,7 @@ def _run_facts(run: RunView, stamp: RunStamp, units: ShownUnits) -> TableData:
         "run_StartTime": start.get("time"),
         "run_SynchronousSpeed": speed / _RPM if speed else None,
         "run_LineFrequency": ratings.line_frequency,
+        **_at_full_speed(run),
         "run_StartsFactor": run.case.starts_factor or 1.0,
         "run_HzPerFrequency": units.factor("NaturalFrequencies", "Frequency"),
         "run_HzPerExcitation": units.factor("SeparationMargins", "Excitation frequency"),
@@ -375,6 +377,29 @@ def _run_facts(run: RunView, stamp: RunStamp, units: ShownUnits) -> TableData:
     }
     rows = [[name, meaning, facts[name]] for name, meaning in RUN_FACTS]
     return TableData("RunFacts", rows, ["Name", "Meaning", "Value"])
+
+
+def _at_full_speed(run: RunView) -> dict[str, Any]:
+    """What tells a wrong unit before anything is believed."""
+    facts = run.full_speed
+    if facts is None:
+        names = (
+            "Poles",
+            "ShaftSpeeds",
+            "TotalRatio",
+            "InertiaConstant",
+            "MotorInertiaConstant",
+            "LoadShare",
+        )
+        return dict.fromkeys(f"run_{name}" for name in names)
+    return {
+        "run_Poles": facts.poles,
+        "run_ShaftSpeeds": shaft_speeds(facts) or None,
+        "run_TotalRatio": facts.total_ratio,
+        "run_InertiaConstant": facts.inertia_constant,
+        "run_MotorInertiaConstant": facts.motor_inertia_constant,
+        "run_LoadShare": None if facts.load is None else 100.0 * facts.load,
+    }
 
 
 def chosen_elements(workbook: Workbook) -> list[str | None]:

@@ -1,28 +1,50 @@
 """Numbers that are possible but look like a slip: a unit, a percent sign, a forgotten row.
 
 Nothing here stops a calculation. Each note says what was found, what is usual and what the usual
-slip is, because a wrong unit changes a verdict without any error.
+slip is, because a wrong unit changes a verdict without any error. What only the whole train can
+tell, such as the stress of a shaft by the torque that it transmits, is in
+`engine.operation.plausible_train`.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
+from functools import partial
 
-from engine.case.data import CaseData
+from engine.case.choices import ElementKind, SNBasis
+from engine.case.data import CaseData, ElementRow, MaterialRow, MotorTorqueRow, value_of
+from engine.case.usual_range import UsualRange, quotient
 
-#: Usual ranges of properties, in SI, with the words for them.
-SHEAR_MODULUS = (20e9, 130e9)
-DENSITY = (1000.0, 20000.0)
-ULTIMATE_STRENGTH = (100e6, 2500e6)
-DAMPING_RATIO = (0.001, 0.10)
-#: Backlash over pitch radius, angular backlash, voltage and trip speed beyond which a unit looks
-#: wrong. [1, rad, 1, 1]
-LARGEST_BACKLASH, LARGEST_ANGULAR_BACKLASH, LOWEST_VOLTAGE, LOWEST_TRIP = 0.01, 0.05, 0.3, 0.05
+#: Backlash over pitch radius and angular backlash beyond which a unit looks wrong. [1, rad]
+LARGEST_BACKLASH, LARGEST_ANGULAR_BACKLASH = 0.01, 0.05
+#: Usual voltage of a start over that of its curves, and trip speed over synchronous speed. [1]
+LOWEST_VOLTAGE, LOWEST_TRIP = 0.3, 0.05
 #: A curve should reach this share of synchronous speed where EndSpeed is blank.
 CURVE_REACH = 0.97
 #: A motor whose average torque stays below this share of the rated one starts nothing. [1]
 LEAST_TORQUE = 0.05
+#: Average torque at rest over the largest one of the curve; below, nothing starts. [1]
+LEAST_AT_REST = 0.02
+#: A cell of strength below this share of UTS is in another unit. [1]
+LEAST_YIELD = 0.2
+#: Speed at which the pulsation is compared with the average torque, over synchronous speed. [1]
+BEFORE_PULL_OUT = 0.9
+#: An S-N line ends where the endurance limit begins, at 10⁶ to 10⁷ cycles. [1]
+LEAST_LIFE = 1e4
+#: Endurance limit over UTS by its basis, from ground to notched and rough surfaces. [1]
+ENDURANCE_SHARES = {SNBasis.TORSION: (0.08, 0.4), SNBasis.BENDING: (0.2, 0.65)}
+#: Stress of the first S-N point over UTS by its basis. [1]
+STATIC_SHARES = {SNBasis.TORSION: 0.8, SNBasis.BENDING: 1.05}
+#: A typed stiffness over that of the typed geometry: keys, fillets and hubs make less of it. [1]
+STIFFNESS_FACTOR = 5.0
+
+Values = Iterable[tuple[str | None, float | None]]
+
+_PERCENT = ("%", 0.01)
+_PER_UNIT = "× RatedTorque"
+_SIGN = "Check the percent sign."
+_UNIT = "Check its unit."
 
 
 def implausible(case: CaseData) -> tuple[str, ...]:
@@ -38,42 +60,301 @@ def implausible(case: CaseData) -> tuple[str, ...]:
     tuple of str
         A sentence a slip; empty if everything looks usual.
     """
+    notes = [note for usual, values in USUAL for note in usual.notes(values(case))]
     return (
-        *_materials(case),
+        *notes,
+        *_geometry(case),
+        *_gear_ratios(case),
+        *_strengths(case),
+        *_notches(case),
         *_damping(case),
         *_curves(case),
         *_clearances(case),
-        *_switching(case),
+        *_excitations(case),
+        *_no_effect(case),
     )
 
 
-def _outside(value: float | None, usual: tuple[float, float]) -> bool:
-    return value is not None and not usual[0] <= value <= usual[1]
+# --- single cells ---------------------------------------------------------------------------------
 
 
-def _materials(case: CaseData) -> Iterator[str]:
+def _scalar(name: str, case: CaseData) -> Values:
+    return [(None, value_of(case, name))]
+
+
+def _of_synchronous(name: str, case: CaseData) -> Values:
+    speed, synchronous = value_of(case, name), case.ratings.synchronous_speed
+    return [(None, speed / synchronous)] if speed and synchronous else []
+
+
+def _of_rated(name: str, case: CaseData) -> Values:
+    torque, rated = value_of(case, name), case.ratings.rated_torque
+    return [(None, torque / rated)] if torque and rated else []
+
+
+def _column(table: str, column: str, name: str, case: CaseData) -> Values:
+    rows = getattr(case, table)
+    return [(str(value_of(row, name)), value_of(row, column)) for row in rows]
+
+
+def _curve_over_rated(column: str, case: CaseData) -> Values:
+    """The largest torque of each motor, referred, over the rated one."""
+    rated, ratios = case.ratings.rated_torque, case.speed_ratios
+    if not rated:
+        return []
+    largest: dict[str | None, float] = {}
+    for p in case.motor_torque:
+        size = abs(value_of(p, column) or 0.0) * ratios.get(p.station, 1.0) / rated
+        largest[p.station] = max(largest.get(p.station, 0.0), size)
+    return list(largest.items())
+
+
+_RATIO_OF_DAMPING = (
+    0.001,
+    0.10,
+    *_PERCENT,
+    "0.5 % to 3 % of critical for a train, more only with elastomer couplings",
+    _SIGN,
+)
+
+#: Usual ranges of single cells, and how the cells are found.
+USUAL: tuple[tuple[UsualRange, Callable[[CaseData], Values]], ...] = (
+    (
+        UsualRange("Case", "DampingRatio", *_RATIO_OF_DAMPING),
+        lambda case: [(None, case.damping_ratio or None)],
+    ),
+    (
+        UsualRange("ModeDamping", "Damping ratio", *_RATIO_OF_DAMPING),
+        lambda case: [(f"mode {m.mode}", m.damping_ratio or None) for m in case.mode_damping],
+    ),
+    (
+        UsualRange(
+            "Case", "MarginRequired", 0.02, 0.5, *_PERCENT, "20 % calculated, 10 % measured", _SIGN
+        ),
+        partial(_scalar, "MarginRequired"),
+    ),
+    (
+        UsualRange(
+            "Case", "MinimumSpeed", 0.1, 10.0, "% of synchronous speed", 0.01,
+            "30 to 100 %, the slowest speed of continuous operation", _UNIT,
+        ),
+        partial(_of_synchronous, "MinimumSpeed"),
+    ),
+    (
+        UsualRange(
+            "Case", "EndSpeed", 0.5, 1.0, "% of synchronous speed", 0.01,
+            "95 to 98 %, where the motor pulls in", "Check its unit and the percent sign.",
+        ),
+        partial(_of_synchronous, "EndSpeed"),
+    ),
+    (
+        UsualRange(
+            "Case", "TripSpeed", LOWEST_TRIP, 1.0, "% of synchronous speed", 0.01,
+            "below, the motor trips as soon as it turns", _UNIT,
+        ),
+        partial(_of_synchronous, "TripSpeed"),
+    ),
+    (
+        UsualRange(
+            "Case", "StartsFactor", 1.0, 100.0, "", 1.0,
+            "1 to 20: allowable starts are divided by it", "Below 1 it is no safety factor.",
+        ),
+        partial(_scalar, "StartsFactor"),
+    ),
+    (
+        UsualRange("Case", "FieldSlip", 0.003, 0.2, *_PERCENT, "2 to 5 %", _SIGN),
+        partial(_scalar, "FieldSlip"),
+    ),
+    (
+        UsualRange("Case", "ShockTimeConstant", 1e-3, 1.0, "s", 1.0, "0.01 to 0.3 s", _UNIT),
+        partial(_scalar, "ShockTimeConstant"),
+    ),
+    (
+        UsualRange("Case", "ShockAmplitude", 0.0, 12.0, _PER_UNIT, 1.0, "0.5 to 8", _UNIT),
+        lambda case: [(None, abs(value)) for _, value in _of_rated("ShockAmplitude", case) if value],
+    ),
+    (
+        UsualRange("Case", "PullOutTorque", 0.5, 6.0, _PER_UNIT, 1.0, "1.5 to 3", _UNIT),
+        partial(_of_rated, "PullOutTorque"),
+    ),
+    (
+        UsualRange(
+            "Elements", "Shear modulus", 20e9, 130e9, "GPa", 1e9,
+            "steel: 79 to 83 GPa, 11.5 to 12 Mpsi", "Check its unit, and that it is not E.",
+        ),
+        partial(_column, "elements", "Shear modulus", "Element"),
+    ),
+    (
+        UsualRange(
+            "Elements", "Density", 1000.0, 20000.0, "kg/m³", 1.0,
+            "steel: 7850 kg/m³, 0.284 lb/in³", _UNIT,
+        ),
+        partial(_column, "elements", "Density", "Element"),
+    ),
+    (
+        UsualRange("Elements", "SCF", 1.0, 6.0, "", 1.0, "1.5 to 4 in torsion", _SIGN),
+        partial(_column, "elements", "SCF", "Element"),
+    ),
+    (
+        UsualRange(
+            "Elements", "Loss factor", 0.0, 0.4, "", 1.0,
+            "0.005 to 0.02 of steel, to 0.2 of elastomer couplings",
+            "Check the percent sign; a relative damping ψ is 2π times the loss factor.",
+        ),
+        partial(_column, "elements", "Loss factor", "Element"),
+    ),
+    (
+        UsualRange(
+            "Meshes", "Pressure angle", math.radians(10.0), math.radians(35.0), "degrees",
+            math.radians(1.0), "14.5 to 25 degrees", _UNIT,
+        ),
+        partial(_column, "meshes", "Pressure angle", "Element"),
+    ),
+    (
+        UsualRange(
+            "Materials", "UTS", 100e6, 2500e6, "MPa", 1e6,
+            "shaft steels: 500 to 1200 MPa, 70 to 170 ksi", _UNIT,
+        ),
+        partial(_column, "materials", "UTS", "Material"),
+    ),
+    (
+        UsualRange(
+            "MotorTorque", "Average", 0.0, 6.0, _PER_UNIT, 1.0, "at most 0.5 to 3",
+            "Check its unit (60 % is 0.6 pu) and RatedTorque.",
+        ),
+        partial(_curve_over_rated, "Average"),
+    ),
+    (
+        UsualRange(
+            "MotorTorque", "Pulsating", 0.0, 3.0, _PER_UNIT, 1.0, "at most 0.2 to 1",
+            "Check its unit (20 % is 0.2 pu) and RatedTorque.",
+        ),
+        partial(_curve_over_rated, "Pulsating"),
+    ),
+    (
+        UsualRange(
+            "Excitations", "Torque", 1e-3, 0.5, "% of the transmitted torque", 0.01, "0.5 to 10 %",
+            _SIGN,
+        ),
+        partial(_column, "excitations", "torque share", "Name"),
+    ),
+    (
+        UsualRange(
+            "Excitations", "Frequency", 0.5, 2500.0, "Hz", 1.0, "line frequency and its multiples",
+            "Check its unit (Hz or cpm); what rises with speed has an Order.",
+        ),
+        partial(_column, "excitations", "Frequency", "Name"),
+    ),
+)  # fmt: skip
+
+
+# --- cells beside each other ----------------------------------------------------------------------
+
+LENGTHS = UsualRange(
+    "Elements", "Length", 0.02, 250.0, "× OD", 1.0, "0.1 to 30", "Check the units of Length and OD."
+)
+SECTIONS = UsualRange(
+    "Elements", "Stress diameter", 0.25, 1.5, "× OD", 1.0,
+    "0.5 to 1: stress is judged where the shaft is thin", "Check both units, and that neither is a radius.",
+)  # fmt: skip
+TYPED_STIFFNESS = UsualRange(
+    "Elements", "Stiffness", 1.0 / STIFFNESS_FACTOR, STIFFNESS_FACTOR,
+    "× that of its OD, ID, Length and Shear modulus", 1.0, "0.5 to 1.2",
+    "The typed one is used: correct it, or clear one of the two.",
+)  # fmt: skip
+
+
+def _geometry(case: CaseData) -> Iterator[str]:
+    """Columns that describe one and the same shaft."""
+    sized = [e for e in case.elements if e.od]
+    yield from LENGTHS.notes((e.element, e.length / e.od) for e in sized if e.length and e.od)
+    yield from SECTIONS.notes(
+        (e.element, e.stress_diameter / e.od) for e in sized if e.stress_diameter and e.od
+    )
+    yield from TYPED_STIFFNESS.notes(
+        (e.element, quotient(e.stiffness * e.length * 32.0, _rigidity(e)))
+        for e in sized
+        if e.stiffness and e.length and e.shear_modulus
+    )
+
+
+def _rigidity(e: ElementRow) -> float:
+    """32 × torsional rigidity of the typed section, by products that cannot overflow. [N m²]"""
+    od, bore = e.od or 0.0, (e.id or 0.0) / (e.od or 1.0)
+    return (
+        math.pi * od * od * od * od * (1.0 - bore * bore * bore * bore) * (e.shear_modulus or 0.0)
+    )
+
+
+def _gear_ratios(case: CaseData) -> Iterator[str]:
+    """Gears of equal speed: the Speed ratio behind them is blank."""
+    if not case.motor_torque:
+        return
+    ratios, radii = case.speed_ratios, {m.element for m in case.meshes if m.pitch_radius_drive}
     for e in case.elements:
-        if _outside(e.shear_modulus, SHEAR_MODULUS):
+        if e.kind != ElementKind.GEAR_MESH or e.element in radii:
+            continue
+        if e.from_ in ratios and ratios[e.from_] == ratios.get(e.to):
             yield (
-                f"'{e.element}': a shear modulus of {(e.shear_modulus or 0.0) / 1e9:.4g} GPa is "
-                "unusual (steel: 79 to 83 GPa, 11.5 to 12 Mpsi). Check its unit."
+                f"Stations, Speed ratio of '{e.to}': gear mesh '{e.element}' joins it to '{e.from_}' of the "
+                "same speed, which is unusual. Type the Speed ratio of every station behind the gear."
             )
-        if _outside(e.density, DENSITY):
-            yield (
-                f"'{e.element}': a density of {e.density:.4g} kg/m³ is unusual "
-                "(steel: 7850 kg/m³, 0.284 lb/in³). Check its unit."
-            )
+
+
+def _strengths(case: CaseData) -> Iterator[str]:
+    """Strengths and S-N points of one material against its UTS."""
     for m in case.materials:
-        if _outside(m.uts, ULTIMATE_STRENGTH):
+        if not m.uts:
+            continue
+        name = f"of '{m.material}'"
+        if m.yield_ and m.yield_ < LEAST_YIELD * m.uts:
             yield (
-                f"'{m.material}': a UTS of {(m.uts or 0.0) / 1e6:.4g} MPa is unusual "
-                "(shaft steels: 500 to 1200 MPa, 70 to 170 ksi). Check its unit."
+                f"Materials, Yield {name}: {m.yield_ / 1e6:.4g} MPa is {m.yield_ / m.uts:.2g} × UTS, which is "
+                f"unusual (0.5 to 0.9). {_UNIT}"
             )
+        basis = SNBasis(m.basis) if m.basis in tuple(SNBasis) else SNBasis.TORSION
+        yield from _endurance(m, basis)
+        points = [p for p in case.sn_points if p.material == m.material and p.cycles and p.stress]
+        largest = max((p.stress or 0.0 for p in points), default=0.0)
+        if largest > STATIC_SHARES[basis] * m.uts:
+            yield (
+                f"SNPoints, Stress {name}: {largest / 1e6:.4g} MPa is {largest / m.uts:.2g} × UTS, which is "
+                f"unusual in {basis} (at most {STATIC_SHARES[basis]:.2g}). Check its unit, that it is an "
+                "amplitude and no range, and the Basis."
+            )
+    lives: dict[str | None, float] = {}
+    for p in case.sn_points:
+        lives[p.material] = max(lives.get(p.material, 0.0), p.cycles or 0.0)
+    for material, life in lives.items():
+        if life < LEAST_LIFE:
+            yield (
+                f"SNPoints, Cycles of '{material}': the line ends at {life:.4g} cycles, which is unusual "
+                "(10⁶ to 10⁷). Cycles are counted, not in thousands or millions."
+            )
+
+
+def _endurance(m: MaterialRow, basis: SNBasis) -> Iterator[str]:
+    low, high = ENDURANCE_SHARES[basis]
+    if m.endurance and m.uts and not low <= m.endurance / m.uts <= high:
+        yield (
+            f"Materials, Endurance of '{m.material}': {m.endurance / 1e6:.4g} MPa is "
+            f"{m.endurance / m.uts:.2g} × UTS, which is unusual in {basis} ({low:.2g} to {high:.2g}). Check "
+            "its unit and the Basis."
+        )
+
+
+def _notches(case: CaseData) -> Iterator[str]:
+    """A shaft without any notch is not built."""
+    known = {p.material for p in case.sn_points}
+    judged = [e for e in case.elements if e.stress_diameter and e.material in known]
+    if judged and all(e.scf is None for e in judged):
+        yield (
+            f"Elements, SCF is blank at all {len(judged)} shafts whose starts are counted, so 1 is taken. "
+            "Keyways, fillets and fits usually have 1.5 to 4 in torsion: type it."
+        )
 
 
 def _damping(case: CaseData) -> Iterator[str]:
-    has_motor = bool(case.motor_torque)
-    zeta = case.damping_ratio
     source = (
         bool(case.mode_damping)
         or any(e.damping or e.loss_factor for e in case.elements)
@@ -83,15 +364,10 @@ def _damping(case: CaseData) -> Iterator[str]:
             for m in case.meshes
         )
     )
-    if not zeta and not source and has_motor:
+    if not case.damping_ratio and not source and case.motor_torque:
         yield (
             "No damping is stated: only the sweep rate limits resonances in the start. Geared "
             "trains usually have a DampingRatio of 1 % to 3 %."
-        )
-    if zeta and _outside(zeta, DAMPING_RATIO):
-        yield (
-            f"DampingRatio of {100 * zeta:.3g} % of critical is unusual (0.5 % to 3 % for a train, "
-            "more only with elastomer couplings). Check the percent sign."
         )
 
 
@@ -100,33 +376,80 @@ def _clearances(case: CaseData) -> Iterator[str]:
         radius = m.pitch_radius_drive
         if m.backlash and radius and m.backlash > LARGEST_BACKLASH * radius:
             yield (
-                f"'{m.element}': a backlash of {1e3 * m.backlash:.4g} mm is unusual for a pitch "
+                f"Meshes, Backlash of '{m.element}': {1e3 * m.backlash:.4g} mm is unusual for a pitch "
                 f"radius of {1e3 * radius:.4g} mm (tenths of a millimetre). Check its unit."
             )
         if m.angular_backlash and m.angular_backlash > LARGEST_ANGULAR_BACKLASH:
             yield (
-                f"'{m.element}': an angular backlash of {math.degrees(m.angular_backlash):.3g} "
+                f"Meshes, Angular backlash of '{m.element}': {math.degrees(m.angular_backlash):.3g} "
                 "degrees is unusual (geared couplings: below 1 degree). Check its unit."
             )
 
 
-def _switching(case: CaseData) -> Iterator[str]:
+def _no_effect(case: CaseData) -> Iterator[str]:
     if case.voltage is not None and case.voltage < LOWEST_VOLTAGE:
         yield (
-            f"A voltage of {100 * case.voltage:.3g} % leaves {100 * case.voltage**2:.3g} % of the "
-            "motor torque. Check the percent sign."
+            f"Case, Voltage: {100 * case.voltage:.3g} % leaves {100 * case.voltage**2:.3g} % of the "
+            f"motor torque. {_SIGN}"
         )
     if case.voltage is not None and case.voltage != 1.0 and not case.motor_torque:
         yield "Voltage has no effect without motor curves: prescribed torques are not scaled."
-    synchronous = case.ratings.synchronous_speed
-    if case.trip_speed and synchronous and case.trip_speed < LOWEST_TRIP * synchronous:
+
+
+# --- excitations ----------------------------------------------------------------------------------
+
+
+def _excitations(case: CaseData) -> Iterator[str]:
+    """Excitations that every train has, where the engineer types a list of his own."""
+    if not case.excitations:
+        return
+    ratios, synchronous = case.speed_ratios, case.ratings.synchronous_speed
+    line = case.ratings.line_frequency
+    if not synchronous:
+        return
+    turn = synchronous / (2.0 * math.pi)
+    listed = [
+        row.frequency or (row.order or 0.0) * ratios.get(row.of_station, 1.0) * turn
+        for row in case.excitations
+    ]
+    wanted = {
+        f"1 × the speed of '{station}'": ratio * turn
+        for station, ratio in {
+            ratio: (name, ratio) for name, ratio in reversed(ratios.items())
+        }.values()
+    }
+    if line and case.motor_torque:
+        wanted["2 × line frequency"] = 2.0 * line
+    open_ = [
+        f"{name} ({hertz:.4g} Hz)"
+        for name, hertz in wanted.items()
+        if not any(abs(f / hertz - 1.0) < 0.01 for f in listed)
+    ]
+    if open_:
         yield (
-            f"TripSpeed is {100 * case.trip_speed / synchronous:.3g} % of synchronous speed: the "
-            "motor trips as soon as it turns. Check its unit."
+            f"Excitations has no row for {', '.join(open_)}: only what is typed there is judged. Add it, or "
+            "check Order and Frequency (Hz, not cpm) of the rows."
         )
 
 
+# --- torque curves --------------------------------------------------------------------------------
+
+
 def _curves(case: CaseData) -> Iterator[str]:
+    yield from _ends_of_curves(case)
+    yield from _weak_motors(case)
+    yield from _shapes(case)
+    driven = {p.station for p in case.load_torque}
+    if case.motor_torque and not driven:
+        yield "There is no LoadTorque: the start runs without load."
+    for s in case.stations:
+        if s.running_load and driven and s.station not in driven:
+            yield (
+                f"'{s.station}' has a Running load but no LoadTorque curve: it starts without load."
+            )
+
+
+def _ends_of_curves(case: CaseData) -> Iterator[str]:
     ends: dict[tuple[str, str | None], list[float]] = {}
     for table, points in (("MotorTorque", case.motor_torque), ("LoadTorque", case.load_torque)):
         for p in points:
@@ -144,15 +467,6 @@ def _curves(case: CaseData) -> Iterator[str]:
                 f"{table} of '{station}' {' and '.join(held)}; outside its range the torque is "
                 "held constant. Check the unit of its speeds, or add points."
             )
-    yield from _weak_motors(case)
-    driven = {p.station for p in case.load_torque}
-    if case.motor_torque and not driven:
-        yield "There is no LoadTorque: the start runs without load."
-    for s in case.stations:
-        if s.running_load and driven and s.station not in driven:
-            yield (
-                f"'{s.station}' has a Running load but no LoadTorque curve: it starts without load."
-            )
 
 
 def _weak_motors(case: CaseData) -> Iterator[str]:
@@ -169,5 +483,30 @@ def _weak_motors(case: CaseData) -> Iterator[str]:
         if 0.0 < most < LEAST_TORQUE * rated:
             yield (
                 f"No torque of {name} is above {100 * most / rated:.3g} % of RatedTorque. Check its "
-                "unit: 0.6 in % is not 0.6 pu."
+                "unit (0.6 in % is not 0.6 pu), its speed and RatedTorque."
+            )
+
+
+def _shapes(case: CaseData) -> Iterator[str]:
+    """Motor curves that no motor has: columns exchanged, or typed against slip."""
+    curves: dict[str | None, list[MotorTorqueRow]] = {}
+    for p in case.motor_torque:
+        curves.setdefault(p.station, []).append(p)
+    for station, points in curves.items():
+        largest = max(abs(p.average or 0.0) for p in points)
+        at_rest = next((p for p in points if p.speed == 0.0), None)
+        if (
+            at_rest is not None
+            and largest
+            and abs(at_rest.average or 0.0) < LEAST_AT_REST * largest
+        ):
+            yield (
+                f"MotorTorque, Average of '{station}' is {at_rest.average or 0.0:.4g} N m at rest: nothing "
+                "starts. Check that Speed is the speed, from 0 to 100 %, and not the slip."
+            )
+        running = [p for p in points if (p.speed or 0.0) < BEFORE_PULL_OUT]
+        if len(running) > 1 and all((p.pulsating or 0.0) > abs(p.average or 0.0) for p in running):
+            yield (
+                f"MotorTorque, Pulsating of '{station}' is above Average at every speed below "
+                f"{100 * BEFORE_PULL_OUT:.0f} %, which is unusual. Check that the columns are not exchanged."
             )

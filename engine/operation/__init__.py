@@ -1,13 +1,16 @@
 """Continuous operation: separation margins, forbidden bands, harmonic response. All values in SI.
 
-==============  ==================================================================================
-module          responsibility
-==============  ==================================================================================
-`margins`       separation margins, the bands of frequencies they forbid, and the interference
-                diagram
-`steady_state`  harmonic response of the train, and the vibratory torques and stresses of running
-                it
-`acceptance`    margins that are not kept, and what a forced response at the resonance makes of
-                them
-==============  ==================================================================================
+=================  ==================================================================================
+module             responsibility
+=================  ==================================================================================
+`margins`          separation margins, the bands of frequencies they forbid, and the interference
+                   diagram
+`steady_state`     harmonic response of the train, and the vibratory torques and stresses of running
+                   it
+`acceptance`       margins that are not kept, and what a forced response at the resonance makes of
+                   them
+`full_speed`       the train at full speed in a few numbers
+`plausible_train`  what only the whole train can tell of a slip: stress, twist and limits by the torque
+                   transmitted
+=================  ==================================================================================
 """

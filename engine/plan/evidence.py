@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from engine.arrays import Floats
+from engine.case.choices import ElementKind
 from engine.case.data import CaseData
 from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, DEFAULT_TOLERANCE_STARTS, LONGEST_START
 from engine.case.effects import choice_of
@@ -285,6 +286,7 @@ def _element_minima(case: CaseData, train: Train, start: Start) -> tuple[Element
     turning, coarse = start.turning_of_element(), start.coarse_turning_of_element()
     pieces = dict(start.pieces_error)
     toothed = {m.element for m in case.meshes} | {train.elements[f.element] for f in train.flanks}
+    toothed |= {e.element for e in case.elements if e.kind == ElementKind.GEAR_MESH}
     given = {train.elements[f.element] for f in train.flanks if f.gap}
     zero = {m.element for m in case.meshes if 0.0 in (m.backlash, m.angular_backlash)}
     minima = []

@@ -10,6 +10,7 @@ from dataclasses import asdict
 
 from engine.arrays import Floats
 from engine.model.frequency_derivatives import frequency_derivatives
+from engine.operation.full_speed import full_speed
 from engine.results.results import AtSpeed, Results
 from engine.results.tables import Row
 
@@ -51,6 +52,18 @@ def plan_details(results: Results) -> Row:
             "runs": repeated.runs,
         }
     return details
+
+
+def full_speed_details(results: AtSpeed) -> Row:
+    """The train with its motor at synchronous speed; what is not known is absent.
+
+    Key ``full_speed``: line_frequency [Hz], poles [count], rated_power [W], rated_torque [N m], shafts with
+    station and speed [rad/s], total_ratio [1], inertia_constant and motor_inertia_constant [s], load and
+    running_load over rated torque [1].
+    """
+    facts = asdict(full_speed(results.case, results.train))
+    facts["shafts"] = list(facts["shafts"])
+    return {"full_speed": {key: value for key, value in facts.items() if value is not None}}
 
 
 def energy_rows(results: AtSpeed, most_modes: int) -> list[Row]:

@@ -1,66 +1,27 @@
 """Results that no motor train has: a unit or a factor is wrong somewhere, and no verdict is given.
 
 The limits are far outside what is built, so that what is only unusual keeps its verdict; see
-`engine.case.plausibility` for inputs that look like a slip.
+`engine.case.plausibility` and `engine.operation.plausible_train` for inputs that look like a slip.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
-from engine.case.data import CaseData
 from engine.case.result_words import Outcome
 from engine.fatigue.stress import stress_of_unit_torque
-from engine.model.train import Train
+from engine.operation.full_speed import full_speed
+from engine.operation.plausible_train import Implausible, impossible_train
 from engine.results.results import Results
 
 #: A first torsional mode below this is none of a motor train. [Hz]
 LOWEST_MODE = 0.5
 #: A start from rest to its end takes no less and no longer. [s]
 RUN_UP = (0.2, 120.0)
-#: Σ ½ J ω² over rated power; usual are 1 to 5 s. [s]
-INERTIA_CONSTANT = (0.2, 40.0)
-#: Load torque at the end of the start over rated torque; service factors end at 1.15. [1]
-LARGEST_LOAD = 1.2
 #: Peak torque of a start without events over rated torque; the largest published are about 8. [1]
 LARGEST_PEAK = 20.0
 #: Nominal stress over the shear yield. [1]
 LARGEST_STRESS = 10.0
-
-
-@dataclass(frozen=True)
-class Implausible:
-    """One result that no train has."""
-
-    finding: str  #: In few words, for the banner.
-    advice: str  #: What to check.
-
-    @property
-    def sentence(self) -> str:
-        """Both, as a note."""
-        return f"{self.finding[:1].upper()}{self.finding[1:]}: no verdict is given. {self.advice}"
-
-
-def inertia_constant(case: CaseData, train: Train) -> float | None:
-    """Kinetic energy of the train at synchronous speed over rated power.
-
-    Parameters
-    ----------
-    case : CaseData
-        The case: synchronous speed and rated power. [SI]
-    train : Train
-        Its train. [SI]
-
-    Returns
-    -------
-    float or None
-        H = Σ ½ J ω² / P; None where speed or power is unknown. [s]
-    """
-    speed, power = case.ratings.synchronous_speed, case.ratings.rated_power
-    if not speed or not power:
-        return None
-    return 0.5 * float(train.inertia @ train.dof_ratio**2) * speed**2 / power
 
 
 def implausible_results(results: Results) -> tuple[Implausible, ...]:
@@ -86,13 +47,7 @@ def _of_the_train(results: Results) -> Iterator[Implausible]:
             f"first torsional mode at {first[0]:.3g} Hz",
             "Check the units of stiffnesses and inertias.",
         )
-    constant = inertia_constant(results.case, results.train)
-    low, high = INERTIA_CONSTANT
-    if constant is not None and not low <= constant <= high:
-        yield Implausible(
-            f"inertia constant H = {constant:.3g} s (usual: 1 to 5 s)",
-            "Check the unit of inertias (J, WR², GD²), the speed ratios and the rated power.",
-        )
+    yield from impossible_train(full_speed(results.case, results.train))
 
 
 def _of_the_start(results: Results) -> Iterator[Implausible]:
@@ -106,12 +61,6 @@ def _of_the_start(results: Results) -> Iterator[Implausible]:
         yield Implausible(
             f"start of {outcome.time:.3g} s",
             "Check EndSpeed, inertias, speed ratios and torque curves.",
-        )
-    load = float(start.runup.load[-1])
-    if rated and load > LARGEST_LOAD * rated:
-        yield Implausible(
-            f"load of {load / rated:.3g} × rated torque at the end of the start",
-            "Torques of LoadTorque are those at the machine's own speed: check their speed and unit.",
         )
     _, peak = start.largest_peak(case.element_speed_ratios)
     has_events = results.plans[-1].events or bool(case.torque_time)

@@ -12,12 +12,12 @@ from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, DEFAULT_TOLERANCE_START
 from engine.case.plausibility import implausible
 from engine.case.result_words import Outcome
 from engine.model.motor import motors_of
+from engine.operation.full_speed import full_speed
+from engine.operation.plausible_train import unusual_train
 from engine.results.implausible_results import (
-    INERTIA_CONSTANT,
     LOWEST_MODE,
     RUN_UP,
     implausible_results,
-    inertia_constant,
 )
 from engine.results.results import Results
 from engine.start.event_results import CONFIDENCE
@@ -26,8 +26,6 @@ from engine.start.start_fatigue import judged_shafts
 
 #: A first mode below this frequency, and a start longer than this, look like a wrong unit. [Hz, s]
 LOW_FREQUENCY, LONG_START = 1.0, 60.0
-#: An inertia constant above this is unusual. [s]
-LARGE_INERTIA = 10.0
 #: Plans of one run: each new one adds a clearance, and more than these are never seen.
 MAX_PLANS = 5
 
@@ -36,21 +34,13 @@ def warnings_of(results: Results) -> Iterator[str]:
     """What a reader must know beside the numbers."""
     yield from (one.sentence for one in implausible_results(results))
     yield from implausible(results.case)
-    yield from _unusual_inertia(results)
+    facts = full_speed(results.case, results.train)
+    yield from unusual_train(results.case, results.train, facts)
     yield from results.margins.warnings
     yield from results.steady.warnings
     yield from _start_warnings(results)
     yield from _inaccurate_starts(results)
     yield from _pulling_teeth(results)
-
-
-def _unusual_inertia(results: Results) -> Iterator[str]:
-    constant = inertia_constant(results.case, results.train)
-    if constant is not None and LARGE_INERTIA < constant <= INERTIA_CONSTANT[1]:
-        yield (
-            f"The inertia constant H = {constant:.3g} s is unusual (1 to 5 s). Check the unit of inertias "
-            "(J, WR², GD²), the speed ratios and the rated power."
-        )
 
 
 def _unstable_feedback(results: Results) -> Iterator[str]:
@@ -81,13 +71,6 @@ def _start_warnings(results: Results) -> Iterator[str]:
             f"The first torsional mode at {first[0]:.3g} Hz is unusually low. Check the units of "
             "stiffnesses and inertias."
         )
-    n_elastic = modes.n_modes - modes.n_rigid
-    for row in case.mode_damping:
-        if row.mode is not None and row.mode > n_elastic:
-            yield (
-                f"ModeDamping names mode {row.mode}, but the train has {n_elastic} elastic modes. "
-                "Correct or clear the row."
-            )
     yield from results.plans[-1].warnings
     if start is None:
         yield "No motor torque curve and no prescribed torque: no start was calculated."

@@ -219,6 +219,26 @@ def test_what_is_absent_is_said_in_words(tmp_path, undrawn):
             assert title in text
 
 
+def test_a_stalled_start_is_said_and_nothing_is_unlimited(tmp_path):
+    """Data are complete: what is not judged is so because the start ends at half speed."""
+    curve = ((0.0, 1.0), (0.5, 0.6), (1.0, 0.0))
+    element = SMALL["elements"][0] | {"stress_diameter": 0.1, "scf": 2.0, "material": "steel"}
+    fields = {
+        "elements": [element],
+        "motor_torque": [
+            {"station": "A", "speed": x, "average": f"{y} kN*m", "pulsating": 0.0} for x, y in curve
+        ],
+        "load_torque": [{"station": "B", "speed": x, "torque": "0.6 kN*m"} for x, _ in curve],
+        "materials": [{"material": "steel", "uts": 7e8, "yield": 5e8, "endurance": 1.4e8}],
+        "sn_points": [
+            {"material": "steel", "cycles": n, "stress": s} for n, s in ((1e3, 3e8), (1e6, 1.4e8))
+        ],
+    }
+    for text in small_report(tmp_path, **fields):
+        assert "The start is stalled." in text
+        assert "no damaging cycle" not in text
+
+
 def test_one_station_alone_makes_a_report(tmp_path):
     alone = {"stations": [{"station": "A", "inertia": 20.0}], "elements": []}
     for text in small_report(tmp_path, **alone):

@@ -24,17 +24,19 @@ from engine.case.data import GROUND, CaseData, ElementRow, value_of
 from engine.errors import Problem
 
 KINDS = tuple(ElementKind)
+#: Diameters whose fourth power is a number; no shaft is near either end.
+DIAMETER = Allowed(lambda v: 1e-6 <= v <= 1e6, "between 1e-6 and 1e6 m")
 STATION_NUMBERS = (
     Limit("Running load", ANY_NUMBER, "N m"),
     Limit("Speed ratio", Allowed(POSITIVE.holds, "positive (blank = 1)")),
     Limit("Damping", NOT_NEGATIVE, "N m s/rad"),
 )
 ELEMENT_NUMBERS = (
-    Limit("OD", POSITIVE, "m"),
+    Limit("OD", DIAMETER, "m"),
     Limit("Length", POSITIVE, "m"),
     Limit("Shear modulus", POSITIVE, "Pa"),
     Limit("Density", POSITIVE, "kg/m³"),
-    Limit("Stress diameter", POSITIVE, "m"),
+    Limit("Stress diameter", DIAMETER, "m"),
     Limit("SCF", POSITIVE),
     Limit("Rated torque", POSITIVE, "N m"),
     Limit("Peak torque limit", POSITIVE, "N m"),

@@ -280,6 +280,7 @@ ROWS = [
     (row(E, 1, stiffness=-5.0), ("Elements", 1, "Stiffness"), ["found -5 N m/rad"]),
     (row(E, 1, stiffness=0.0, damping=None), ("Elements", 1, "Stiffness"), ["0 only where Damping"]),
     (row(E, 1, stiffness=None), ("Elements", 1, "Stiffness"), ["OD, Length, Shear modulus are blank"]),
+    (row(E, 3, od=1e90), ("Elements", 3, "OD"), ["between 1e-6 and 1e6 m"]),
     (row(E, 3, od=None), ("Elements", 3, "Stiffness"), ["OD is blank"]),
     (row(E, 3, od=None, stiffness=1e5), ("Elements", 3, "Density"), ["OD or Length is blank"]),
     (row(E, 3, id=0.1), ("Elements", 3, "ID"), ["below the outer diameter 0.1 m"]),

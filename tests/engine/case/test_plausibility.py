@@ -20,8 +20,8 @@ def test_the_examples_are_plausible():
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        ({"damping_ratio": 0.20}, "DampingRatio of 20 %"),
-        ({"damping_ratio": 0.0002}, "DampingRatio of 0.02 %"),
+        ({"damping_ratio": 0.20}, "DampingRatio: 20 %"),
+        ({"damping_ratio": 0.0002}, "DampingRatio: 0.02 %"),
         ({"damping_ratio": None}, "No damping is stated"),
         ({"load_torque": ()}, "the start runs without load"),
     ],
@@ -90,10 +90,10 @@ def test_clearance_voltage_and_trip_in_a_wrong_unit_are_noted():
     mesh = MeshRow("Mesh", pitch_radius_drive=0.2, backlash=0.0076, angular_backlash=0.3)
     case = CaseData(line_frequency=60.0, poles=4, meshes=(mesh,), voltage=0.008, trip_speed=0.9)
     notes = " ".join(implausible(case))
-    assert "a backlash of 7.6 mm is unusual for a pitch radius of 200 mm" in notes
-    assert "an angular backlash of 17.2 degrees" in notes
-    assert "A voltage of 0.8 % leaves 0.0064 %" in notes
-    assert "TripSpeed is 0.477 % of synchronous speed" in notes
+    assert "Backlash of 'Mesh': 7.6 mm is unusual for a pitch radius of 200 mm" in notes
+    assert "Angular backlash of 'Mesh': 17.2 degrees" in notes
+    assert "Voltage: 0.8 % leaves 0.0064 %" in notes
+    assert "TripSpeed: 0.4775 % of synchronous speed" in notes
     usual = MeshRow("Mesh", pitch_radius_drive=0.2, backlash=4e-4)
     case = CaseData(line_frequency=60.0, poles=4, meshes=(usual,), voltage=0.8, trip_speed=90.0)
     assert not [n for n in implausible(case) if "unusual" in n or "Trip" in n or "voltage" in n]

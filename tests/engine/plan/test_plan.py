@@ -361,6 +361,15 @@ def test_a_trip_speed_on_the_way_aborts_the_start():
     assert not first_plan(case, evidence_of(case)).effects.aborted_start
 
 
+def test_a_rigid_mesh_without_a_row_in_meshes_is_a_mesh() -> None:
+    """It reverses in this start: that its clearance is blank is said, and no bound is claimed."""
+    d = run(geared()).plans[-1].decision("backlash")
+    assert (d.on, d.bound) == (False, None)
+    assert d.deciding_number is not None
+    assert d.deciding_number < 0.0
+    assert "no clearance is given for 'Mesh'" in d.why
+
+
 # --- backlash and revised plans -------------------------------------------------------------------
 
 

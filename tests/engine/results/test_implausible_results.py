@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import pytest
 
 from engine.case.case import Case
 from engine.case.result_words import ACCEPTABLE, Judgement
-from engine.results.implausible_results import implausible_results, inertia_constant
+from engine.model.build_train import build_train
+from engine.operation.full_speed import full_speed
+from engine.results.implausible_results import implausible_results
 from engine.run import run
 from tests.random_starts import random_start
 from tests.sample_case import sample_case, with_limits
@@ -38,7 +41,7 @@ def scaled(case: Case, **factors: float) -> Case:
         ({"stations__inertia": 30.0}, "inertia constant H = "),
         ({"stations__inertia": 0.05}, "inertia constant H = "),
         ({"stations__inertia": 25.0}, "start of "),
-        ({"load_torque__torque": 5.6, "motor_torque__average": 2.0}, "× rated torque at the end"),
+        ({"load_torque__torque": 5.6, "motor_torque__average": 2.0}, "× rated torque at full speed"),
         ({"motor_torque__pulsating": 60.0}, "peak torque of "),
         ({"elements__stress_diameter": 0.25}, "stress of 'HP compressor shaft' "),
     ],
@@ -81,9 +84,37 @@ def test_the_inertia_constant_by_hand() -> None:
         + 5.6**2 * (0.6835 + 0.15 + 0.15 + 18.631 + 0.12 + 0.12 + 8.3399)
     )
     speed = 188.49555921538757
-    found = inertia_constant(results.case, results.train)
+    facts = full_speed(results.case, results.train)
+    found = facts.inertia_constant
     assert found == pytest.approx(0.5 * referred * speed**2 / (58400.0 * speed), rel=1e-12)
     assert found == pytest.approx(2.46, abs=0.005)
+    motor = 0.5 * 460.76 * speed**2 / (58400.0 * speed)
+    assert facts.motor_inertia_constant == pytest.approx(motor, rel=1e-12)
+
+
+def test_full_speed_by_hand() -> None:
+    """1,800 and 10,080 rpm; loads of 0.25 × rated; running loads as typed, 0.9 × rated."""
+    case = sample_case("modified")
+    loaded = tuple(
+        replace(s, running_load=0.9 * 58400.0 / 5.6) if s.station == "HP comp" else s
+        for s in case.stations
+    )
+    facts = full_speed(case := replace(case, stations=loaded), build_train(case))
+    assert (facts.poles, facts.line_frequency, facts.total_ratio) == (4, 60.0, 5.6)
+    rpm = [(s.station, s.speed * 30.0 / math.pi) for s in facts.shafts]
+    assert rpm == [("Motor", pytest.approx(1800.0)), ("Pinion", pytest.approx(10080.0))]
+    assert facts.load == pytest.approx(0.25, rel=1e-9)
+    assert facts.running_load == pytest.approx(0.9, rel=1e-12)
+    assert facts.rated_power == pytest.approx(58400.0 * 60.0 * math.pi)
+
+
+def test_without_speed_and_torque_only_the_ratio_is_known() -> None:
+    blank = {"line_frequency": None, "poles": None, "rated_torque": None}
+    case = sample_case("modified", **blank, motor_torque=(), load_torque=())
+    facts = full_speed(case, build_train(case))
+    assert facts.total_ratio == 5.6
+    assert facts.shafts == ()
+    assert facts.inertia_constant is facts.load is facts.running_load is None
 
 
 def test_a_large_inertia_constant_is_a_note_and_keeps_its_verdict() -> None:
