@@ -57,6 +57,8 @@ class WorkbookState:
         Cells whose values changed.
     shown_rows : ChangedCells
         Rows that were hidden, and are not any more.
+    perhaps_changed : ChangedCells
+        Cells that another program may have changed without renewing the copies in charts.
     written : dict of str to list of Written
         Rectangles written so far, by sheet, in the order they were written.
     formulas_current, charts_current : bool
@@ -70,6 +72,7 @@ class WorkbookState:
         self.structure = structure
         self.changed = ChangedCells()
         self.shown_rows = ChangedCells()
+        self.perhaps_changed = ChangedCells()
         self.written: dict[str, list[Written]] = {}
         self._sheets: dict[str, SheetPart] = {}
         self._table_roots: dict[str, Element] = {}
