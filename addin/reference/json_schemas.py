@@ -107,6 +107,8 @@ def verify_schema() -> Shape:
         "case_sha256": described("Digest of the inputs; empty = not readable.", digest),
         "settings": described(settings, _SETTINGS),
         "within": described("Accepted deviation.", TEXT),
+        "looked_at": list_of(TEXT, "What was looked at beside values and formulas."),
+        "not_judged": list_of(TEXT, "What a reader sees and is not judged."),
         "tables": list_of(whole_object(table)),
         "findings": list_of(whole_object(finding), "Findings: failures first, notes last."),
         "errors": list_of(_PROBLEM, "Errors of the inputs."),

@@ -36,7 +36,7 @@ class Finding:
 
     #: ``different``, ``edited``, ``row missing``, ``row added``, ``not shown``, ``old value``,
     #: ``chart``, ``digest``, ``never calculated``, ``settings``, ``table missing``, ``not
-    #: judged``, ``not compared`` (a study).
+    #: judged``, ``not compared`` (a study), ``hidden``, ``shown otherwise``.
     kind: str
     sheet: str  #: Where; of a JSON file the table's key and the path.
     cell: str  #: Likewise.
@@ -87,6 +87,9 @@ class Verification:
     #: What fails first, notes last; of each the headline answers first.
     findings: tuple[Finding, ...] = ()
     problems: tuple[CellProblem, ...] = ()  #: What is wrong with the inputs.
+    #: What was looked at beside the values, and what a reader sees that nobody looked at.
+    looked_at: tuple[str, ...] = ()
+    not_judged: tuple[str, ...] = ()  #: Likewise.
 
     @property
     def passes(self) -> bool:
@@ -149,6 +152,9 @@ def concluded(about: Verification, counts: list[Counts], findings: list[Finding]
         )
     elif failing == 0:
         outcome, sentence = "follows", f"All {results:,} results agree with the inputs."
+        if about.looked_at:
+            kinds = f"{', '.join(about.looked_at[:-1])} and {about.looked_at[-1]}"
+            sentence = f"{sentence} Looked at: values, formulas, {kinds}."
     else:
         outcome = "does not follow"
         differences = "1 difference" if failing == 1 else f"{failing:,} differences"

@@ -6,9 +6,11 @@ Nothing touches the file before `Workbook.save`; until then all changes live in 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+from addin.xlsx.cell_looks import CellLooks
 from addin.xlsx.chart_titles import TitleLink
 from addin.xlsx.charts import Area
 from addin.xlsx.container import DEFAULT_LIMITS, Container, Limits
@@ -80,6 +82,11 @@ class Workbook(WorkbookState):
     def shown_value(self, sheet: str, cell: str) -> Constant:
         """The value that a cell shows now; of a formula its cached value."""
         return self.sheet_part(sheet).constant(*parse_cell(cell))
+
+    @cached_property
+    def looks(self) -> CellLooks:
+        """How its cells look."""
+        return CellLooks(self)
 
     # ---- writing -----------------------------------------------------------------------------------------------
 
