@@ -23,7 +23,7 @@ from addin.contract.json_shapes import (
 )
 from addin.contract.studies.registry import STUDIES
 from addin.contract.study_spec import StudySpec
-from addin.contract.tables import INPUT_TABLES, RESULT_TABLES, SCALARS, Field, TableSpec
+from addin.contract.tables import EVERY_INPUT, RESULT_TABLES, SCALARS, Field, TableSpec
 from engine.case.result_words import Outcome
 
 #: Where the shipped schemas are.
@@ -54,7 +54,7 @@ def case_schema() -> Shape:
     """Schema of a case JSON."""
     properties: Shape = {"format": {"const": CASE_FORMAT}}
     properties |= {spec.key: _input(spec) for spec in SCALARS}
-    properties |= {table.key: _input_table(table) for table in INPUT_TABLES}
+    properties |= {table.key: _input_table(table) for table in EVERY_INPUT}
     words = "Numbers in SI; a string is a number with its unit; absent means blank."
     return _schema("case", words, closed_object(properties, required=["format"]))
 
@@ -203,6 +203,8 @@ def _schema(title: str, words: str, content: Shape) -> Shape:
 #: Kinds of findings, see `addin.verify.findings`.
 _FINDINGS = (
     "different",
+    "hidden",
+    "shown otherwise",
     "edited",
     "row missing",
     "row added",
