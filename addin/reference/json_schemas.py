@@ -98,7 +98,15 @@ def verify_schema() -> Shape:
     properties = {
         "format": {"const": AUDIT_FORMAT},
         "file": TEXT,
-        "outcome": {"enum": ["follows", "does not follow", "never calculated", "not verified"]},
+        "outcome": {
+            "enum": [
+                "follows",
+                "does not follow",
+                "other version",
+                "never calculated",
+                "not verified",
+            ]
+        },
         "sentence": described("The outcome in words.", TEXT),
         "follows": described("Whether every result agrees with the inputs.", FLAG),
         "made_by": described("Version that made the results; empty = not recorded.", TEXT),

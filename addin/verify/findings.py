@@ -10,6 +10,7 @@ from typing import Any
 
 from addin.contract.problems import CellProblem
 from addin.contract.tables import EVERY_TABLE
+from addin.contract.version import RELEASED
 
 
 class Agreement(IntEnum):
@@ -70,8 +71,9 @@ class Verification:
     """What is said of one file."""
 
     source: Path  #: The file.
-    #: ``follows``, ``does not follow``, ``never calculated`` or ``not verified`` (its inputs
-    #: cannot be calculated, it cannot be read, or its own formulas cannot be judged).
+    #: ``follows``, ``does not follow``, ``other version`` (differences that another version may have
+    #: made), ``never calculated`` or ``not verified`` (its inputs cannot be calculated, it cannot be
+    #: read, or its own formulas cannot be judged).
     outcome: str
     sentence: str  #: The outcome in words.
     #: Version that made the results, and this one; the first is empty if nothing says so.
@@ -102,6 +104,12 @@ class Verification:
         return self.made_by == self.this
 
     @property
+    def other_release(self) -> str:
+        """The release that made the results, if it is another one than this. [version]"""
+        names = {f"torsionbook {version}": version for version in RELEASED}
+        return "" if self.same_version else names.get(self.made_by, "")
+
+    @property
     def same_inputs(self) -> bool:
         """Whether the results belong to the inputs in the file."""
         return self.recorded == self.inputs
@@ -116,6 +124,19 @@ _RANKS = {spec.name: spec.rank for spec in EVERY_TABLE if spec.rank is not None}
 _ELSEWHERE, _AT_THE_END = 8, 9
 #: What is said of the file as a whole comes before all results.
 _OF_THE_FILE = frozenset({"digest", "settings", "table missing", "not judged"})
+#: What another version alone can explain, with the same inputs.
+_OF_THE_VERSION = frozenset(
+    {
+        "different",
+        "row missing",
+        "row added",
+        "old value",
+        "chart",
+        "table missing",
+        "not judged",
+        "settings",
+    }
+)
 
 
 def _in_order(findings: Sequence[Finding], counts: Sequence[Counts]) -> list[Finding]:
@@ -155,6 +176,18 @@ def concluded(about: Verification, counts: list[Counts], findings: list[Finding]
         if about.looked_at:
             kinds = f"{', '.join(about.looked_at[:-1])} and {about.looked_at[-1]}"
             sentence = f"{sentence} Looked at: values, formulas, {kinds}."
+    elif (
+        about.other_release
+        and about.same_inputs
+        and all(finding.kind in _OF_THE_VERSION for finding in ordered if finding.fails)
+    ):
+        outcome = "other version"
+        differences = "1 difference" if failing == 1 else f"{failing:,} differences"
+        sentence = (
+            f"{differences} from what {about.this} gives for the same inputs, which may come from the "
+            f"version: whether the results are those of {about.made_by} is not verified; {results:,} "
+            "results were compared."
+        )
     else:
         outcome = "does not follow"
         differences = "1 difference" if failing == 1 else f"{failing:,} differences"

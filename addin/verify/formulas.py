@@ -276,8 +276,12 @@ def old_values(
     left_out: dict[str, list[Rect]],
     formats: Sequence[str],
     restored: Mapping[tuple[str, int, int], OwnFormula] = MappingProxyType({}),
+    other_release: str = "",
 ) -> Iterator[Finding]:
-    """Formulas of anybody whose value is not the one that follows now."""
+    """Formulas of anybody whose value is not the one that follows now.
+
+    A formula of ours that another release wrote otherwise was not edited.
+    """
     for sheet in standing.sheet_names:
         if not standing.sheet_bytes(sheet):
             continue
@@ -290,7 +294,8 @@ def old_values(
             shows, follows = old.constant(row, column), new.constant(row, column)
             if shows is None and own is not None and follows not in (None, ""):
                 sentence = f"{own.what}: the changed formula gives no result to check"
-                yield Finding("edited", sheet, own.cell, sentence, expected=plain_value(follows))
+                kind = "old value" if other_release else "edited"
+                yield Finding(kind, sheet, own.cell, sentence, expected=plain_value(follows))
             if shows is None or follows is None:
                 continue
             style = int(old.style(row, column) or 0)
@@ -300,6 +305,8 @@ def old_values(
             kind, what = ("edited", f"{own.what}: changed formula") if own else (
                 "old value", "the formula"
             )  # fmt: skip
+            if own and other_release:
+                kind, what = "old value", f"{own.what}: the formula of {other_release}"
             yield Finding(
                 kind, sheet, cell_name(row, column),
                 f"{what} shows {value_in_words(shows)}, recalculation gives {value_in_words(follows)}",

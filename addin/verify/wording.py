@@ -22,6 +22,8 @@ SHOWN = 30
 def lines(verification: Verification, everything: bool = False) -> Iterator[str]:
     """A verification in lines for people."""
     outcome = _OUTCOMES.get(verification.outcome, verification.outcome)
+    if verification.outcome == "other version":
+        outcome = f"calculated by {verification.other_release}: recalculate"
     yield f"{verification.source}: {outcome}. {verification.sentence}"
     if verification.made_by or verification.recorded:
         yield f"  made by {verification.made_by or 'an unknown version'}, verified by {verification.this}"

@@ -265,7 +265,7 @@ def _compared(
         findings += [finding] if finding else []
     findings += _drawings(workbook, same_words)
     findings += compare_units(workbook, same_words)
-    findings += _formulas_compared(workbook, fresh, written, pairs)
+    findings += _formulas_compared(workbook, fresh, written, pairs, about.other_release)
     return counts, findings
 
 
@@ -354,6 +354,7 @@ def _formulas_compared(
     fresh: Workbook,
     written: list[TableData],
     pairs: list[TablePair],
+    other_release: str,
 ) -> Iterator[Finding]:
     """Formulas whose value is old, once the results are written anew."""
     left_out: dict[str, list[Rect]] = {}
@@ -371,7 +372,9 @@ def _formulas_compared(
         yield Finding("not shown", "", "", f"formulas were not checked: {reason}", fails=False)
         yield from _of_unjudged(workbook, None, reason)
         return
-    yield from old_values(workbook, fresh, left_out, workbook.looks.number_formats, restored)
+    yield from old_values(
+        workbook, fresh, left_out, workbook.looks.number_formats, restored, other_release
+    )
     if report.removed:
         sentence = f"{report.removed} formulas were not checked. {report.reason}"
         yield Finding("not shown", "", "", sentence, fails=False)
