@@ -28,7 +28,8 @@ def compare_texts(workbook: Workbook, same_version: bool) -> Iterator[Finding]:
     workbook : Workbook
         As it stands.
     same_version : bool
-        Whether this version wrote the texts; those of another one may be other texts. [flag]
+        Whether this version wrote the texts, with the template; those of another one may be other
+        texts. [flag]
 
     Yields
     ------

@@ -28,11 +28,12 @@ from addin.verify.findings import (
     not_calculated,
 )
 from addin.verify.fixed_texts import compare_texts
-from addin.verify.formulas import old_values, restore, typed_over, unjudged
+from addin.verify.formulas import earlier_banner, old_values, restore, typed_over, unjudged
 from addin.verify.key_units import compare_units
-from addin.verify.structure import missing_tables, odd_columns
+from addin.verify.structure import has_every_column, missing_tables, odd_columns
 from addin.verify.tables import TablePair, compare_tables
 from addin.writing.recalculate import recalculate_case
+from addin.writing.results_json import overall_words
 from addin.writing.workbook import RunStamp, chosen_elements, read_shown_units, tables_to_write
 from addin.xlsx import (
     Formula,
@@ -100,7 +101,8 @@ def verify_workbook(
     findings += missing_tables(workbook)
     findings += odd_columns(workbook)
     findings += compare_appearance(workbook)
-    findings += compare_texts(workbook, about.same_version or not _is_known(about))
+    same_texts = about.same_version or not _is_known(about)
+    findings += compare_texts(workbook, same_texts and has_every_column(workbook))
     findings += typed_over(workbook, about.same_version or not _is_known(about))
     return concluded(about, counts, findings)
 
@@ -265,6 +267,7 @@ def _compared(
         findings += [finding] if finding else []
     findings += _drawings(workbook, same_words)
     findings += compare_units(workbook, same_words)
+    findings += earlier_banner(workbook, overall_words(run).get("headline", ""))
     findings += _formulas_compared(workbook, fresh, written, pairs, about.other_release)
     return counts, findings
 
