@@ -49,6 +49,7 @@ NOT_JUDGED = (
     "axes, colours and labels of charts",
     "columns too narrow for their numbers",
     "pictures behind a sheet",
+    "styles of tables",
     "print settings",
 )
 
