@@ -59,6 +59,8 @@ _LEAST_SIZE = 5.0  # of a font [point]
 _LEAST_HEIGHT, _LEAST_WIDTH = 4.0, 1.0  # of a row [point] and a column [characters]
 #: Fonts in which digits and letters are other signs.
 _SIGNS = ("symbol", "wingdings", "webdings", "marlett", "zapf", "dingbats", "barcode")
+#: With which causes begin that are of a place and not of a column: one finding a place.
+_PLACE = "place "
 _EVERY_TABLE = (*RESULT_TABLES, *WORKBOOK_TABLES, *STUDY_RESULT_TABLES)
 _EVERY_INPUT = (*INPUT_TABLES, *STUDY_INPUT_TABLES)
 
@@ -96,9 +98,8 @@ class _Grouped:
         finding = Finding(
             kind, cell.sheet, cell.cell, sentence, cell.table, "", cell.header, cell.value, fails=fails
         )  # fmt: skip
-        self.found.setdefault((kind, cell.sheet, cell.table, cell.header, cause), []).append(
-            finding
-        )
+        about = ("", "") if cause.startswith(_PLACE) else (cell.table, cell.header)
+        self.found.setdefault((kind, cell.sheet, *about, cause, str(fails)), []).append(finding)
 
     def findings(self) -> Iterator[Finding]:
         """One a cause, with the number of the other cells."""
@@ -345,12 +346,16 @@ def _judge_places(
     for cell in cells:
         if heights.setdefault(cell.row, part.row_height(cell.row)) < _LEAST_HEIGHT:
             sentence = f"row {cell.row} is hidden"
-            grouped.add(cell, "hidden", f"row {cell.row}", sentence, fails=not cell.is_input)
+            grouped.add(
+                cell, "hidden", f"{_PLACE}row {cell.row}", sentence, fails=not cell.is_input
+            )
             continue
         if widths.setdefault(cell.column, part.column_width(cell.column)) < _LEAST_WIDTH:
             letters = cell_name(1, cell.column)[:-1]
             sentence = f"column {letters} is hidden"
-            grouped.add(cell, "hidden", "column", sentence, fails=not cell.is_input)
+            grouped.add(
+                cell, "hidden", f"{_PLACE}column {cell.column}", sentence, fails=not cell.is_input
+            )
             continue
         merge = part.merge_across(Rect(cell.row, cell.column, cell.row, cell.column))
         if merge is not None and (merge.top, merge.left) != (cell.row, cell.column):
@@ -361,4 +366,4 @@ def _judge_places(
             if one.rect.has(cell.row, cell.column):
                 called = f" ('{shortened(one.name, 40)}')" if one.name else ""
                 sentence = f"{one.kind}{called} lies over the cell"
-                grouped.add(cell, "hidden", f"{one.kind} {one.name} {one.rect}", sentence)
+                grouped.add(cell, "hidden", f"{_PLACE}{one.kind} {one.name} {one.rect}", sentence)

@@ -242,7 +242,7 @@ def merged(book, cell):
 )
 def test_a_hidden_place_is_found(restyled, place, edit):
     found = restyled([edit], [place])
-    assert found
+    assert len(found) == 1
     assert {one.sheet for one in found} == {place[0]}
     assert {one.kind for one in found} <= {"hidden", "shown otherwise"}
     assert all(one.cell for one in found)
