@@ -242,7 +242,7 @@ def merged(book, cell):
 )
 def test_a_hidden_place_is_found(restyled, place, edit):
     found = restyled([edit], [place])
-    assert len(found) == 1
+    assert len(found) == len({one.sentence.split(" (")[0] for one in found}) > 0
     assert {one.sheet for one in found} == {place[0]}
     assert {one.kind for one in found} <= {"hidden", "shown otherwise"}
     assert all(one.cell for one in found)
