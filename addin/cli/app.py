@@ -31,7 +31,7 @@ COMMANDS = {
     "new": "Make a workbook: blank, a filled example, or with the inputs of an existing file.",
     "check": "Read and check inputs without calculating: every error with its sheet and cell.",
     "recalc": "Calculate workbooks or case JSON files and write their results.",
-    "export": "Write the inputs of a workbook as a case JSON, in SI.",
+    "export": "Write the inputs of a workbook as a case JSON, in SI, with those of the studies.",
     "version": "Print the version.",
     "excel": "Worksheet functions in desktop Excel on Windows, through xlwings.",
     "calc": "Worksheet functions in LibreOffice Calc.",

@@ -107,13 +107,15 @@ def typed_value(
     return reading._entry(value, spec, place)
 
 
-def case_to_json(data: CaseData) -> dict[str, Any]:
+def case_to_json(data: CaseData, studies: StudiesRead | None = None) -> dict[str, Any]:
     """A case as JSON object of the contract, numbers in SI.
 
     Parameters
     ----------
     data : CaseData
         The case, checked or not. [SI]
+    studies : StudiesRead, optional
+        Its study tables, which are written behind those of the case. [SI]
 
     Returns
     -------
@@ -129,7 +131,30 @@ def case_to_json(data: CaseData) -> dict[str, Any]:
         rows = getattr(data, TABLES[table.name][0])
         if rows:
             content[table.key] = [_row_to_json(row, table.columns) for row in rows]
+    return content if studies is None else content | _studies_to_json(studies)
+
+
+def _studies_to_json(studies: StudiesRead) -> dict[str, Any]:
+    """The study tables that have rows."""
+    content: dict[str, Any] = {}
+    for table in STUDY_INPUT_TABLES:
+        rows = studies.inputs.rows(table.name)
+        if rows and table.name == "Tuning":  # each row in the unit that it names
+            columns = {column.name: column for column in table.columns}
+            content[table.key] = [
+                {columns[name].key: _plain(entry, columns[name]) for name, entry in row.items()}
+                for row in studies.typed.tables[table.name]
+            ]
+        elif rows:
+            content[table.key] = [_row_to_json(row, table.columns) for row in rows]
     return content
+
+
+def _plain(entry: Entry, column: Field) -> str | float | int:
+    """An entry without unit."""
+    if isinstance(entry, str):
+        return entry
+    return int(entry.number) if column.kind == "integer" else entry.number
 
 
 def _row_to_json(row: object, columns: tuple[Field, ...]) -> dict[str, Any]:

@@ -23,7 +23,7 @@ from addin.contract.json_shapes import (
 )
 from addin.contract.studies.registry import STUDIES
 from addin.contract.study_spec import StudySpec
-from addin.contract.tables import INPUT_TABLES, RESULT_TABLES, SCALARS, Field, TableSpec
+from addin.contract.tables import EVERY_INPUT, RESULT_TABLES, SCALARS, Field, TableSpec
 from engine.case.result_words import Outcome
 
 #: Where the shipped schemas are.
@@ -54,7 +54,7 @@ def case_schema() -> Shape:
     """Schema of a case JSON."""
     properties: Shape = {"format": {"const": CASE_FORMAT}}
     properties |= {spec.key: _input(spec) for spec in SCALARS}
-    properties |= {table.key: _input_table(table) for table in INPUT_TABLES}
+    properties |= {table.key: _input_table(table) for table in EVERY_INPUT}
     words = "Numbers in SI; a string is a number with its unit; absent means blank."
     return _schema("case", words, closed_object(properties, required=["format"]))
 
@@ -98,7 +98,15 @@ def verify_schema() -> Shape:
     properties = {
         "format": {"const": AUDIT_FORMAT},
         "file": TEXT,
-        "outcome": {"enum": ["follows", "does not follow", "never calculated", "not verified"]},
+        "outcome": {
+            "enum": [
+                "follows",
+                "does not follow",
+                "other version",
+                "never calculated",
+                "not verified",
+            ]
+        },
         "sentence": described("The outcome in words.", TEXT),
         "follows": described("Whether every result agrees with the inputs.", FLAG),
         "made_by": described("Version that made the results; empty = not recorded.", TEXT),
@@ -107,6 +115,8 @@ def verify_schema() -> Shape:
         "case_sha256": described("Digest of the inputs; empty = not readable.", digest),
         "settings": described(settings, _SETTINGS),
         "within": described("Accepted deviation.", TEXT),
+        "looked_at": list_of(TEXT, "What was looked at beside values and formulas."),
+        "not_judged": list_of(TEXT, "What a reader sees and is not judged."),
         "tables": list_of(whole_object(table)),
         "findings": list_of(whole_object(finding), "Findings: failures first, notes last."),
         "errors": list_of(_PROBLEM, "Errors of the inputs."),
@@ -201,6 +211,8 @@ def _schema(title: str, words: str, content: Shape) -> Shape:
 #: Kinds of findings, see `addin.verify.findings`.
 _FINDINGS = (
     "different",
+    "hidden",
+    "shown otherwise",
     "edited",
     "row missing",
     "row added",

@@ -16,6 +16,8 @@ module           responsibility
 `chart_sources`  which cells its charts draw, and the copies of their values
 `formulas`       its live formulas: typed over, or showing an old value
 `key_units`      units beside key numbers
+`appearance`     whether results are shown, and shown as they are
+`fixed_texts`    texts of sheets Notes and Trace
 `tables`         the rows of one table against those that would be written
 `json_file`      a result JSON beside its case
 `trace`          what a result is, by which equation, from which inputs

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from math import isclose
@@ -35,6 +36,9 @@ class _Expected:
     title: str
     title_cell: Area | None
     series: tuple[Series, ...]
+    pattern: str = (
+        ""  #: Of a title that only a calculation knows; other words are the engineer's own.
+    )
 
 
 def compare_drawings(
@@ -48,7 +52,10 @@ def compare_drawings(
     present = [(chart, _series(workbook, chart)) for chart in charts]
     for expected in _expected(workbook):
         here = [pair for pair in present if expected.sheet in (None, pair[0].sheet)]
-        if any(_is_whole(expected, series) for _, series in here):
+        whole = [chart for chart, series in here if _is_whole(expected, series)]
+        if whole:
+            if not any(_is_titled(expected, chart) for chart in whole):
+                yield _titled_otherwise(expected, whole[0], same_version)
             continue
         for chart, series in here:
             sentence = _astray(expected, chart, series)
@@ -154,6 +161,26 @@ def _astray(expected: _Expected, chart: DrawnChart, series: Sequence[Series]) ->
     return ""
 
 
+def _is_titled(expected: _Expected, chart: DrawnChart) -> bool:
+    """Whether a chart has the title it was written with, or none."""
+    cell = _only(chart.title_cell)
+    if cell is not None:
+        return cell == expected.title_cell
+    return not plain(chart.title) or plain(chart.title) == plain(expected.title)
+
+
+def _titled_otherwise(expected: _Expected, chart: DrawnChart, same_version: bool) -> Finding:
+    """What is said of another title: one in the words of torsionbook was edited, others are the engineer's."""
+    in_our_words = bool(expected.pattern and re.fullmatch(expected.pattern, chart.title.strip()))
+    wrong_cell = _only(chart.title_cell) is not None
+    shown, ours = (shortened(text, 60) for text in (chart.title, expected.title))
+    sentence = f"the title of the chart was changed: '{shown}' stands in place of '{ours}'"
+    return Finding(
+        "chart", chart.sheet, chart.cell, sentence, found=chart.title, expected=expected.title,
+        fails=same_version and (in_our_words or wrong_cell),
+    )  # fmt: skip
+
+
 def _is_ours(expected: _Expected, chart: DrawnChart, series: Sequence[Series]) -> bool:
     """Whether a chart is one of ours by its title, by half of what it draws, or by half of its names."""
     if expected.title_cell is not None and _only(chart.title_cell) == expected.title_cell:
@@ -191,7 +218,8 @@ def _expected(workbook: Workbook) -> Iterator[_Expected]:
             if not isinstance(title, str):  # other programs keep the words instead of the cell
                 title_sheet, rect = in_cell = title
                 words = str(workbook.shown_value(title_sheet, cell_name(rect.top, rect.left)) or "")
-            yield _Expected(present_sheet(workbook, sheet), str(words), in_cell, drawn)
+            pattern = spec.title.words if isinstance(spec.title, Label) else ""
+            yield _Expected(present_sheet(workbook, sheet), str(words), in_cell, drawn, pattern)
 
 
 def _cells(workbook: Workbook, table: str, column: str, row: int | None = None) -> Area:

@@ -10,6 +10,7 @@ from typing import TypeGuard
 from addin.contract.problems import shortened
 from addin.verify.findings import Agreement
 from addin.xlsx import ErrorValue
+from addin.xlsx.number_text import section_of
 
 #: Relative difference that other processors and other programs' saving make. [1]
 ROUNDING = 1e-9
@@ -135,16 +136,7 @@ def _last_digit(text: str) -> float:
 
 # --- number formats -------------------------------------------------------------------------------
 
-_CONDITION = re.compile(r"^\[(<=|>=|<>|<|>|=)(-?[\d.]+)\]")
 _BRACKETS = re.compile(r"\[[^\]]*\]|\"[^\"]*\"|\\.|_.|\*.")
-_TESTS = {
-    "<": float.__lt__,
-    "<=": float.__le__,
-    ">": float.__gt__,
-    ">=": float.__ge__,
-    "=": float.__eq__,
-    "<>": float.__ne__,
-}
 _GENERAL_DIGITS = 10
 
 
@@ -163,7 +155,7 @@ def shown_step(value: float, code: str) -> float:
     float
         Worth of one step of the last digit shown; 0 where the format shows none. [shown unit]
     """
-    section = _section(value, code)
+    section = section_of(value, code)
     bare = _BRACKETS.sub("", section)
     if not section or "general" in section.casefold() or "@" in bare:
         return _power_of_ten(value) * 10.0 ** (1 - _GENERAL_DIGITS) if value else 0.0
@@ -174,20 +166,6 @@ def shown_step(value: float, code: str) -> float:
     if exponent:
         return _power_of_ten(value) * 10.0**-decimals if value else 0.0
     return 10.0**-decimals * (0.01 if "%" in bare else 1.0)
-
-
-def _section(value: float, code: str) -> str:
-    """The part of a number format that holds for a number."""
-    sections = code.split(";")
-    if not any(_CONDITION.match(part.strip()) for part in sections):
-        if value < 0 and len(sections) > 1:
-            return sections[1]
-        return sections[2] if value == 0 and len(sections) > 2 else sections[0]
-    for part in sections:
-        condition = _CONDITION.match(part.strip())
-        if condition is None or _TESTS[condition.group(1)](float(value), float(condition.group(2))):
-            return part
-    return sections[-1]
 
 
 def _power_of_ten(value: float) -> float:

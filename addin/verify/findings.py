@@ -10,6 +10,7 @@ from typing import Any
 
 from addin.contract.problems import CellProblem
 from addin.contract.tables import EVERY_TABLE
+from addin.contract.version import RELEASED
 
 
 class Agreement(IntEnum):
@@ -36,7 +37,7 @@ class Finding:
 
     #: ``different``, ``edited``, ``row missing``, ``row added``, ``not shown``, ``old value``,
     #: ``chart``, ``digest``, ``never calculated``, ``settings``, ``table missing``, ``not
-    #: judged``, ``not compared`` (a study).
+    #: judged``, ``not compared`` (a study), ``hidden``, ``shown otherwise``.
     kind: str
     sheet: str  #: Where; of a JSON file the table's key and the path.
     cell: str  #: Likewise.
@@ -70,8 +71,9 @@ class Verification:
     """What is said of one file."""
 
     source: Path  #: The file.
-    #: ``follows``, ``does not follow``, ``never calculated`` or ``not verified`` (its inputs
-    #: cannot be calculated, it cannot be read, or its own formulas cannot be judged).
+    #: ``follows``, ``does not follow``, ``other version`` (differences that another version may have
+    #: made), ``never calculated`` or ``not verified`` (its inputs cannot be calculated, it cannot be
+    #: read, or its own formulas cannot be judged).
     outcome: str
     sentence: str  #: The outcome in words.
     #: Version that made the results, and this one; the first is empty if nothing says so.
@@ -87,6 +89,9 @@ class Verification:
     #: What fails first, notes last; of each the headline answers first.
     findings: tuple[Finding, ...] = ()
     problems: tuple[CellProblem, ...] = ()  #: What is wrong with the inputs.
+    #: What was looked at beside the values, and what a reader sees that nobody looked at.
+    looked_at: tuple[str, ...] = ()
+    not_judged: tuple[str, ...] = ()  #: Likewise.
 
     @property
     def passes(self) -> bool:
@@ -97,6 +102,12 @@ class Verification:
     def same_version(self) -> bool:
         """Whether this version made the results."""
         return self.made_by == self.this
+
+    @property
+    def other_release(self) -> str:
+        """The release that made the results, if it is another one than this. [version]"""
+        names = {f"torsionbook {version}": version for version in RELEASED}
+        return "" if self.same_version else names.get(self.made_by, "")
 
     @property
     def same_inputs(self) -> bool:
@@ -113,6 +124,19 @@ _RANKS = {spec.name: spec.rank for spec in EVERY_TABLE if spec.rank is not None}
 _ELSEWHERE, _AT_THE_END = 8, 9
 #: What is said of the file as a whole comes before all results.
 _OF_THE_FILE = frozenset({"digest", "settings", "table missing", "not judged"})
+#: What another version alone can explain, with the same inputs.
+_OF_THE_VERSION = frozenset(
+    {
+        "different",
+        "row missing",
+        "row added",
+        "old value",
+        "chart",
+        "table missing",
+        "not judged",
+        "settings",
+    }
+)
 
 
 def _in_order(findings: Sequence[Finding], counts: Sequence[Counts]) -> list[Finding]:
@@ -149,6 +173,21 @@ def concluded(about: Verification, counts: list[Counts], findings: list[Finding]
         )
     elif failing == 0:
         outcome, sentence = "follows", f"All {results:,} results agree with the inputs."
+        if about.looked_at:
+            kinds = f"{', '.join(about.looked_at[:-1])} and {about.looked_at[-1]}"
+            sentence = f"{sentence} Looked at: values, formulas, {kinds}."
+    elif (
+        about.other_release
+        and about.same_inputs
+        and all(finding.kind in _OF_THE_VERSION for finding in ordered if finding.fails)
+    ):
+        outcome = "other version"
+        differences = "1 difference" if failing == 1 else f"{failing:,} differences"
+        sentence = (
+            f"{differences} from what {about.this} gives for the same inputs, which may come from the "
+            f"version: whether the results are those of {about.made_by} is not verified; {results:,} "
+            "results were compared."
+        )
     else:
         outcome = "does not follow"
         differences = "1 difference" if failing == 1 else f"{failing:,} differences"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -29,6 +30,13 @@ _LABELS = Rect(1, 1, 1000, 60)
 _QUOTED = re.compile(r'("(?:[^"]|"")*")')
 
 
+_BANNER = "overall verdict"
+#: Digests of the banner formulas of earlier releases (0.1.0).
+_EARLIER_BANNERS = frozenset({"964ad841f577f7bb"})
+#: The verdict with which a banner begins.
+_CAPITALS = re.compile(r"(?:[A-Z]+(?: [A-Z]+)*\b)?")
+
+
 @dataclass(frozen=True)
 class OwnFormula:
     """A live formula of ours where it belongs."""
@@ -51,8 +59,51 @@ class OwnFormula:
         part = workbook.sheet_part(self.sheet)
         value = part.value(self.row, self.column)
         if isinstance(value, Formula):
-            return _bare(value.text) == _bare(self.formula)
+            return _bare(value.text) == _bare(self.formula) or self._is_earlier_banner(value.text)
         return (self.row, self.column) in part.formulas
+
+    def _is_earlier_banner(self, text: str) -> bool:
+        return self.what == _BANNER and _digest(text) in _EARLIER_BANNERS
+
+
+def earlier_banner(workbook: Workbook, expected: str) -> Iterator[Finding]:
+    """What the banner formula of an earlier release says, which recalculation leaves in its template.
+
+    Parameters
+    ----------
+    workbook : Workbook
+        As it stands.
+    expected : str
+        The banner of this version. [words]
+
+    Yields
+    ------
+    Finding
+        A note where the verdict is the same; else it fails.
+    """
+    for own in own_formulas(workbook):
+        value = workbook.sheet_part(own.sheet).value(own.row, own.column)
+        if own.what != _BANNER or not isinstance(value, Formula):
+            continue
+        shown = str(plain_value(value.cached) or "")
+        if _digest(value.text) not in _EARLIER_BANNERS:
+            continue
+        sentence = (
+            f"the banner is a formula of an earlier release: it shows '{shortened(shown, 60)}', this "
+            f"version gives '{shortened(expected, 60)}'. Copy the inputs into a new workbook: torsionbook "
+            "new NEW.xlsx --from OLD.xlsx"
+        )
+        fails = _CAPITALS.match(shown)[0] != _CAPITALS.match(expected)[0]  # type: ignore[index]
+        if shown:
+            yield Finding(
+                "different",
+                own.sheet,
+                own.cell,
+                sentence,
+                found=shown,
+                expected=expected,
+                fails=fails,
+            )
 
 
 def own_formulas(workbook: Workbook) -> list[OwnFormula]:
@@ -66,7 +117,7 @@ def own_formulas(workbook: Workbook) -> list[OwnFormula]:
     name = workbook.defined_names.get("OverallVerdict")
     if name is not None and name.sheet is not None and name.rect is not None:
         place = (name.sheet, name.rect.top, name.rect.left)
-        formulas.append(OwnFormula(*place, OVERALL, "overall verdict"))
+        formulas.append(OwnFormula(*place, OVERALL, _BANNER))
     for sheet, beside in _labelled(workbook):
         formulas += _beside_labels(workbook, sheet, beside)
     return [*formulas, *_lines(workbook)]
@@ -276,8 +327,12 @@ def old_values(
     left_out: dict[str, list[Rect]],
     formats: Sequence[str],
     restored: Mapping[tuple[str, int, int], OwnFormula] = MappingProxyType({}),
+    other_release: str = "",
 ) -> Iterator[Finding]:
-    """Formulas of anybody whose value is not the one that follows now."""
+    """Formulas of anybody whose value is not the one that follows now.
+
+    A formula of ours that another release wrote otherwise was not edited.
+    """
     for sheet in standing.sheet_names:
         if not standing.sheet_bytes(sheet):
             continue
@@ -290,7 +345,8 @@ def old_values(
             shows, follows = old.constant(row, column), new.constant(row, column)
             if shows is None and own is not None and follows not in (None, ""):
                 sentence = f"{own.what}: the changed formula gives no result to check"
-                yield Finding("edited", sheet, own.cell, sentence, expected=plain_value(follows))
+                kind = "old value" if other_release else "edited"
+                yield Finding(kind, sheet, own.cell, sentence, expected=plain_value(follows))
             if shows is None or follows is None:
                 continue
             style = int(old.style(row, column) or 0)
@@ -300,6 +356,8 @@ def old_values(
             kind, what = ("edited", f"{own.what}: changed formula") if own else (
                 "old value", "the formula"
             )  # fmt: skip
+            if own and other_release:
+                kind, what = "old value", f"{own.what}: the formula of {other_release}"
             yield Finding(
                 kind, sheet, cell_name(row, column),
                 f"{what} shows {value_in_words(shows)}, recalculation gives {value_in_words(follows)}",
@@ -324,6 +382,10 @@ def unjudged(standing: Workbook, fresh: Workbook | None) -> list[OwnFormula]:
         if standing.shown_value(own.sheet, own.cell) not in (None, "")
         and (fresh is None or fresh.shown_value(own.sheet, own.cell) is None)
     ]
+
+
+def _digest(formula: str) -> str:
+    return hashlib.sha256(_bare(formula).encode()).hexdigest()[:16]
 
 
 def _bare(formula: str) -> str:

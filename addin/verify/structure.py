@@ -41,6 +41,18 @@ def missing_tables(workbook: Workbook) -> Iterator[Finding]:
         yield Finding("table missing", *(at or ("", "")), sentence, spec.name)
 
 
+def has_every_column(workbook: Workbook) -> bool:
+    """Whether it has every result column of this version: else its template is of another one.
+
+    Recalculation by this version leaves such a template's own texts as they are.
+    """
+    return all(
+        (table := workbook.tables.get(spec.name)) is not None
+        and {field.name.casefold() for field in spec.workbook_columns} <= set(table.columns_at)
+        for spec in (*RESULT_TABLES, *WORKBOOK_TABLES)
+    )
+
+
 def odd_columns(workbook: Workbook) -> Iterator[Finding]:
     """Headers that show other words than the columns are called, and columns nobody compared."""
     for spec in (*INPUT_TABLES, *RESULT_TABLES, *WORKBOOK_TABLES):

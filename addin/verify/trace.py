@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from addin.contract.sources import DAMPING, MODAL, START
 from addin.contract.tables import (
     RESULT_TABLES,
     SCALAR_TABLE,
@@ -20,6 +21,7 @@ from addin.contract.tables import (
 from addin.reading.one_file import Unreadable, read_checked
 from addin.reading.workbook import WorkbookInput
 from addin.recorded.match_rows import row_columns
+from addin.recorded.results import recorded_fact
 from addin.xlsx import ErrorValue, Table, Workbook
 from addin.xlsx.references import cell_name, parse_cell, split_sheet
 
@@ -27,6 +29,23 @@ _RESULTS = {spec.name: spec for spec in (*RESULT_TABLES, *WORKBOOK_TABLES)}
 _TABLE_AND_COLUMN = re.compile(r"(\w+)(?:[.\[]\s*(.+?)\s*\]?)?")
 #: Values listed of a column; of more the range and their number. [count]
 _LISTED = 3
+#: Tables of which a row belongs to one element, station, material or mode.
+_OF_ONE = frozenset(
+    {"Stations", "Elements", "Meshes", "ModeDamping", "Materials", "SNPoints", "EffectChoices"}
+)
+#: What every torque and frequency of the train depends on, row by row.
+_OF_THE_TRAIN = frozenset((*START, *MODAL, *DAMPING))
+#: Tables from which a check takes its result, by the words with which it begins.
+_TABLES_OF_CHECKS = {
+    "Separation margin": ("SeparationMargins",),
+    "Steady-state stress": ("SteadyState",),
+    "Vibratory torque": ("SteadyState", "Elements"),
+    "Start": ("StartupPeaks",),
+    "Peak torque": ("StartupPeaks", "Elements"),
+    "Shear yield": ("StartupPeaks", "Elements", "Materials"),
+    "Torque reversal": ("TorqueReversals", "Elements"),
+    "Allowable starts": ("AllowableStarts",),
+}
 
 
 def traced(source: Path, wanted: str) -> Iterator[str]:
@@ -95,7 +114,7 @@ def _cell(traced_workbook: _Traced, wanted: str) -> Iterator[str]:
         shown = traced_workbook.shown(table, column, row)
         yield f"{table.sheet}!{cell_name(row, column)} = {shown}: {spec.name}[{field.name}], row {name}"
         yield from _definition(field)
-        yield from traced_workbook.inputs(field, context)
+        yield from traced_workbook.inputs_of_cell(field, spec, context)
         return
     raise ValueError(f"{wanted} is outside the result tables: {_places(workbook)}.")
 
@@ -131,12 +150,135 @@ class _Traced:
             value = self._value(table, at, row) if at else None
             if value is not None and not isinstance(value, ErrorValue):
                 context[field.name] = f"{value:g}" if isinstance(value, float) else value
+        if spec.name == "StartCycles":
+            context["Element"] = recorded_fact(self.workbook, "run_GoverningShaft") or ""
+        names = [one.element for one in self.read.data.elements if one.element]
+        for header in ("Governing element", "Of"):
+            if context.get(header) in names:
+                context.setdefault("Element", context[header])
+            elif header in context:
+                context.setdefault("Station", context[header])
+        if spec.name == "Verdicts":
+            context |= self._of_verdict(str(context.get("Where", "")), names)
         for element in self.read.data.elements:
             if element.element == context.get("Element") and element.material:
                 context["Material"] = element.material
         if "Applied at" in context:
             context["Station"] = context["Applied at"]
         return context
+
+    def _of_verdict(self, where: str, elements: list[str]) -> dict[str, Any]:
+        """Element, mode and excitation that a verdict names as its place."""
+        found: dict[str, Any] = {}
+        named = [one for one in elements if one and where.startswith(one)]
+        if named:
+            found["Element"] = max(named, key=len)
+        mode = re.match(r"mode (\d+)", where)
+        if mode is not None:
+            found["Mode"] = mode[1]
+        margins = self.workbook.tables.get("SeparationMargins")
+        at = None if margins is None else margins.columns_at.get("excitation")
+        if margins is not None and at is not None:
+            rows = range(margins.data.top, margins.data.bottom + 1)
+            names = {str(self._value(margins, at, row) or "") for row in rows} - {""}
+            inside = [name for name in names if name in where]
+            found |= {"Excitation": max(inside, key=len)} if inside else {}
+        return found
+
+    def inputs_of_cell(
+        self, field: Field, spec: TableSpec, context: Mapping[str, Any]
+    ) -> Iterator[str]:
+        """Inputs of one cell: its row's own, the case's, and the tables of which every row counts."""
+        assert field.trace is not None
+        of_row, of_case = list(field.trace.of_row), list(field.trace.of_case)
+        if spec.name == "Verdicts":
+            check = str(context.get("Check", ""))
+            wanted = next(
+                (t for words, t in _TABLES_OF_CHECKS.items() if check.startswith(words)), None
+            )
+            if wanted is not None:
+                of_case = [n for n in of_case if "." not in n or n.partition(".")[0] in wanted]
+        own, whole = [], []
+        for name in (name for name in of_case if "." in name):
+            table = name.rpartition(".")[0]
+            picked = self._picked(table, context)
+            if picked is not None and (table in _OF_ONE or table in _RESULTS):
+                own.append(name)
+            if (
+                picked is None
+                or name in _OF_THE_TRAIN
+                and table in ("Stations", "Elements", "Meshes")
+            ):
+                whole.append(name)
+        lines = [line for name in of_row for line in self._lines(name, context)]
+        for name in (name for name in own if name not in of_row):
+            lines += self._held(name, context) if name in whole else self._lines(name, context)
+        if lines:
+            yield "  of the row:"
+            yield from (f"    {line}" for line in lines)
+        scalars = [line for name in of_case if "." not in name for line in self._lines(name, {})]
+        if scalars:
+            yield "  of the case:"
+            yield from (f"    {line}" for line in scalars)
+        if whole:
+            yield "  of whole tables, of which every row counts for this number:"
+            yield from (f"    {line}" for line in self._whole(whole))
+
+    def _picked(self, name: str, context: Mapping[str, Any]) -> list[int] | None:
+        """Rows of a table that belong to a row of results; None where every row does."""
+        table = self.workbook.tables.get(name)
+        if table is None:
+            return None
+        if name == "Stations" and "Element" in context and "Station" not in context:
+            ends = next(
+                ((e.from_, e.to) for e in self.read.data.elements if e.element == context["Element"]),
+                (),
+            )  # fmt: skip
+            return [row for end in ends if end for row in self._rows(name, table, {"Station": end})]
+        keys = [c for c in row_columns(name) if c in context and c in table.columns]
+        if name in _RESULTS and not keys:
+            keys = [c for c in ("Element", "Mode") if c in context and c in table.columns]
+        return self._rows(name, table, {key: context[key] for key in keys}) if keys else None
+
+    def _held(self, name: str, context: Mapping[str, Any]) -> Iterator[str]:
+        """What the row's own rows of an input or result table hold; blanks are left out."""
+        table_name, _, column = name.rpartition(".")
+        table = self.workbook.tables.get(table_name)
+        if table is None or column not in table.columns:
+            return
+        at = table.ref.left + table.column_index(column)
+        for row in self._picked(table_name, context) or ():
+            if self._value(table, at, row) is not None:
+                yield f"{name} = {self.shown(table, at, row)}  ({table.sheet}!{cell_name(row, at)})"
+
+    def _whole(self, names: list[str]) -> Iterator[str]:
+        """Tables of which every row counts, with the columns that are filled."""
+        tables: dict[str, list[str]] = {}
+        for name in names:
+            table_name, _, column = name.rpartition(".")
+            tables.setdefault(table_name, []).append(column)
+        for table_name, columns in tables.items():
+            table = self.workbook.tables.get(table_name)
+            if table is None:
+                continue
+            places, filled = [], []
+            for column in (column for column in columns if column in table.columns):
+                at = table.ref.left + table.column_index(column)
+                rows = [
+                    r
+                    for r in self._rows(table_name, table, {})
+                    if self._value(table, at, r) is not None
+                ]
+                if rows:
+                    filled.append(column)
+                    places += [(rows[0], at), (rows[-1], at)]
+            if not places:
+                yield f"{table_name}: blank"
+                continue
+            (top, bottom), (left, right) = ((min(x), max(x)) for x in zip(*places, strict=True))
+            count = "1 row" if top == bottom else f"{bottom - top + 1} rows"
+            area = f"{cell_name(top, left)}:{cell_name(bottom, right)}"
+            yield f"{table_name}, {count}: {', '.join(filled)}  ({table.sheet}!{area})"
 
     def inputs(self, field: Field, context: Mapping[str, Any]) -> Iterator[str]:
         """Inputs of a result with their places and values; those of the row picked out."""

@@ -22,6 +22,8 @@ SHOWN = 30
 def lines(verification: Verification, everything: bool = False) -> Iterator[str]:
     """A verification in lines for people."""
     outcome = _OUTCOMES.get(verification.outcome, verification.outcome)
+    if verification.outcome == "other version":
+        outcome = f"calculated by {verification.other_release}: recalculate"
     yield f"{verification.source}: {outcome}. {verification.sentence}"
     if verification.made_by or verification.recorded:
         yield f"  made by {verification.made_by or 'an unknown version'}, verified by {verification.this}"
@@ -40,6 +42,8 @@ def lines(verification: Verification, everything: bool = False) -> Iterator[str]
         if own:
             parts.append(f"{own:,} dates and wall times not compared")
         yield f"  results {'; '.join(parts)}"
+    if verification.passes and verification.not_judged:
+        yield f"  not judged {', '.join(verification.not_judged)}"
     for problem in verification.problems:
         yield f"  {problem.message}"
     shown = verification.findings if everything else verification.findings[:SHOWN]
@@ -83,6 +87,8 @@ def as_json(verification: Verification) -> dict[str, Any]:
         "case_sha256": verification.inputs,
         "settings": verification.settings,
         "within": AGREEMENTS[verification.within],
+        "looked_at": list(verification.looked_at),
+        "not_judged": list(verification.not_judged),
         "tables": [
             {
                 "table": one.table,

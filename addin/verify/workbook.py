@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any
 
 from addin.calculation.calculation import Calculation
 from addin.contract.digests import DIGITS, short_digest
-from addin.contract.problems import shortened
 from addin.contract.tables import RESULT_TABLES, WORKBOOK_TABLES, find_table
 from addin.contract.texts import NO_STUDY
 from addin.contract.version import RELEASED, product_version
@@ -16,6 +15,7 @@ from addin.reading.workbook import WorkbookInput, read_workbook
 from addin.recorded.provenance import Provenance, workbook_provenance
 from addin.recorded.studies import recorded_studies
 from addin.verify.allowances import Allowances
+from addin.verify.appearance import LOOKED_AT, NOT_JUDGED, compare_appearance
 from addin.verify.chart_sources import compare_copies, compare_drawings
 from addin.verify.charts import compare_charts, drawn_elements
 from addin.verify.compare import RecordedValue, agreement, shown_step
@@ -27,11 +27,13 @@ from addin.verify.findings import (
     concluded,
     not_calculated,
 )
-from addin.verify.formulas import old_values, restore, typed_over, unjudged
+from addin.verify.fixed_texts import compare_texts
+from addin.verify.formulas import earlier_banner, old_values, restore, typed_over, unjudged
 from addin.verify.key_units import compare_units
-from addin.verify.structure import missing_tables, odd_columns
+from addin.verify.structure import has_every_column, missing_tables, odd_columns
 from addin.verify.tables import TablePair, compare_tables
 from addin.writing.recalculate import recalculate_case
+from addin.writing.results_json import overall_words
 from addin.writing.workbook import RunStamp, chosen_elements, read_shown_units, tables_to_write
 from addin.xlsx import (
     Formula,
@@ -43,7 +45,6 @@ from addin.xlsx import (
     drawn_charts,
 )
 from addin.xlsx.references import Rect, cell_name
-from addin.xlsx.xml_part import main, parse_part
 from engine.case.data import case_digest
 
 _RESULTS = (*RESULT_TABLES, *WORKBOOK_TABLES)
@@ -81,14 +82,14 @@ def verify_workbook(
     inputs = case_digest(read.data)
     about = Verification(
         workbook.path, "", "", recorded.software, f"torsionbook {product_version()}",
-        recorded.digest, inputs, recorded.settings, within,
+        recorded.digest, inputs, recorded.settings, within, looked_at=LOOKED_AT, not_judged=NOT_JUDGED,
     )  # fmt: skip
     if not recorded.digest and not _holds_results(workbook):
         return replace(
             about,
             outcome="never calculated",
-            sentence="All result tables are empty. Run torsionbook recalc.",
-            findings=tuple(_on_studies(read)),
+            sentence=_on_what_stands(workbook),
+            findings=(*_on_accuracy(workbook, inputs), *_on_studies(read)),
         )
     findings += _on_digest(workbook, recorded, inputs)
     run, problems = recalculate_case(read, recorded.settings, on_stage)
@@ -99,6 +100,14 @@ def verify_workbook(
     findings += _on_studies(read)
     findings += missing_tables(workbook)
     findings += odd_columns(workbook)
+    try:
+        same_texts = about.same_version or not _is_known(about)
+        findings += compare_appearance(workbook)
+        findings += compare_texts(workbook, same_texts and has_every_column(workbook))
+    except PackageError as error:  # a part that nobody needs for the numbers cannot be read
+        sentence = f"formats, hidden cells and texts were not checked: {error}"
+        findings.append(Finding("not judged", "", "", sentence))
+        about = replace(about, looked_at=())
     findings += typed_over(workbook, about.same_version or not _is_known(about))
     return concluded(about, counts, findings)
 
@@ -204,9 +213,32 @@ def _on_studies(read: WorkbookInput) -> Iterator[Finding]:
             yield Finding("edited", where, "", sentence, table)
 
 
+def _on_what_stands(workbook: Workbook) -> str:
+    """What there is in a workbook that was never calculated."""
+    if _has_study(workbook):
+        return (
+            "Only sheet Accuracy is filled, by torsionbook accuracy, whose study is not recalculated here. All "
+            "other result tables are empty. Run torsionbook recalc."
+        )
+    return "All result tables are empty. Run torsionbook recalc."
+
+
+def _on_accuracy(workbook: Workbook, inputs: str) -> Iterator[Finding]:
+    """Whether the accuracy study, where there is one, is that of the inputs in the file."""
+    at = _facts(workbook).get("run_AccuracyInputs")
+    if at is not None and _has_study(workbook) and inputs[:DIGITS] not in str(at[2]):
+        yield Finding(
+            "digest", *at[:2], "the accuracy study belongs to other inputs", "RunFacts",
+            "run_AccuracyInputs", "Value", at[2], inputs,
+        )  # fmt: skip
+
+
 def _holds_results(workbook: Workbook) -> bool:
-    """Whether any result table holds a value."""
-    tables = ((spec, workbook.tables.get(spec.name)) for spec in _RESULTS)
+    """Whether any result table holds a value; an accuracy study is no result of the nominal run."""
+    studied = {"AccuracyCost"} if _has_study(workbook) else set()
+    tables = (
+        (spec, workbook.tables.get(spec.name)) for spec in _RESULTS if spec.name not in studied
+    )
     return any(
         any(_rows(workbook, table, tuple(field.name for field in spec.columns)))
         for spec, table in tables
@@ -245,7 +277,6 @@ def _compared(
         rows = [dict(zip(columns, row, strict=True)) for row in data.rows]
         recorded = list(_rows(workbook, table, columns))
         pairs.append(TablePair(spec.name, table.sheet, columns, rows, recorded))
-        findings += _without_digits(pairs[-1])
     units, _ = read_shown_units(workbook, run.case.ratings.rated_torque)
     known = _is_known(about)
     same_words = about.same_version or not known
@@ -264,7 +295,8 @@ def _compared(
         findings += [finding] if finding else []
     findings += _drawings(workbook, same_words)
     findings += compare_units(workbook, same_words)
-    findings += _formulas_compared(workbook, fresh, written, pairs)
+    findings += earlier_banner(workbook, overall_words(run).get("headline", ""))
+    findings += _formulas_compared(workbook, fresh, written, pairs, about.other_release)
     return counts, findings
 
 
@@ -283,7 +315,7 @@ def _rows(
 ) -> Iterator[dict[str, RecordedValue]]:
     """Rows of a table in which something stands in one of the columns."""
     part = workbook.sheet_part(table.sheet)
-    formats, spec = _formats(workbook), find_table(table.name)
+    formats, spec = workbook.looks.number_formats, find_table(table.name)
     # a coarser number format in the file than the shipped one allows nothing more
     ours = {f.name: f.format for f in spec.workbook_columns if f.is_number} if spec else {}
     for row in range(table.data.top, table.data.bottom + 1):
@@ -303,23 +335,6 @@ def _rows(
             held[column] = RecordedValue(shows, cell_name(row, at), formula, code)
         if any(cell.value not in (None, "") or cell.formula for cell in held.values()):
             yield held
-
-
-def _without_digits(table: TablePair) -> Iterator[Finding]:
-    """A note for each column whose numbers are shown as fixed words, whatever they are."""
-    columns = set()
-    for row in table.recorded:
-        for column, cell in row.items():
-            if column in columns or not isinstance(cell.value, float) or not cell.value:
-                continue
-            if not cell.number_format or shown_step(cell.value, cell.number_format):
-                continue
-            columns.add(column)
-            code = shortened(cell.number_format, 60)
-            sentence = f"the number format {code} shows no digit of {cell.value:.9g}"
-            yield Finding(
-                "not shown", table.sheet, cell.place, sentence, table.name, "", column, fails=False
-            )
 
 
 def _facts_compared(
@@ -351,12 +366,7 @@ def _facts_compared(
                 "RunFacts", str(name), "Value", stands, follows,
                 not isinstance(follows, str) or about.same_version or not _is_known(about),
             )  # fmt: skip
-    accuracy = facts.get("run_AccuracyInputs")
-    if study and accuracy and about.inputs[:DIGITS] not in str(accuracy[2]):
-        yield Finding(
-            "digest", *accuracy[:2], "the accuracy study belongs to other inputs", "RunFacts",
-            "run_AccuracyInputs", "Value", accuracy[2], about.inputs,
-        )  # fmt: skip
+    yield from _on_accuracy(workbook, about.inputs)
 
 
 def _has_study(workbook: Workbook) -> bool:
@@ -370,6 +380,7 @@ def _formulas_compared(
     fresh: Workbook,
     written: list[TableData],
     pairs: list[TablePair],
+    other_release: str,
 ) -> Iterator[Finding]:
     """Formulas whose value is old, once the results are written anew."""
     left_out: dict[str, list[Rect]] = {}
@@ -387,7 +398,9 @@ def _formulas_compared(
         yield Finding("not shown", "", "", f"formulas were not checked: {reason}", fails=False)
         yield from _of_unjudged(workbook, None, reason)
         return
-    yield from old_values(workbook, fresh, left_out, _formats(workbook), restored)
+    yield from old_values(
+        workbook, fresh, left_out, workbook.looks.number_formats, restored, other_release
+    )
     if report.removed:
         sentence = f"{report.removed} formulas were not checked. {report.reason}"
         yield Finding("not shown", "", "", sentence, fails=False)
@@ -436,26 +449,3 @@ def _with_standing(workbook: Workbook, data: TableData, column: str) -> TableDat
         [*row[:at], value, *row[at + 1 :]] for row, value in zip(data.rows, values, strict=True)
     ]
     return replace(data, rows=rows)
-
-
-# --- number formats -------------------------------------------------------------------------------
-
-_BUILT_IN: Mapping[int, str] = {
-    1: "0", 2: "0.00", 3: "#,##0", 4: "#,##0.00", 9: "0%", 10: "0.00%", 11: "0.00E+00",
-    37: "#,##0", 38: "#,##0", 39: "#,##0.00", 40: "#,##0.00", 48: "##0.0E+0", 49: "@",
-}  # fmt: skip
-
-
-def _formats(workbook: Workbook) -> list[str]:
-    """Number format of each style."""
-    part = workbook.structure.related("styles")
-    if part is None:
-        return []
-    root = parse_part(workbook.container.read(part), part)
-    custom = {
-        int(entry.get("numFmtId")): entry.get("formatCode", "")
-        for entry in root.iterfind(f"{main('numFmts')}/{main('numFmt')}")
-    }
-    styles = root.iterfind(f"{main('cellXfs')}/{main('xf')}")
-    numbers = (int(entry.get("numFmtId", "0")) for entry in styles)
-    return [custom.get(number) or _BUILT_IN.get(number, "General") for number in numbers]

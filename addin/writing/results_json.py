@@ -50,7 +50,7 @@ def results_to_json(run: Calculation, version: str) -> dict[str, Any]:
         "case_sha256": run.case_sha256,
         "version": version,
         "outcome": run.outcome,
-        **_overall(run),
+        **overall_words(run),
         "warnings": list(run.warnings),
         "errors": [],
     }
@@ -71,7 +71,7 @@ def results_to_json(run: Calculation, version: str) -> dict[str, Any]:
     return {**content, **run.details}
 
 
-def _overall(run: Calculation) -> dict[str, str]:
+def overall_words(run: Calculation) -> dict[str, str]:
     """The overall verdict, and the banner of sheet Summary."""
     rows = run.tables.get("Verdicts", ())
     if not rows:

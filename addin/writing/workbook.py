@@ -123,6 +123,10 @@ def write_results(
     workbook.write_tables(present)
     workbook.link_chart_titles(_title_links(workbook))
     _fit_rows(workbook, present)
+    for spec in fields.INPUT_TABLES:  # typed by a program that leaves charts as they were
+        table = workbook.tables.get(spec.name)
+        if table is not None:
+            workbook.renew_charts_of(table.sheet, table.data)
     return workbook.save(destination, in_place=in_place)
 
 

@@ -28,6 +28,9 @@ module             responsibility
 `state`            an open workbook in memory: its parts, the cells changed and written so far
 `calculator_copy`  the copy that the calculator of formulas is given
 `drawn_charts`     what charts draw and carry, for reading
+`number_text`      what a number format shows of a value, and the number a reader takes from it
+`cell_looks`       number format, font and ground of cells, conditional formats over them
+`lying_over`       pictures, shapes, controls and comments over cells
 `formulas`         cached values of formulas: renewed or removed, never stale
 `save`             writing whole or not at all
 `table_writing`    rows into tables, with all that follows them and all that may be in the way

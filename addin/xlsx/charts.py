@@ -11,7 +11,7 @@ import re
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from functools import cached_property
-from math import isfinite
+from math import isclose, isfinite
 from xml.sax.saxutils import escape
 
 from addin.xlsx.chart_titles import TitleLink, link_titles
@@ -75,7 +75,7 @@ class ChartPart:
     def refresh(
         self,
         resolve: Callable[[str], list[Area] | None],
-        touched: Callable[[str, Rect], bool],
+        touched: tuple[Callable[[str, Rect], bool], Callable[[str, Rect], bool]],
         shown: Shown,
         known: dict[tuple[str, str, tuple[Area, ...]], bytes],
     ) -> None:
@@ -85,8 +85,9 @@ class ChartPart:
         ----------
         resolve : callable
             Areas of a reference text; None when it cannot be followed.
-        touched : callable
-            Whether a rectangle of a sheet holds a changed cell.
+        touched : tuple of callable
+            Whether a rectangle of a sheet holds a changed cell; whether it holds one that may have changed: then a
+            cache is renewed only if it does not carry the values.
         shown : callable
             Values that the cells of a rectangle of a sheet show, row by row.
         known : dict
@@ -100,7 +101,10 @@ class ChartPart:
             )
             cache = reference.find(cache_tag)
             areas = resolve(reference.findtext(text) or "") if cache is not None else None
-            if areas is None or not any(touched(*area) for area in areas):
+            if areas is None:
+                continue
+            changed, perhaps = (any(test(*area) for area in areas) for test in touched)
+            if not changed and not (perhaps and _is_old(reference.tag, cache, areas, shown)):
                 continue
             self._fill(reference.tag, cache, areas, shown, known)
             self.changed = True
@@ -182,6 +186,31 @@ def _rows_of_areas(reference: str) -> Iterator[tuple[str, int, int]]:
         yield sheet, rect.top, rect.bottom
 
 
+def _is_old(kind: str, cache: Element, areas: list[Area], shown: Shown) -> bool:
+    """Whether a cache carries other values than its cells show; one with several levels is not judged."""
+    if kind == _MULTI_LEVEL:
+        return False
+    values = [value for sheet, rect in areas for value in shown(sheet, rect)]
+    held = {point.get("idx"): point.findtext(f"{{{CHART}}}v") for point in cache.iter(_PT)}
+    expected = {
+        str(index): text
+        for index, value in enumerate(values)
+        if (text := _number_of(value) if kind == _NUMBERS else _words_of(value)) is not None
+    }
+    return held.keys() != expected.keys() or any(
+        not _alike(held[index], wanted) for index, wanted in expected.items()
+    )
+
+
+def _alike(held: str | None, wanted: float | str) -> bool:
+    if isinstance(wanted, str):
+        return held == wanted
+    try:
+        return isclose(float(held or ""), wanted, rel_tol=1e-14)
+    except ValueError:
+        return False
+
+
 def _cache_xml(kind: str, areas: list[Area], shown: Shown, prefix: str) -> str:
     """Count and points of a range."""
     if kind == _MULTI_LEVEL:
@@ -191,10 +220,7 @@ def _cache_xml(kind: str, areas: list[Area], shown: Shown, prefix: str) -> str:
         points = [_text_point(value) for value in values]
         return f'<{prefix}ptCount val="{len(points)}"/>{_points_xml(points, prefix)}'
     # Text and errors have none, as a spreadsheet program leaves them out too.
-    numbers = [
-        float(value) if isinstance(value, bool | float) and isfinite(value) else None
-        for value in values
-    ]
+    numbers = [_number_of(value) for value in values]
     xml = f'<{prefix}ptCount val="{len(numbers)}"/>{_points_xml(numbers, prefix)}'
     # Whole numbers without a point, as `number_text` writes them.
     return xml.replace(f".0</{prefix}v>", f"</{prefix}v>")
@@ -231,11 +257,20 @@ def _points_xml(points: Sequence[str | float | None], prefix: str) -> str:
     )
 
 
+def _number_of(value: Constant) -> float | None:
+    return float(value) if isinstance(value, bool | float) and isfinite(value) else None
+
+
 def _text_point(value: Constant) -> str | None:
+    words = _words_of(value)
+    return None if words is None else escape(words)
+
+
+def _words_of(value: Constant) -> str | None:
     if value is None or value == "":
         return None
     if isinstance(value, bool):
         return "TRUE" if value else "FALSE"
     if isinstance(value, float):
         return f"{value:.15g}"
-    return escape(value.code if isinstance(value, ErrorValue) else str(value))
+    return value.code if isinstance(value, ErrorValue) else str(value)

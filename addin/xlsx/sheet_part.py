@@ -47,6 +47,9 @@ _PLACE = re.compile(rb'<c r="written-([0-9]{1,9})"/>')
 _LONG = 8
 _XML_SPACE = "{http://www.w3.org/XML/1998/namespace}space"
 
+#: Of rows and columns for which a file says nothing. [point], [characters]
+_ROW_HEIGHT, _COLUMN_WIDTH = 15.0, 8.43
+
 SharedStrings = Callable[[str], str]
 
 
@@ -347,6 +350,42 @@ class SheetPart:
             if self._rows[number].get("hidden", "0") not in ("0", "false")
         ]
 
+    def cell_element(self, row: int, column: int) -> Element | None:
+        """The element of a cell; None where the file has none."""
+        return self._cell(row, column)
+
+    @property
+    def hides_zeros(self) -> bool:
+        """Whether the first view of the sheet leaves cells with a zero blank."""
+        views = (one for one in self.around_cells() if one.tag == main("sheetViews"))
+        return any(view.get("showZeros", "1") in ("0", "false") for held in views for view in held)
+
+    def row_height(self, row: int) -> float:
+        """Height of a row [point]; 0 for a hidden one."""
+        element = self._rows.get(row)
+        usual = next((one for one in self.around_cells() if one.tag == main("sheetFormatPr")), None)
+        if element is not None and element.get("hidden", "0") not in ("0", "false"):
+            return 0.0
+        if element is not None and element.get("ht"):
+            return _length(element.get("ht"), _ROW_HEIGHT)
+        if usual is not None and usual.get("zeroHeight", "0") not in ("0", "false"):
+            return 0.0
+        return _ROW_HEIGHT if usual is None else _length(usual.get("defaultRowHeight"), _ROW_HEIGHT)
+
+    def column_width(self, column: int) -> float:
+        """Width of a column [characters]; 0 for a hidden one."""
+        usual = _COLUMN_WIDTH
+        for one in self.around_cells():
+            if one.tag == main("sheetFormatPr"):
+                usual = _length(one.get("defaultColWidth"), usual)
+            for entry in one if one.tag == main("cols") else ():
+                first, last = whole_number(entry.get("min", "")), whole_number(entry.get("max", ""))
+                if first is None or last is None or not first <= column <= last:
+                    continue
+                hidden = entry.get("hidden", "0") not in ("0", "false")
+                return 0.0 if hidden else _length(entry.get("width"), usual)
+        return usual
+
     def set_row_height(self, row: int, height: float) -> None:
         """Give a row of the sheet a height [point]; a row without cells keeps the usual one."""
         element = self._rows.get(row)
@@ -357,15 +396,15 @@ class SheetPart:
 
     def resize_ranges(self, old: Rect, new: Rect) -> None:
         """Let conditional formats and data validations follow a resized block."""
-        if resize_ranges(self._around_cells(), old, new):
+        if resize_ranges(self.around_cells(), old, new):
             self._touch()
 
     def retarget_sparklines(self, sheet: str, old: Rect, new: Rect) -> None:
         """Let sparklines over a column of a resized block follow it."""
-        if retarget_sparklines(self._around_cells(), sheet, old, new):
+        if retarget_sparklines(self.around_cells(), sheet, old, new):
             self._touch()
 
-    def _around_cells(self) -> Iterator[Element]:
+    def around_cells(self) -> Iterator[Element]:
         """What stands in the sheet beside its cells, which are too many to look through."""
         return (element for element in self._root if element is not self._data)
 
@@ -614,3 +653,11 @@ class SheetPart:
             return
         if not old.covers(self._extent):
             dimension.set("ref", str(old.join(self._extent)))
+
+
+def _length(text: str | None, usual: float) -> float:
+    """A height or width as stored; the usual one where it is none."""
+    try:
+        return float(text) if text else usual
+    except ValueError:
+        return usual

@@ -5,6 +5,7 @@ Formulas, table writing and the calculator's copy work on this; `workbook.Workbo
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import TypeVar
@@ -57,6 +58,8 @@ class WorkbookState:
         Cells whose values changed.
     shown_rows : ChangedCells
         Rows that were hidden, and are not any more.
+    perhaps_changed : ChangedCells
+        Cells that another program may have changed without renewing the copies in charts.
     written : dict of str to list of Written
         Rectangles written so far, by sheet, in the order they were written.
     formulas_current, charts_current : bool
@@ -70,8 +73,10 @@ class WorkbookState:
         self.structure = structure
         self.changed = ChangedCells()
         self.shown_rows = ChangedCells()
+        self.perhaps_changed = ChangedCells()
         self.written: dict[str, list[Written]] = {}
         self._sheets: dict[str, SheetPart] = {}
+        self._with_runs: dict[int, Element] = {}
         self._table_roots: dict[str, Element] = {}
         self._changed_tables: dict[str, bytes] = {}
         self.formulas_current = False
@@ -183,7 +188,15 @@ class WorkbookState:
         if part is None:
             return []
         root = self.container.tree(part)
-        return [rich_text(entry) for entry in root.iterchildren(main("si"))]
+        entries = list(root.iterchildren(main("si")))
+        runs = ((k, one) for k, one in enumerate(entries) if one.find(main("r")) is not None)
+        self._with_runs.update({k: copy.deepcopy(entry) for k, entry in runs})
+        return [rich_text(entry) for entry in entries]
+
+    def shared_runs(self, index: str) -> Element | None:
+        """The shared text of an index, if parts of it have a font of their own."""
+        self._shared_string(index)
+        return self._with_runs.get(int(index))
 
     def _shared_string(self, index: str) -> str:
         number = whole_number(index.strip(), len(self._strings) - 1)

@@ -6,9 +6,11 @@ Nothing touches the file before `Workbook.save`; until then all changes live in 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+from addin.xlsx.cell_looks import CellLooks
 from addin.xlsx.chart_titles import TitleLink
 from addin.xlsx.charts import Area
 from addin.xlsx.container import DEFAULT_LIMITS, Container, Limits
@@ -80,6 +82,11 @@ class Workbook(WorkbookState):
     def shown_value(self, sheet: str, cell: str) -> Constant:
         """The value that a cell shows now; of a formula its cached value."""
         return self.sheet_part(sheet).constant(*parse_cell(cell))
+
+    @cached_property
+    def looks(self) -> CellLooks:
+        """How its cells look."""
+        return CellLooks(self)
 
     # ---- writing -----------------------------------------------------------------------------------------------
 
@@ -199,6 +206,19 @@ class Workbook(WorkbookState):
         for chart in self.charts:
             chart.link_titles(links, self.chart_areas, text)
 
+    def renew_charts_of(self, sheet: str, rect: Rect) -> None:
+        """Let charts take the values of cells again that another program may have changed without them.
+
+        Parameters
+        ----------
+        sheet : str
+            Their sheet.
+        rect : Rect
+            The cells.
+        """
+        self.perhaps_changed.add(sheet, rect)
+        self.charts_current = False
+
     def refresh_chart_caches(self) -> None:
         """Renew the values that charts carry of changed cells.
 
@@ -207,8 +227,10 @@ class Workbook(WorkbookState):
         """
         self.charts_current = True
         known: dict[tuple[str, str, tuple[Area, ...]], bytes] = {}
-        for chart in self.charts if self.changed else ():
-            chart.refresh(self.chart_areas, self._is_new, self._shown, known)
+        for chart in self.charts if self.changed or self.perhaps_changed else ():
+            chart.refresh(
+                self.chart_areas, (self._is_new, self.perhaps_changed.touch), self._shown, known
+            )
 
     def refresh_formula_caches(self) -> CacheReport:
         """Renew or remove the cached value of every formula that depends on changed cells. Called by `save`."""

@@ -93,6 +93,12 @@ class WorkbookPart:
         root = container.tree(self.part)
         if root.tag != main("workbook"):
             raise self._refused("not a workbook", "has an invalid workbook part")
+        #: Sheets that nobody sees until they are unhidden, if at all.
+        self.hidden_sheets = frozenset(
+            entry.get("name", "")
+            for entry in root.iterfind(f"{main('sheets')}/{main('sheet')}")
+            if entry.get("state", "visible") != "visible"
+        )
         self._sheet_parts = self._find_sheets(root)
         self.names = self._find_names(root)
 

@@ -7,17 +7,24 @@ import json
 import math
 from dataclasses import replace
 
+import jsonschema
+import openpyxl
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from small_workbook import SmallWorkbook
 from strategies import example_count
+from typer.testing import CliRunner
 
-from addin.contract.tables import INPUT_TABLES, SCALARS, Field
+from addin.cli.app import app
+from addin.contract.shipped import template_path
+from addin.contract.tables import INPUT_TABLES, SCALARS, STUDY_INPUT_TABLES, Field
 from addin.reading.case_json import case_to_json, read_case_json
 from addin.reading.workbook import read_workbook
+from addin.reference.json_schemas import case_schema
 from engine.case.case import Case
 from engine.case.data import TABLES, CaseData, case_digest
+from engine.case.study_inputs import study_digest
 
 CASE = {
     "format": 1,
@@ -187,6 +194,37 @@ def test_workbook_to_json_and_back(tmp_path):
     back = read_case_json(json.loads(json.dumps(case_to_json(data))))
     assert back.problems == ()
     assert back.data == data
+
+
+def test_study_tables_go_to_json_and_back():
+    read = read_workbook(template_path("example_studies.xlsx"))
+    content = json.loads(json.dumps(case_to_json(read.data, read.studies)))
+    assert {spec.key for spec in STUDY_INPUT_TABLES} <= set(content)
+    assert content["tuning"][0]["unit"] == "%"
+    back = read_case_json(content)
+    assert back.problems == ()
+    assert back.studies.problems == ()
+    assert back.data == read.data
+    assert back.studies.inputs == read.studies.inputs
+    assert study_digest(*back.studies.inputs.tuning) == study_digest(*read.studies.inputs.tuning)
+    jsonschema.validate(content, case_schema())
+    assert "tuning" not in case_to_json(read.data)
+
+
+def test_the_export_of_a_wrong_study_cell_names_it_and_writes_nothing(tmp_path):
+    book = openpyxl.load_workbook(template_path("example_studies.xlsx"))
+    sheet = next(sheet for sheet in book if "Tuning" in sheet.tables)
+    first = sheet.tables["Tuning"].ref.split(":")[0]
+    header = sheet[first].row
+    [at] = [cell for cell in sheet[header] if cell.value == "Values"]
+    sheet.cell(header + 1, at.column).value = "0.5; much"
+    book.save(tmp_path / "train.xlsx")
+    done = CliRunner().invoke(
+        app, ["export", str(tmp_path / "train.xlsx"), str(tmp_path / "case.json")]
+    )
+    assert done.exit_code == 1
+    assert "'much' is not a number" in done.output
+    assert not (tmp_path / "case.json").exists()
 
 
 def values(spec: Field) -> st.SearchStrategy:

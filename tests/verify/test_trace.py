@@ -62,6 +62,56 @@ def test_inputs_of_the_row_are_those_of_its_element(train):
     assert cell_of(workbook, "Elements", row, "Stress diameter")[1] == at
 
 
+def parts_of(lines):
+    """Lines under each heading."""
+    parts: dict[str, list[str]] = {}
+    for line in lines:
+        if line.startswith("  of "):
+            parts[line.split(",")[0].strip(" :")] = []
+        elif line.startswith("    ") and parts:
+            list(parts.values())[-1].append(line.strip())
+    return parts
+
+
+def test_a_cell_names_its_own_element_and_stations_and_says_what_the_whole_train_is(train):
+    workbook = open_workbook(train, read_only=True)
+    sheet, cell = cell_of(workbook, "StartupPeaks", 1, "Maximum torque")
+    parts = parts_of(traced(train, f"{sheet}!{cell}"))
+    assert list(parts) == ["of the row", "of the case", "of whole tables"]
+    row, whole = parts["of the row"], parts["of whole tables"]
+    _, stiffness = cell_of(workbook, "Elements", 1, "Stiffness")
+    assert [line for line in row if "Stiffness" in line and f"!{stiffness})" in line]
+    assert len([line for line in row if line.startswith("Elements.Stiffness")]) == 1
+    ends = {
+        workbook.shown_value(*cell_of(workbook, "Elements", 1, column)) for column in ("From", "To")
+    }
+    named = {
+        line.split(" = ")[1].split("  (")[0]
+        for line in row
+        if line.startswith(("Elements.From", "Elements.To"))
+    }
+    assert named == ends
+    assert len([line for line in row if line.startswith("Stations.Inertia")]) == 2
+    assert any(line.startswith("Elements, 10 rows: Kind, From, To, Stiffness") for line in whole)
+    assert any(line.startswith("MotorTorque, 14 rows: Speed, Average, Pulsating") for line in whole)
+    assert not any(" values " in line for lines in parts.values() for line in lines)
+
+
+def test_a_verdict_is_traced_to_the_rows_of_its_own_check(train):
+    workbook = open_workbook(train, read_only=True)
+    checks = workbook.table("Verdicts")
+    rows = {
+        workbook.shown_value(*cell_of(workbook, "Verdicts", k, "Check")): k
+        for k in range(1, checks.data.height + 1)
+    }
+    sheet, cell = cell_of(workbook, "Verdicts", rows["Separation margin"], "Result")
+    row = parts_of(traced(train, f"{sheet}!{cell}"))["of the row"]
+    assert {line.split(" = ")[0] for line in row} == {"SeparationMargins.Margin"}
+    sheet, cell = cell_of(workbook, "Verdicts", rows["Allowable starts"], "Result")
+    row = parts_of(traced(train, f"{sheet}!{cell}"))["of the row"]
+    assert {line.split(" = ")[0] for line in row} == {"AllowableStarts.Allowable starts"}
+
+
 @pytest.mark.parametrize(
     ("wanted", "said"),
     [

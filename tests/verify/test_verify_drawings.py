@@ -229,3 +229,41 @@ def test_charts_lie_where_they_are_said_to_lie(train):
         if name.startswith("xl/drawings/drawing")
     )
     assert len(places) == count == len(charts(train))
+
+
+def retitled(words: str) -> Callable[[str], str]:
+    """Fixed words in place of a title."""
+    title = (
+        "<c:tx><c:rich><a:bodyPr/><a:p><a:r><a:t>" + words + "</a:t></a:r></a:p></c:rich></c:tx>"
+    )
+    return lambda text: re.sub(
+        r"(<c:chart><c:title>)<c:tx>.*?</c:tx>", rf"\g<1>{title}", text, count=1, flags=re.DOTALL
+    )
+
+
+def titled(train: Path, words: str) -> str:
+    """The chart part with a title."""
+    [part] = [name for name, text in charts(train).items() if words in text.split("</c:title>")[0]]
+    return part
+
+
+def test_a_title_in_our_words_that_says_something_else_is_found(train):
+    part = titled(train, "Gear shaft: nominal shear stress")
+    [said] = edited(train, part, retitled("Pinion shaft: nominal shear stress"))
+    assert (said.kind, said.fails) == ("chart", True)
+    assert (
+        "'Pinion shaft: nominal shear stress' stands in place of 'Gear shaft: nominal"
+        in said.sentence
+    )
+    [own] = edited(train, part, retitled("Figure 3"))
+    assert (own.sheet, own.cell, own.fails) == (said.sheet, said.cell, False)
+
+
+def test_a_title_from_another_cell_is_found(train):
+    def moved(text: str) -> str:
+        head, rest = text.split("</c:title>", 1)
+        return re.sub(r"<c:f>[^<]*</c:f>", "<c:f>Notes!$B$5</c:f>", head) + "</c:title>" + rest
+
+    found = edited(train, titled(train, "Gear shaft: nominal shear stress"), moved)
+    said = [one for one in found if "title of the chart was changed" in one.sentence]
+    assert [one.fails for one in said] == [True]

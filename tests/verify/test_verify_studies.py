@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import datetime as dt
 import shutil
 from pathlib import Path
 from typing import Any
@@ -10,8 +11,13 @@ import pytest
 from typer.testing import CliRunner
 
 from addin.cli.app import app
+from addin.contract.shipped import template_path
+from addin.reading.workbook import read_workbook
+from addin.verify.file import verify_file
+from addin.writing.workbook import RunStamp, write_study
 from addin.xlsx import open_workbook
 from addin.xlsx.references import cell_name
+from engine.case.data import case_digest
 
 RUN = CliRunner()
 
@@ -179,3 +185,30 @@ def test_a_study_saved_by_libreoffice_is_not_edited(book: Path, soffice: Any) ->
     typed(saved, "StartMatrix", "Allowable starts", 1.0e6)
     told = RUN.invoke(app, ["verify", str(saved)], env={"COLUMNS": "240"}).output
     assert "table StartMatrix differs from" in told
+
+
+def test_an_accuracy_study_of_a_workbook_never_calculated_says_what_stands_in_it(
+    tmp_path: Path,
+) -> None:
+    """The study has no record of the nominal run: no result of that run is missed."""
+    example = read_workbook(template_path("example_proposed.xlsx"))
+    rows = [
+        {
+            "method": "exponential",
+            "setting": "1 ms",
+            "error_peak": 1e-5,
+            "error_starts": 1e-4,
+            "time": 0.01,
+        }
+    ]
+    words = {"sentence": "2 % on starts: 14 ms.", "reference": "A finer step."}
+    opened = open_workbook(template_path("example_proposed.xlsx"))
+    for digest, kinds in ((case_digest(example.data), []), ("0" * 64, ["digest"])):
+        target = tmp_path / f"{digest[:6]}.accuracy.xlsx"
+        stamp = RunStamp("torsionbook", dt.datetime(2026, 1, 1), digest)
+        write_study(opened, target, rows, words, stamp, None)
+        found = verify_file(target)
+        assert found.outcome == "never calculated"
+        assert found.sentence.startswith("Only sheet Accuracy is filled")
+        assert "Run torsionbook recalc" in found.sentence
+        assert [f.kind for f in found.findings] == kinds

@@ -1,0 +1,87 @@
+"""Texts of sheets Notes and Trace: the equations and sources that a reviewer reads beside the results."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from addin.contract.problems import shortened
+from addin.contract.texts import NOTES
+from addin.contract.trace_table import TRACE_HEADERS, trace_groups, trace_rows
+from addin.verify.findings import Finding
+from addin.verify.structure import plain
+from addin.xlsx import Workbook
+from addin.xlsx.references import Rect, cell_name
+
+_EVERYTHING = Rect(1, 1, 3000, 60)
+#: Words by which a row of Trace is known: sheet, table, column.
+_NAMED_BY = 3
+
+Places = dict[str, list[tuple[int, int]]]
+
+
+def compare_texts(workbook: Workbook, same_version: bool) -> Iterator[Finding]:
+    """Texts of torsionbook on Notes and Trace that were changed.
+
+    Parameters
+    ----------
+    workbook : Workbook
+        As it stands.
+    same_version : bool
+        Whether this version wrote the texts, with the template; those of another one may be other
+        texts. [flag]
+
+    Yields
+    ------
+    Finding
+        One a text. A sheet that was removed is no finding, nor is a text that was added.
+    """
+    notes = [line for lines in NOTES.values() for line in lines]
+    trace = [TRACE_HEADERS, *trace_rows(), *trace_groups()]
+    of_studies = [row for row in trace_rows(studies=True) if row not in trace]
+    for sheet, rows, named_by in (("Notes", notes, 1), ("Trace", [*trace, *of_studies], _NAMED_BY)):
+        if sheet not in workbook.sheet_names or not workbook.sheet_bytes(sheet):
+            continue
+        places = _places(workbook, sheet)
+        for row in rows:
+            finding = _changed(workbook, sheet, places, row, min(named_by, len(row) - 1))
+            if finding is not None and (finding.cell or row not in of_studies):
+                yield replace(finding, fails=same_version)
+
+
+def _changed(
+    workbook: Workbook, sheet: str, places: Places, row: tuple[str, ...], named_by: int
+) -> Finding | None:
+    """What is said of one row of texts; nothing where it stands as it was written."""
+    part = workbook.sheet_part(sheet)
+    first: tuple[int, int] | None = None
+    for at in places.get(plain(row[0]), ()):
+        held = [plain(part.constant(at[0], at[1] + k)) for k in range(len(row))]
+        if held == [plain(text) for text in row]:
+            return None
+        if first is None and held[:named_by] == [plain(text) for text in row[:named_by]]:
+            first = at
+    about = " / ".join(row[:named_by])
+    if first is None:
+        sentence = f"the text '{shortened(about, 60)}' of torsionbook is missing"
+        return Finding("edited", sheet, "", sentence, expected=about)
+    for k, text in enumerate(row):
+        shown = part.constant(first[0], first[1] + k)
+        if plain(shown) != plain(text):
+            break
+    sentence = (
+        f"{about}: '{shortened(str(shown or ''), 60)}' stands in place of '{shortened(text, 60)}'"
+    )
+    cell = cell_name(first[0], first[1] + k)
+    return Finding("edited", sheet, cell, sentence, found=shown, expected=text)
+
+
+def _places(workbook: Workbook, sheet: str) -> Places:
+    """Cells of a sheet by the text they show, plainly written."""
+    part = workbook.sheet_part(sheet)
+    found: Places = {}
+    for row, column in part.filled_cells(_EVERYTHING):
+        text = part.constant(row, column)
+        if isinstance(text, str) and text:
+            found.setdefault(plain(text), []).append((row, column))
+    return found
