@@ -13,7 +13,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from engine.case.case import Case
-from engine.case.data import EffectChoiceRow, ElementRow
+from engine.case.choices import ElementKind
+from engine.case.data import EffectChoiceRow, ElementRow, MeshRow
 from tests.random_effects import (
     with_bearings,
     with_clearances,
@@ -111,6 +112,7 @@ def _drawn(number: int, seed: int) -> tuple[Case | None, tuple[str, ...]]:
     if not independent and rng.random() < 0.2:
         case = with_shock(case, seed, float(rng.uniform(0.3, 2.0)))
         extras.append("breaker closing")
+    case = _without_other_gaps(case)
     case = with_judged_shafts(case, seed, float(10.0 ** rng.uniform(-0.3, 0.4)))
     peak = {4: 1e-2, 5: 1e-2, 6: 1e-4, 7: 1e-4}.get(number % 20, 1e-3)
     case = replace(case, tolerance_peak=peak, tolerance_starts=STARTS_TOLERANCE[peak])
@@ -127,6 +129,20 @@ def _at_most(count: int, case: Case) -> Case:
         if m.element not in dropped or m.backlash
     ]
     return replace(case, meshes=tuple(closed))
+
+
+def _without_other_gaps(case: Case) -> Case:
+    """Every mesh with a stated backlash, none where it has no clearance: without one nothing is bounded."""
+    stated = {m.element for m in case.meshes}
+    meshes = [
+        m if m.backlash or m.angular_backlash else replace(m, backlash=0.0) for m in case.meshes
+    ]
+    meshes += [
+        MeshRow(e.element, backlash=0.0)
+        for e in case.elements
+        if e.kind == ElementKind.GEAR_MESH and e.element not in stated
+    ]
+    return replace(case, meshes=tuple(meshes))
 
 
 def _from_the_motor(case: Case) -> Case:

@@ -134,9 +134,15 @@ def _shaft(
     residue = case.rainflow_residue or RainflowResidue.HALF_CYCLES
     peak = next(p for p in start.peaks if p.element == element.element)
 
-    def of(history: Floats, error: float = 0.0, always: bool = True) -> ShaftFatigue:
-        return shaft_fatigue(element, history, curve, material, residue, error, always_count=always)
+    def of(
+        history: Floats, error: float = 0.0, always: bool = True, relative: float = 0.0
+    ) -> ShaftFatigue:
+        return shaft_fatigue(
+            element, history, curve, material, residue, error,
+            relative_torque_error=relative, always_count=always,
+        )  # fmt: skip
 
+    pieces = dict(start.pieces_error).get(str(element.element), 0.0)
     found = []
     for fine, coarse in _histories(start, index):
         error = max(peak.error, _cycle_difference(fine, coarse)) + (peak.left_out or 0.0)
@@ -147,12 +153,14 @@ def _shaft(
         if peak.high is not None:  # an ensemble may go higher than its reported run
             shaft = of(fine, peak.high - peak.size, always_count)
         return replace(shaft, left_out=None if start.left_out is None else 0.0), None
+    # that of the peak would be told of every small cycle, too, near endurance the most
+    relative = _relative_difference(fine, coarse) + pieces + start.truncation_error
+    shaft = of(fine, 0.0, always_count, relative)
 
     def change(relative: float) -> float:
         """Of the damage, where every torque is larger by a share."""
         return abs(of((1.0 + relative) * fine).damage / damage - 1.0) if relative else 0.0
 
-    pieces = dict(start.pieces_error).get(shaft.element, 0.0)
     off = abs(of(coarse).damage / damage - 1.0) + change(pieces + start.truncation_error)
     low, high = shaft.damage_low, shaft.damage_high
     if start.repeatability is not None:
@@ -245,6 +253,14 @@ def _cycle_difference(fine: Floats, coarse: Floats) -> float:
     b = np.sort(np.abs(np.diff(coarse)))[::-1][:COMPARED_CYCLES]
     n = min(len(a), len(b))
     return float(np.max(np.abs(a[:n] - b[:n]), initial=0.0))
+
+
+def _relative_difference(fine: Floats, coarse: Floats) -> float:
+    """Largest relative change of one of the largest ranges between two steps. [1]"""
+    a = np.sort(np.abs(np.diff(fine)))[::-1][:COMPARED_CYCLES]
+    b = np.sort(np.abs(np.diff(coarse)))[::-1][:COMPARED_CYCLES]
+    n = min(len(a), len(b))
+    return float(np.max(np.abs(a[:n] - b[:n]) / np.where(a[:n] > 0.0, a[:n], np.inf), initial=0.0))
 
 
 def stress_over_endurance(case: CaseData, start: Start) -> tuple[float, bool] | None:

@@ -29,6 +29,9 @@ COARSEST_ANGLE = 1.2
 #: Peak error of the exponential start at 1 rad of pulsation phase per step: measured 1e-5 × (phase
 #: per step)⁴ (docs/benchmarks.md, the start), taken four times as large. [1]
 ERROR_AT_ONE_RADIAN = 4e-5
+#: Share of the tolerance that modes left out may take. Their bound is several times what they do, so a larger
+#: share would make up most of the error that is told; another mode costs next to nothing.
+DROPPED = 0.01
 #: Modes whose ringing decays below this share of the tolerance need no fine steps any more.
 FADED = 0.05
 #: A mode far above the pulsation that would need more steps than this is not integrated; it
@@ -126,7 +129,7 @@ def start_model(
     motors, loads : tuple
         Motors and driven machines. [SI]
     tolerance : float
-        Wanted relative error of peak torques; a tenth of it may go to modes left out. [1]
+        Wanted relative error of peak torques; a hundredth of it may go to modes left out. [1]
     maximum_time : float, optional
         Longest simulated time: what following a ringing mode costs. [s]
     effects : StartEffects, optional
@@ -539,11 +542,11 @@ def _kept_modes(
     modes: Modes, ringing: Floats, slow: Floats, scale: Floats, tolerance: float, fastest: float,
     every: bool,
 ) -> Mask:  # fmt: skip
-    """Drop modes from the top while their bound stays below a tenth of the tolerance; or keep all."""
+    """Drop modes from the top while their bound stays below a share of the tolerance; or keep all."""
     keep = np.ones(modes.n_modes, dtype=np.bool_)
     if every:
         return keep
-    budget = 0.1 * tolerance * scale
+    budget = DROPPED * tolerance * scale
     used = np.zeros(len(scale))
     for r in range(modes.n_modes - 1, -1, -1):
         used = used + ringing[:, r] + slow[:, r]

@@ -71,22 +71,47 @@ def test_the_error_of_the_starts_is_the_change_of_the_damage_between_two_steps(
 
 
 @pytest.mark.parametrize("of_peak", [0.2, 5.0])
-def test_the_larger_of_two_errors_bounds_every_turning_point(start: Start, of_peak: float) -> None:
-    """That of the peak, and what the step changes of the largest range, here a tenth of a per cent."""
+def test_the_relative_change_of_the_largest_ranges_bounds_every_turning_point(
+    start: Start, of_peak: float
+) -> None:
+    """Here a tenth of a per cent, whatever the error of the peak; the change of the damage is in it, too."""
     case = with_line(1e9, 1e8, "same slope")
     order = [int(i) for i in np.flatnonzero(start.output_of_element >= 0)]
     torque = start.turning_points[order.index(INDEX)][1]
     change = 1e-3 * float(np.max(np.abs(np.diff(torque))))
     peaks = tuple(replace(p, error=of_peak * change) for p in start.peaks)
-    starts, _ = starts_of(case, replace(with_coarse(start, 1.001), peaks=peaks))
+    starts, errors = starts_of(case, replace(with_coarse(start, 1.001), peaks=peaks))
     assert starts is not None
     by_hand = shaft_fatigue(
         SHAFT,
         torque,
         sn_curve_of(case, SHAFT.material),
         case.materials[0],
-        torque_error=max(1.0, of_peak) * change,
+        relative_torque_error=1e-3 + start.truncation_error,
     )
-    (shaft,) = starts.shafts
-    assert shaft.damage_low == pytest.approx(by_hand.damage_low, rel=1e-9)
-    assert shaft.damage_high == pytest.approx(by_hand.damage_high, rel=1e-9)
+    (shaft,), ((_, error),) = starts.shafts, errors
+    assert error is not None
+    low = min(by_hand.damage_low, shaft.damage / (1.0 + error))
+    high = max(by_hand.damage_high, shaft.damage * (1.0 + error))
+    assert shaft.damage_low == pytest.approx(low, rel=1e-9)
+    assert shaft.damage_high == pytest.approx(high, rel=1e-9)
+
+
+def test_effects_left_out_widen_the_interval_and_one_without_a_bound_leaves_none(
+    start: Start,
+) -> None:
+    """On a line of slope 5 a bound of 1 % on every torque is 1.01⁵ − 1 on the damage."""
+    case = with_line(1e9, 1e8, "same slope")
+    exact = with_coarse(replace(start, truncation_error=0.0), 1.0)
+    known, _ = starts_of(case, replace(exact, left_out=0.01))
+    unknown, _ = starts_of(case, replace(exact, left_out=None))
+    assert known is not None
+    assert unknown is not None
+    (shaft,), (other,) = known.shafts, unknown.shafts
+    assert shaft.left_out == pytest.approx(1.01**5 - 1.0, rel=1e-9)
+    assert shaft.starts_low == pytest.approx(shaft.allowable_starts / 1.01**5, rel=1e-9)
+    assert shaft.starts_high == pytest.approx(shaft.allowable_starts * 1.01**5, rel=1e-9)
+    assert known.bounded
+    assert not unknown.bounded
+    assert (other.starts_low, other.starts_high, other.left_out) == (None, None, None)
+    assert other.allowable_starts == shaft.allowable_starts
