@@ -344,7 +344,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             ),
             number(
                 "Error", "fraction", "Estimated relative error of torque and stress.",
-                "Change from half as many pieces of shafts with Density; 0 without such shafts",
+                "What the last refinement of a sweep added, and the change from half as many pieces of shafts with Density",
                 "docs/method.md, Distributed shafts", of_case=MODAL, format=shown.ERROR, pane=Pane.MINOR,
                 error=ReportedError.ESTIMATE,
             ),

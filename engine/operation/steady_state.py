@@ -24,7 +24,7 @@ torsional analysis": 1 % zero-to-peak at motor, gear and driven equipment, UTS/2
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -59,6 +59,10 @@ BESIDE_RESONANCE = 1e-7
 STRESS_ROUNDING = 1e-9
 #: Speeds of an order line over the operating range, besides its resonances.
 SWEEP_POINTS = 31
+#: Times a sweep looks for the largest torque between its frequencies. The last gain is told as its error.
+SWEEP_REFINEMENTS = 3
+#: Share of the largest torque from which another peak is looked at, too.
+NEARLY_LARGEST = 0.8
 #: No element is taken to be more accurate than this share of the worst under the same excitation.
 SHARED_CHANGE = 0.5
 #: Modes count as coupled by their dampers above this `ModalDamping.coupling`.
@@ -376,8 +380,8 @@ class SteadyStateRow:
     allowable: float | None  #: UTS/25; None where no stress can be judged. [Pa]
     torque_limit: float | None  #: Vibratory limit of the element, zero-to-peak. [N m]
     verdict: Judgement  #: ``pass``, ``fail``, ``unbounded`` or ``not judged``.
-    #: Relative error of torque and stress from the pieces of distributed shafts; None where it is not
-    #: known, 0 without such shafts. [1]
+    #: Relative error of torque and stress: by how much a sweep may have missed the largest between its
+    #: frequencies, and from the pieces of distributed shafts; None where it is not known. [1]
     error: float | None = 0.0
 
 
@@ -445,25 +449,22 @@ def steady_state(
     basis = case.stress_basis or StressBasis.PEAK_TO_PEAK
     if not tasks:
         return SteadyState((), basis, tuple(warnings))
-    frequency, back = np.unique(np.concatenate([f for _, _, f in tasks]), return_inverse=True)
     unit = np.zeros((train.n_stations, len(stations)))
     unit[stations, np.arange(len(stations))] = 1.0
-    response = harmonic_response(
-        train,
-        modes,
-        2.0 * math.pi * frequency,
-        unit,
-        damping_ratio=stated_damping(case, modes),
-    )
-    magnitude = np.abs(response.element_torque)
+    damping = stated_damping(case, modes)
+
+    def magnitudes(swept: Sequence[Floats]) -> list[Floats]:
+        """Torque of each element for 1 N m at each station, at the frequencies of each task."""
+        frequency, back = np.unique(np.concatenate(swept), return_inverse=True)
+        omega = 2.0 * math.pi * frequency
+        response = harmonic_response(train, modes, omega, unit, damping_ratio=damping)
+        found = np.abs(response.element_torque)[:, :, back]
+        return np.split(found, np.cumsum([len(f) for f in swept])[:-1], axis=2)
+
     limits = tuple(_vibratory_limit(case, e) for e in case.elements)
     rows: list[SteadyStateRow] = []
-    start = 0
-    for x, mode, swept in tasks:
-        where = back[start : start + len(swept)]
-        start += len(swept)
-        rows += _rows(train, (x, mode), frequency[where], places[x.name], stations,
-                      magnitude[:, :, where], limits)  # fmt: skip
+    for sweep in _refined(tasks, places, stations, magnitudes):
+        rows += _rows(train, sweep, places[sweep.excitation.name], limits)
     if not np.any(transmitted.load):  # gears and driven machines could not be excited
         partly = {x.name for x in excitations if x.station is None and x.torque is None}
         rows = [
@@ -526,7 +527,8 @@ def with_response_error(
             row,
             error=None
             if change is None
-            else max(change, SHARED_CHANGE * largest[row.excitation, row.mode]),
+            else (row.error or 0.0)
+            + max(change, SHARED_CHANGE * largest[row.excitation, row.mode]),
         )
         for row, change in zip(steady.rows, changes, strict=True)
     )
@@ -565,26 +567,87 @@ def _swept_frequencies(
     return np.unique(np.concatenate([np.linspace(low, high, SWEEP_POINTS), inside]))
 
 
-def _rows(
-    train: Train,
-    what: tuple[Excitation, int | None],
-    frequency: Floats,
-    places: Sequence[Place],
-    stations: Sequence[int],
-    magnitude: Floats,
-    limits: Sequence[_Limit],
-) -> list[SteadyStateRow]:
-    """One row an element: the worst of the places and frequencies.
+@dataclass(frozen=True, eq=False)
+class _Sweep:
+    """Responses to one excitation: at a resonance, or over the operating range."""
 
-    `magnitude` is the torque of each element for 1 N m at each of `stations`, shape
-    (n_elements, n_stations, n_frequencies).
+    excitation: Excitation
+    mode: int | None
+    frequency: Floats  # rising
+    torque: Floats  # of each element, place and frequency
+    gain: Floats  # by how much the last refinement raised the largest of each element
+
+    @property
+    def largest(self) -> Floats:
+        return np.asarray(np.max(self.torque, axis=(1, 2)))
+
+
+def _refined(
+    tasks: Sequence[tuple[Excitation, int | None, Floats]],
+    places: Mapping[str, Sequence[Place]],
+    stations: Sequence[int],
+    magnitudes: Callable[[Sequence[Floats]], list[Floats]],
+) -> list[_Sweep]:
+    """Responses, those of sweeps refined where they are largest.
+
+    Near a resonance 1/T² is a parabola in frequency; its vertex through the largest and its neighbours is
+    the next frequency that is calculated.
     """
-    excitation, mode = what
-    applied = np.array([p.torque for p in places])
-    columns = [stations.index(p.station) for p in places]
-    torque = (magnitude[:, columns] * applied[:, None]).reshape(
-        len(magnitude), len(places) * len(frequency)
-    )
+
+    def torques(excitation: Excitation, magnitude: Floats) -> Floats:
+        at = places[excitation.name]
+        applied = np.array([p.torque for p in at])
+        return np.asarray(magnitude[:, [stations.index(p.station) for p in at]] * applied[:, None])
+
+    found = magnitudes([f for _, _, f in tasks])
+    sweeps = [
+        _Sweep(x, mode, f, torque := torques(x, m), np.zeros(len(torque)))
+        for (x, mode, f), m in zip(tasks, found, strict=True)
+    ]
+    for _ in range(SWEEP_REFINEMENTS):
+        new = [_vertices(s.frequency, s.torque) for s in sweeps]
+        if not any(len(f) for f in new):
+            break
+        for k, magnitude in enumerate(magnitudes(new)):
+            s, before = sweeps[k], sweeps[k].largest
+            frequency = np.concatenate([s.frequency, new[k]])
+            order = np.argsort(frequency, kind="stable")
+            torque = np.concatenate([s.torque, torques(s.excitation, magnitude)], axis=2)
+            s = replace(s, frequency=frequency[order], torque=torque[:, :, order])
+            with np.errstate(divide="ignore", invalid="ignore"):
+                gain = np.nan_to_num(s.largest / before - 1.0, posinf=0.0)
+            sweeps[k] = replace(s, gain=gain)
+    return sweeps
+
+
+def _vertices(frequency: Floats, torque: Floats) -> Floats:
+    """Where largest torques of each element are between the frequencies of a sweep. [Hz]"""
+    if len(frequency) < 3:
+        return np.empty(0)
+    found = []
+    for of_places in torque:
+        notable = NEARLY_LARGEST * float(np.max(of_places, initial=0.0))
+        inner = of_places[:, 1:-1]
+        peak = (inner >= of_places[:, :-2]) & (inner >= of_places[:, 2:]) & (inner >= notable)
+        for place, before in zip(*np.nonzero(peak & np.isfinite(inner)), strict=True):
+            value, k = of_places[place, before : before + 3], before + 1
+            if not np.all(value):
+                continue
+            x, y = frequency[before : before + 3] - frequency[k], (value[1] / value) ** 2
+            left, right = (y[1] - y[0]) / (x[1] - x[0]), (y[2] - y[1]) / (x[2] - x[1])
+            bend = (right - left) / (x[2] - x[0])
+            if bend > 0.0:
+                vertex = 0.5 * (x[0] + x[1]) - 0.5 * left / bend
+                found.append(frequency[k] + float(np.clip(vertex, 0.5 * x[0], 0.5 * x[2])))
+    return np.setdiff1d(np.array(found), frequency)
+
+
+def _rows(
+    train: Train, sweep: _Sweep, places: Sequence[Place], limits: Sequence[_Limit]
+) -> list[SteadyStateRow]:
+    """One row an element: the worst of the places and frequencies."""
+    excitation, mode, frequency = sweep.excitation, sweep.mode, sweep.frequency
+    torque = sweep.torque.reshape(len(sweep.torque), len(places) * len(frequency))
     worst = np.argmax(torque, axis=1)
     largest = torque[np.arange(len(torque)), worst]
     rows = []
@@ -607,6 +670,7 @@ def _rows(
                 allowable=limit.allowable,
                 torque_limit=limit.torque_limit,
                 verdict=limit.verdict(bounded),
+                error=float(sweep.gain[element]),
             )
         )
     return rows
