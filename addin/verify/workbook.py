@@ -28,6 +28,7 @@ from addin.verify.findings import (
     not_calculated,
 )
 from addin.verify.formulas import old_values, restore, typed_over, unjudged
+from addin.verify.input_copy import compare_input_copy
 from addin.verify.key_units import compare_units
 from addin.verify.structure import missing_tables, odd_columns
 from addin.verify.tables import TablePair, compare_tables
@@ -96,6 +97,8 @@ def verify_workbook(
         return not_calculated(about, problems, findings)
     counts, more = _compared(workbook, run, about)
     findings += more
+    if recorded.digest == inputs:
+        findings += compare_input_copy(read, inputs)
     findings += _on_studies(read)
     findings += missing_tables(workbook)
     findings += odd_columns(workbook)
