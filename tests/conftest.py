@@ -274,13 +274,13 @@ class Soffice:
             try:
                 return process.communicate(timeout=self.timeout)[0]
             except subprocess.TimeoutExpired:
-                _end_group(process)
+                end_group(process)
                 raise RuntimeError(
                     f"LibreOffice was still busy with {source.name} after {self.timeout:g} s"
                 ) from None
 
 
-def _end_group(process: "subprocess.Popen[str]") -> None:
+def end_group(process: "subprocess.Popen[str]") -> None:
     if sys.platform == "win32":
         process.kill()
         return

@@ -46,6 +46,8 @@ module            responsibility
 `trace_table`     the rows of sheet `Trace`: what each result is, by which equation, from what
 `units`           shown unit ↔ SI: the only home of rpm, psi, lbf*in, degrees, percent and per
                   unit
+`input_copy`      the copy of the inputs that a calculation leaves, and the formulas that compare
+                  the present inputs with it
 `shown_units`     units shown above the columns → what one shown unit is worth in SI
 `shown_cell`      what a cell shows of one result: numbers in the shown unit, words, or a blank
 `version`         the version of torsionbook, as installed

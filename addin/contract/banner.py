@@ -23,9 +23,15 @@ _OPEN = f"{_count('not judged*')}+{_count('incomplete*')}"
 _WITHIN_ERROR = _count("pass within*")
 #: How many notes there are.
 NOTES = 'COUNTIF(Audit[Item],"Warning *")'
-#: The banner as a formula of the spreadsheet; `headline` gives the same words.
+#: Defined name of the cell that says whether an input has changed since the calculation.
+CHANGED_NAME = "InputsChanged"
+#: The same as a condition of other formulas: where that cell is gone, nothing is claimed.
+IS_CHANGED = f"IFERROR({CHANGED_NAME},1)"
+#: The banner then.
+CHANGED_WORDS = "INPUTS CHANGED SINCE CALCULATION"
+#: The banner as a formula of the spreadsheet; `headline` gives the same words, of inputs as calculated.
 OVERALL = (
-    f'=IF({_ALL}=0,"NOT CALCULATED",'
+    f'=IF({_ALL}=0,"NOT CALCULATED",IF({IS_CHANGED},"{CHANGED_WORDS}",'
     'IF(COUNTIFS(Verdicts[Verdict],"check*",Verdicts[Check],"Overall")>0,'
     '"CHECK THE INPUTS: "&INDEX(Verdicts[Where],MATCH("Overall",Verdicts[Check],0)),'
     f'IF({_FAILED}>0,"FAIL: "&({_FAILED})&" of "&{_ALL}&" checks",'
@@ -34,7 +40,7 @@ OVERALL = (
     f"IF({_count('accepted*')}>0,"
     f'"ACCEPTED (margin by forced response): all "&{_ALL}&" checks",'
     f'"PASS: all "&{_ALL}&" checks")))))'
-    f'&IF({NOTES}=0,"",", "&{NOTES}&IF({NOTES}=1," note"," notes")))'
+    f'&IF({NOTES}=0,"",", "&{NOTES}&IF({NOTES}=1," note"," notes"))))'
 )
 
 

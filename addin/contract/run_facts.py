@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-#: Rows of table `RunFacts`, in this order: what live formulas need, written by the calculation.
+#: Rows of table `RunFacts`, in this order: what live formulas need, written by the calculation. New ones stand
+#: last: names of workbooks made before refer to the rows above.
 RUN_FACTS: tuple[tuple[str, str], ...] = (
     ("run_Stamp", "Inputs of the results"),
     ("run_Software", "Software and version"),
@@ -13,12 +14,6 @@ RUN_FACTS: tuple[tuple[str, str], ...] = (
     ("run_StartTime", "Duration of the start [s]"),
     ("run_SynchronousSpeed", "Synchronous speed [rpm]"),
     ("run_LineFrequency", "Line frequency [Hz]"),
-    ("run_Poles", "Number of poles"),
-    ("run_ShaftSpeeds", "Speeds of the other shafts with the motor at synchronous speed"),
-    ("run_TotalRatio", "Speed ratio that is farthest from 1"),
-    ("run_InertiaConstant", "Inertia constant H of the train [s]"),
-    ("run_MotorInertiaConstant", "Inertia constant H of the motor alone [s]"),
-    ("run_LoadShare", "LoadTorque at full speed over rated torque [%]"),
     ("run_StartsFactor", "Factor on starts"),
     ("run_HzPerFrequency", "Hz per unit of NaturalFrequencies[Frequency]"),
     ("run_HzPerExcitation", "Hz per unit of SeparationMargins[Excitation frequency]"),
@@ -36,4 +31,10 @@ RUN_FACTS: tuple[tuple[str, str], ...] = (
     ("run_AccuracySentence", "Computing time of the wanted accuracy"),
     ("run_AccuracyReference", "Reference of the errors on sheet Accuracy"),
     ("run_AccuracyInputs", "Inputs of sheet Accuracy"),
+    ("run_Poles", "Number of poles"),
+    ("run_ShaftSpeeds", "Speeds of the other shafts with the motor at synchronous speed"),
+    ("run_TotalRatio", "Speed ratio that is farthest from 1"),
+    ("run_InertiaConstant", "Inertia constant H of the train [s]"),
+    ("run_MotorInertiaConstant", "Inertia constant H of the motor alone [s]"),
+    ("run_LoadShare", "LoadTorque at full speed over rated torque [%]"),
 )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from addin.contract.banner import CHANGED_WORDS, IS_CHANGED
 from addin.contract.charts import ChartSpec
 from addin.contract.field import IncompleteRecord, TableSpec, complete
 from addin.contract.json_shapes import Shape
@@ -80,15 +81,16 @@ class StudySpec:
     def lines(self) -> tuple[tuple[str, str, float], ...]:
         """Formula, style and height of the lines below the strip of a result sheet. [points]
 
-        What was found; then the stamp, which says when the plain results are of other inputs.
+        What was found; then the stamp, which says when the inputs have changed since, or the plain
+        results are of others.
         """
         key = self.key
         return (
             (f'=IF({key}_Sentence="","{self.not_yet}",{key}_Sentence)', "sentence", self.height),
             (
-                f'=IF({key}_SHA256="","",IF(AND(run_SHA256<>"",run_SHA256<>{key}_SHA256),'
-                f'"INPUTS DIFFER from those of the other result sheets: run torsionbook {self.command} again. ",'
-                f'"")&{key}_Stamp)',
+                f'=IF({key}_SHA256="","",IF(run_SHA256={key}_SHA256,IF({IS_CHANGED},"{CHANGED_WORDS}. ",""),'
+                f'IF(run_SHA256="","","INPUTS DIFFER from those of the other result sheets: run torsionbook '
+                f'{self.command} again. "))&{key}_Stamp)',
                 "note",
                 15.0,
             ),

@@ -85,15 +85,17 @@ NOTES: Mapping[str, tuple[tuple[str, str], ...]] = {
         ),
         (
             "What torsionbook rewrites",
-            "Only the result tables, the hidden sheets ChartData and Lists (RunFacts), and chart "
-            "titles that lost their link to ChartData. Everything else may be moved, restyled "
+            "Only the result tables, the hidden sheets ChartData, Lists (RunFacts) and Inputs "
+            "calculated, and chart titles that lost their link to ChartData. Everything else may be moved, restyled "
             "and extended: tables are found by their names, columns by their headers, scalars by "
             "their defined names.",
         ),
         (
             "Results and inputs",
-            "Results belong to the inputs whose SHA-256 is shown on Summary and Audit. After any "
-            "change of an input they are out of date until the next recalculation.",
+            "Results belong to the inputs whose SHA-256 is shown on Summary and Audit. When an input, its "
+            "unit or the number of rows of a table differs from the copy on the hidden sheet Inputs "
+            "calculated, each banner says INPUTS CHANGED SINCE CALCULATION until the next recalculation, "
+            "or until the input is as it was. The title block and descriptions change no result.",
         ),
     ),
     "Conventions": (

@@ -210,6 +210,28 @@ RELATIVE: dict[str, dict[str, UnitScale]] = {
     },
 }
 
+
+def known_units(dimension: str) -> dict[str, UnitScale]:
+    """Every unit that is known by name, without pint.
+
+    Parameters
+    ----------
+    dimension : str
+        Key of `addin.contract.tables.DIMENSIONS`. [word]
+
+    Returns
+    -------
+    dict of str to UnitScale
+        By unit; of a ratio the blank is one too.
+    """
+    units = {unit: UnitScale(factor) for unit, factor in USUAL[dimension].items()}
+    if dimension == "ratio":
+        units[""] = UnitScale(1.0)
+    if dimension == "speed fraction":
+        units |= {unit: UnitScale(factor, STATION_SPEED) for unit, factor in _SPEED.items()}
+    return units | RELATIVE.get(dimension, {})
+
+
 # --- spelling -----------------------------------------------------------------------------------
 
 _SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")

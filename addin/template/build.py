@@ -19,6 +19,7 @@ from xlsxwriter.utility import xl_cell_to_rowcol
 from addin.charts.data import chart_blocks
 from addin.charts.rows import Rows
 from addin.contract import tables as fields
+from addin.contract.input_copy import COPY_SHEET
 from addin.contract.sheet import Sheet
 from addin.contract.sheets import SHEETS
 from addin.contract.shown_units import shown_units
@@ -126,7 +127,7 @@ class _Builder(LiveSheets):
         layout = layout if self.variant.spelled is None else _with_live(layout)
         for sheet in layout:
             self.sheets[sheet.name] = self.workbook.add_worksheet(sheet.name)
-        for name in ("Lists", "ChartData"):
+        for name in ("Lists", "ChartData", COPY_SHEET):
             self.sheets[name] = self.workbook.add_worksheet(name)
         for sheet in layout:
             self._frame(sheet)
@@ -137,6 +138,7 @@ class _Builder(LiveSheets):
         self._trace()
         self._lists()
         self._chart_data()
+        self._input_copy()
         self._chosen_elements()
         self._frequencies_note()
         self._change_cell()

@@ -9,6 +9,7 @@ from typing import Any
 from xlsxwriter.utility import xl_cell_to_rowcol, xl_rowcol_to_cell
 
 from addin.charts.rows import Rows
+from addin.contract.banner import CHANGED_WORDS
 from addin.contract.sheet import Sheet
 from addin.contract.sheets import KIND_WORDS, STRIP, TAB_COLOURS
 from addin.template.charts import Place
@@ -94,7 +95,10 @@ class Frames:
         page.merge_range(1, first, 1, last, "", verdict)
         page.write_formula(1, first, "=OverallVerdict", verdict, "NOT CALCULATED")
         cell = xl_rowcol_to_cell(1, first, True, True)
-        for word, style in (("PASS", "cf_pass"), ("ACCEPTED", "cf_accepted"), ("FAIL", "cf_fail")):
+        for word, style in (
+            ("PASS", "cf_pass"), ("ACCEPTED", "cf_accepted"), ("FAIL", "cf_fail"),
+            (CHANGED_WORDS, "cf_fail"),
+        ):  # fmt: skip
             rule = f'=LEFT({cell},{len(word)})="{word}"'
             page.conditional_format(
                 1, first, 1, last,
@@ -155,6 +159,7 @@ class Frames:
             ("begins with", "fail", "cf_fail"),
             ("begins with", "unbounded", "cf_fail"),
             ("begins with", "check", "cf_fail"),
+            ("begins with", CHANGED_WORDS, "cf_fail"),
             ("begins with", "incomplete", "cf_open"),
             ("begins with", "not judged", "cf_open"),
         ):

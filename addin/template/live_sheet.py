@@ -14,6 +14,7 @@ from typing import Any
 from xlsxwriter.utility import xl_col_to_name, xl_rowcol_to_cell
 
 from addin.contract import tables as fields
+from addin.contract.banner import CHANGED_WORDS, IS_CHANGED
 from addin.contract.sheets import Sheet
 from addin.contract.tables import Field
 from addin.reading.typed_case import CaseInput, Entry, Typed
@@ -185,9 +186,9 @@ class LiveSheets(ReferenceSheets):
             ),
             (
                 _STORED, "Results on the other sheets", "", "",
-                f'=IF(run_SHA256="","Not calculated yet.",IF({good[every]},'
+                f'=IF(run_SHA256="","Not calculated yet.",IF({IS_CHANGED},"{CHANGED_WORDS}",IF({good[every]},'
                 f'IF(MID({every},4,16)=LEFT(run_SHA256,16),"Results belong to the present inputs.",'
-                '"The inputs have changed: recalculate."),"The inputs have errors."))',
+                f'"{CHANGED_WORDS}"),"The inputs have errors.")))',
                 "Not calculated yet.", 15.0,
             ),
         )  # fmt: skip

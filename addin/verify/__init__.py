@@ -15,6 +15,7 @@ module           responsibility
 `structure`      whether the tables of a workbook are tables still, under their headers
 `chart_sources`  which cells its charts draw, and the copies of their values
 `formulas`       its live formulas: typed over, or showing an old value
+`input_copy`     the copy of its inputs that the banners are compared with
 `key_units`      units beside key numbers
 `appearance`     whether results are shown, and shown as they are
 `fixed_texts`    texts of sheets Notes and Trace

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
+from addin.contract.input_copy import COPY_SHEET
 from addin.contract.problems import shortened
 from addin.contract.sheets import SHEETS
 from addin.contract.studies.registry import with_studies
@@ -161,7 +162,7 @@ def _seen_cells(workbook: Workbook) -> Iterator[SeenCell]:
             if table is not None and spec.sheet in shipped_visible:
                 yield from _of_table(workbook, table, spec, is_input)
     for own in own_formulas(workbook):
-        if not own.table:
+        if not own.table and own.sheet != COPY_SHEET:  # that sheet ships hidden
             yield from _beside(workbook, own.sheet, own.row, own.column)
     for scalar in SCALARS:
         name = workbook.defined_names.get(scalar.name)

@@ -8,7 +8,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from addin.contract.banner import OVERALL
+from addin.contract.banner import CHANGED_NAME, CHANGED_WORDS, OVERALL
+from addin.contract.input_copy import CHANGED_FORMULA
 from addin.contract.problems import shortened
 from addin.contract.sheets import (
     BLANK_TEXT,
@@ -118,6 +119,10 @@ def own_formulas(workbook: Workbook) -> list[OwnFormula]:
     if name is not None and name.sheet is not None and name.rect is not None:
         place = (name.sheet, name.rect.top, name.rect.left)
         formulas.append(OwnFormula(*place, OVERALL, _BANNER))
+    name = workbook.defined_names.get(CHANGED_NAME)
+    if name is not None and name.sheet is not None and name.rect is not None:
+        place = (name.sheet, name.rect.top, name.rect.left)
+        formulas.append(OwnFormula(*place, CHANGED_FORMULA, "any input changed"))
     for sheet, beside in _labelled(workbook):
         formulas += _beside_labels(workbook, sheet, beside)
     return [*formulas, *_lines(workbook)]
@@ -211,7 +216,7 @@ def _lines(workbook: Workbook) -> Iterator[OwnFormula]:
             yield OwnFormula(sheet, *parse_cell(first), formula, "text line")
 
 
-def typed_over(workbook: Workbook, same_version: bool) -> Iterator[Finding]:
+def typed_over(workbook: Workbook, same_template: bool) -> Iterator[Finding]:
     """Live formulas of ours that were typed over or rewritten, and labels and names led astray.
 
     Yields
@@ -222,20 +227,20 @@ def typed_over(workbook: Workbook, same_version: bool) -> Iterator[Finding]:
     """
     for own in own_formulas(workbook):
         if not own.stands(workbook):
-            yield _replaced(workbook, own)
+            yield replaced(workbook, own)
     for sheet, formulas in _labelled(workbook):
         standing = {words for _, _, words in _words_of(workbook, sheet)}
         for label in formulas:
             if plain(label) not in standing:
                 sentence = f"the label '{label}' is missing, so the number cannot be identified"
-                yield Finding("edited", sheet, "", sentence, expected=label, fails=same_version)
+                yield Finding("edited", sheet, "", sentence, expected=label, fails=same_template)
     yield from _verdict_astray(workbook)
 
 
 #: What the overall verdict may say.
 _VERDICT = re.compile(
     r"(PASS|PASS WITHIN ITS ERROR|FAIL|INCOMPLETE): (all )?\d+ (of \d+ )?checks.*|"
-    r"ACCEPTED \(margin by .*|CHECK THE INPUTS: .*|NOT CALCULATED"
+    rf"ACCEPTED \(margin by .*|CHECK THE INPUTS: .*|{CHANGED_WORDS}|NOT CALCULATED"
 )
 
 
@@ -276,7 +281,7 @@ def _verdict_astray(workbook: Workbook) -> Iterator[Finding]:
             yield Finding("edited", sheet, cell_name(row, column), sentence, found=shown)
 
 
-def _replaced(workbook: Workbook, own: OwnFormula) -> Finding:
+def replaced(workbook: Workbook, own: OwnFormula) -> Finding:
     """What is said of a cell that does not hold the formula it should."""
     value = workbook.sheet_part(own.sheet).value(own.row, own.column)
     if not isinstance(value, Formula):

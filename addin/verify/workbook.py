@@ -29,6 +29,7 @@ from addin.verify.findings import (
 )
 from addin.verify.fixed_texts import compare_texts
 from addin.verify.formulas import earlier_banner, old_values, restore, typed_over, unjudged
+from addin.verify.input_copy import compare_input_copy
 from addin.verify.key_units import compare_units
 from addin.verify.structure import has_every_column, missing_tables, odd_columns
 from addin.verify.tables import TablePair, compare_tables
@@ -97,6 +98,8 @@ def verify_workbook(
         return not_calculated(about, problems, findings)
     counts, more = _compared(workbook, run, about)
     findings += more
+    if recorded.digest == inputs:
+        findings += compare_input_copy(read, inputs)
     findings += _on_studies(read)
     findings += missing_tables(workbook)
     findings += odd_columns(workbook)
@@ -108,7 +111,9 @@ def verify_workbook(
         sentence = f"formats, hidden cells and texts were not checked: {error}"
         findings.append(Finding("not judged", "", "", sentence))
         about = replace(about, looked_at=())
-    findings += typed_over(workbook, about.same_version or not _is_known(about))
+    findings += typed_over(
+        workbook, (about.same_version or not _is_known(about)) and has_every_column(workbook)
+    )
     return concluded(about, counts, findings)
 
 

@@ -5,6 +5,8 @@ module          responsibility
 ==============  ==================================================================================
 `history_file`  the full torque histories of a start in a file beside the workbook: Parquet or NPZ
 `results_json`  results to JSON, and the errors of an input that could not be calculated
+`input_copy`    the copy of the inputs that a calculation leaves on a hidden sheet, with the
+                formulas that compare
 `workbook`      results into the cells the product owns: result tables, facts for live formulas,
                 chart data
 `recalculate`   one input file in, its results out: the same path for the command line and every

@@ -19,17 +19,21 @@ from addin.calculation.full_speed_words import shaft_speeds
 from addin.charts.data import accuracy_block, accuracy_title, chart_blocks
 from addin.charts.start_cycles import start_cycle_facts, start_cycle_rows
 from addin.contract import tables as fields
+from addin.contract.banner import CHANGED_NAME, CHANGED_WORDS
 from addin.contract.chart_tables import CHART_TABLES, HISTORIES, LABELS
 from addin.contract.charts import CHARTS, Label
 from addin.contract.digests import short_digest
+from addin.contract.input_copy import COPY_SHEET
 from addin.contract.run_facts import RUN_FACTS
 from addin.contract.sheet import plot_name, text_height
 from addin.contract.shown_cell import shown_cell
 from addin.contract.shown_units import ShownUnits, shown_units
 from addin.contract.tables import TableSpec
 from addin.contract.texts import NO_STUDY
+from addin.reading.workbook import read_workbook
 from addin.recorded.results import recorded_fact
 from addin.recorded.study_digests import stated_digests, twelve_digits
+from addin.writing.input_copy import input_copy
 from addin.xlsx import (
     SaveReport,
     Table,
@@ -55,6 +59,13 @@ ANALYSES = (
     "Start: linear start with all teeth in contact, on which the plan is based. Start "
     "with events: the same with the effects that sheet Effects shows as on. Errors "
     "are the change of the results from step h to h/2."
+)
+
+
+#: What is said of a workbook that has lost the place of the copy.
+COPY_LOST = (
+    f"Tables of the hidden sheet {COPY_SHEET} are missing, so the banners cannot tell whether inputs were "
+    f"changed and say {CHANGED_WORDS}. Make a workbook that has them: torsionbook new NEW.xlsx --from FILE."
 )
 
 
@@ -155,6 +166,10 @@ def tables_to_write(
     blocks = chart_blocks(run.case, units, run, chosen)
     wanted = [*_result_blocks(run, units), _run_facts(run, stamp, units)]
     wanted += [TableData(table.name, blocks[table.name], table.columns) for table in CHART_TABLES]
+    copied = input_copy(read_workbook(workbook), stamp.sha256)
+    if not copied and CHANGED_NAME in workbook.defined_names:
+        problems = [*problems, COPY_LOST]
+    wanted += copied
     workbook.notes += problems
     return _present(workbook, wanted)
 

@@ -260,6 +260,10 @@ class _Refresh:
 
     def run(self) -> CacheReport:
         recalculated, reason = self._recalculate()
+        if recalculated is not None and (kept := self._with_values_to_keep(recalculated)):
+            again = self._calculated(self._areas(), kept.union(self.left_out))[0]
+            if again is not None:
+                recalculated, self.left_out = again, kept.union(self.left_out)
         suspects = set(self.affected) if recalculated is None else self._suspects(recalculated)
         for cell in self.affected:
             if recalculated is None or cell in suspects:
@@ -277,11 +281,33 @@ class _Refresh:
             reason,
         )
 
+    def _areas(self) -> set[tuple[str, Rect]] | None:
+        """What formulas read; None when some formula may read anything."""
+        areas = [self.reads(cell) for cell in self.everything]
+        return None if None in areas else {area for found in areas for area in found or ()}
+
+    def _with_values_to_keep(self, recalculated: _Recalculated) -> set[str]:
+        """Formulas with functions that the calculator does not know and values that no change has made old.
+
+        Their values stay, and what reads them can be calculated from these.
+        """
+        affected = {cell.text for cell in self.affected}
+        return {
+            cell.text
+            for cell in self.everything
+            if cell.text not in affected
+            and not parse_formula(cell.text).functions.isdisjoint(recalculated.unknown_functions)
+            and all(
+                self.workbook.sheet_part(cell.sheet).constant(*place) is not None
+                for place in self._places(cell)
+            )
+        }
+
     def _recalculate(self) -> tuple[_Recalculated | None, str]:
         """A recalculated copy of the whole, or else of the formulas of which is known what they read."""
         areas = [self.reads(cell) for cell in self.everything]
         known = {area for found in areas for area in found or ()}
-        recalculated, reason = self._calculated(None if None in areas else known)
+        recalculated, reason = self._calculated(self._areas())
         if recalculated is not None:
             return recalculated, reason
         # Formulas that may read anything need more tables than the calculator takes, or are what it refuses; and it
@@ -488,7 +514,8 @@ class _Recalculated:
         unknown = result["summary"].get("unknown_functions", ())
         names = {function["name"].upper() for function in unknown}
         bare_names = {name.rpartition(".")[2] for name in names}
-        self.doubtful_functions = names | bare_names | CHANGES_BY_ITSELF
+        self.unknown_functions = names | bare_names
+        self.doubtful_functions = self.unknown_functions | CHANGES_BY_ITSELF
 
     def sheet(self, name: str) -> SheetPart:
         """Recalculated sheet; the workbook's own when nothing came back differently."""

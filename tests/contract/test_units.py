@@ -13,6 +13,7 @@ from addin.contract.units import (
     USUAL,
     UnitError,
     UnitScale,
+    known_units,
     parse_unit,
 )
 
@@ -183,3 +184,10 @@ def test_from_si_undoes_to_si(unit):
     dimension = {"psi": "pressure", "rpm": "speed", "lbf*in": "torque", "%": "fraction"}[unit]
     scale = parse_unit(unit, dimension)
     assert scale.from_si(scale.to_si(12.34)) == pytest.approx(12.34, rel=1e-15)
+
+
+@pytest.mark.parametrize("dimension", [d for d, known in DIMENSIONS.items() if known.units])
+def test_units_known_by_name_are_those_that_are_read_and_all_of_the_drop_down(dimension):
+    known = known_units(dimension)
+    assert set(DIMENSIONS[dimension].units) <= set(known)
+    assert {unit: parse_unit(unit, dimension) for unit in known} == known

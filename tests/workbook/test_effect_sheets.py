@@ -298,8 +298,10 @@ def test_the_chart_draws_methods_apart_and_no_error_of_zero() -> None:
     linear = "newmark (linear train)"
     assert accuracy_block(STUDY) == [
         ["exponential: peak torques", 4.0, 0.1, "exponential: allowable starts", 4.0, 1.0,
-         f"{linear}: peak torques", 20.0, 0.2, f"{linear}: allowable starts", None, None],
-        [None, 8.0, 0.001, *[None] * 9],
+         f"{linear}: peak torques", 20.0, 0.2, f"{linear}: allowable starts", None, None,
+         *(cell for method in ("chosen", "alternative") for answer in ("peak torques", "allowable starts")
+           for cell in (f"{method}: {answer}", None, None))],
+        [None, 8.0, 0.001, *[None] * 21],
     ]  # fmt: skip
     (names,) = accuracy_block([])
     assert names[0] == "exponential: peak torques"

@@ -21,6 +21,7 @@ from engineers_workbook import (
 from lxml import etree
 from office_package import part_of_sheet
 
+from addin.contract.input_copy import COPY_TABLES
 from addin.contract.shipped import template_path
 from addin.contract.tables import RESULT_TABLES, WORKBOOK_TABLES
 from addin.reading.workbook import read_workbook
@@ -202,9 +203,10 @@ def _in_arrays(root: Any) -> set[str]:
 
 
 def _owned_cells(*paths: Path) -> dict[str, set[str]]:
-    """Cells of result, fact and chart tables in any of the workbooks, by sheet part."""
+    """Cells of result, fact and chart tables, and of the copy of the inputs, in any of the workbooks, by sheet part."""
     found: dict[str, set[str]] = {}
     owned = {s.name for s in (*RESULT_TABLES, *WORKBOOK_TABLES)} | {"RunFacts"}
+    owned |= {name for name, _ in COPY_TABLES}
     for path in paths:
         workbook = open_workbook(path, read_only=True)
         for name, table in workbook.tables.items():
