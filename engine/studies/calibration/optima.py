@@ -332,11 +332,12 @@ def _optima(target: _Target, rows: Sequence[Reading], solution: Solution) -> tup
     )
     by_number = np.array([first[a] if r.mode is None else r.mode for a, r in enumerate(rows)])
     frequency = target.fast.frequency(begin)[:, : target.number]
-    modes = []
-    for i, f in enumerate(frequency):
-        fixed = by_number if i % 2 else first
-        modes.append(_assigned(target, rows, f, fixed) if i else first)
-    z, value, modes = _least(target, begin, np.array(modes, dtype=np.int64).reshape(len(begin), -1))
+    taken = [
+        _assigned(target, rows, f, by_number if i % 2 else first) if i else first
+        for i, f in enumerate(frequency)
+    ]
+    modes = np.array(taken, dtype=np.int64).reshape(len(begin), -1)
+    z, value, modes = _least(target, begin, modes)
     # readings of no stated mode go to the nearest where the search ended, and it goes on
     frequency = target.fast.frequency(z)[:, : target.number]
     again = [_assigned(target, rows, f, m) for f, m in zip(frequency, modes, strict=True)]
@@ -443,13 +444,13 @@ def _sampled(target: _Target, optima: tuple[Optimum, ...], samples: int) -> Post
     bases = [
         np.linalg.qr(target.at(o.z[None], np.array([o.mode], dtype=np.int64))[1][0]) for o in optima
     ]
-    points, owner = [], []
+    points, owners = [], []
     for i, (optimum, (basis, triangle)) in enumerate(zip(optima, bases, strict=True)):
         noise = _whitened(_normal(each, len(optimum.z), SEED + 1 + i))
         z = _solved(target, optimum, basis, triangle, noise)
         points.append(z)
-        owner.append(np.full(len(z), i))
-    z, owner = np.concatenate(points), np.concatenate(owner)
+        owners.append(np.full(len(z), i))
+    z, owner = np.concatenate(points), np.concatenate(owners)
     log_weight = np.full(len(z), -math.inf)
     for mode in dict.fromkeys(o.mode for o in optima):
         mine = [i for i, o in enumerate(optima) if o.mode == mode]
@@ -493,4 +494,5 @@ def _solved(
         miss[ok], off[ok] = new_miss[better], new_off[better]
         length[going] = np.where(better, np.minimum(2.0 * length[going], 1.0), 0.25 * length[going])
         going = going[(off[going] > SOLVED) & (length[going] > 1e-4)]
-    return z[off <= SOLVED]
+    solved = z[off <= SOLVED]
+    return np.asarray(solved if len(solved) else optimum.z[None])
