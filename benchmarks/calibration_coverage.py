@@ -225,10 +225,12 @@ def answer(task: tuple[str, str, int]) -> dict[str, float]:
     return {k: float(v) for k, v in STUDIES[study](name, number).items()}
 
 
-def results(study: str, numbers: Iterable[int], processes: int) -> Iterator[tuple[str, Any]]:
-    """Class by class, the sums over its trials."""
+def results(
+    study: str, classes: Iterable[str], numbers: Iterable[int], processes: int
+) -> Iterator[tuple[str, Any]]:
+    """Class by class, what was counted in each trial."""
     with multiprocessing.get_context("fork").Pool(processes) as pool:
-        for name in CLASSES:
+        for name in classes:
             rows = pool.map(answer, [(study, name, number) for number in numbers], chunksize=4)
             yield name, {key: np.array([row[key] for row in rows]) for key in rows[0]}
 
@@ -279,12 +281,14 @@ def main() -> None:
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("--study", choices=STUDIES, action="append")
+    parser.add_argument("--class", dest="classes", choices=CLASSES, action="append")
     asked = parser.parse_args()
     for study in asked.study or STUDIES:
         cases = asked.cases if study == "coverage" else max(asked.cases // 5, 1)
         heading = HEADINGS[study]
         print(f"\n{heading}\n|{'---|' * (heading.count('|') - 1)}", flush=True)
-        for name, found in results(study, range(asked.first, asked.first + cases), asked.processes):
+        numbers, classes = range(asked.first, asked.first + cases), asked.classes or CLASSES
+        for name, found in results(study, classes, numbers, asked.processes):
             print(line(study, name, found), flush=True)
 
 

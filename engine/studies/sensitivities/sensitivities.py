@@ -3,8 +3,9 @@
 Frequencies: from the energies of the modes (`engine.model.frequency_derivatives`).
 
 Starts: every quantity is changed by ± 0.02 % and ± 0.01 %, one at a time, all steps of the calculation
-fixed. Richardson's extrapolation of the two central differences is the derivative, the difference
-of the two its error. The result of runs at ± 1 % is given beside it: a peak depends on the phase in which
+fixed. Richardson's extrapolation of the two central differences is the derivative. Its error is the
+difference of the two, and where there is a tangent the difference from that as well: the differences
+carry the step's error in the phase, which two of them at one step cannot show. The result of runs at ± 1 % is given beside it: a peak depends on the phase in which
 the pulsation meets a mode, which a change of inertia or torque turns by more than a whole cycle per
 cent, so a derivative may hold for a small part of that only. A linear start is differentiated a second, independent way, by its tangent
 (`engine.studies.sensitivities.linear_start`), and the two are compared. The allowable starts follow from the turning points:
@@ -90,6 +91,21 @@ class Derivatives:
     #: Largest difference of the two ways over the largest derivative of the answer. [1]
     largest_difference: float | None
     sentences: tuple[str, ...]  #: What a reader must know.
+
+    @property
+    def stated_peak_errors(self) -> Floats:
+        """Errors of peaks as they are reported, those of the step included. [1] Shape as `peaks`."""
+        return _with_step(self.peaks, self.peak_errors, self.tangent and self.tangent.peak)
+
+    @property
+    def stated_starts_errors(self) -> Floats:
+        """Likewise of starts. [1] Shape as `all_starts`."""
+        return _with_step(self.all_starts, self.starts_errors, self.tangent and self.tangent.starts)
+
+
+def _with_step(own: Floats, error: Floats, other: Floats | None) -> Floats:
+    """Error of the differences, and of the step where the tangent shows it."""
+    return error if other is None else np.asarray(error + np.abs(own - other))
 
 
 # --- together -------------------------------------------------------------------------------------
@@ -201,6 +217,10 @@ class _Answer:
     other: Floats | None  #: By the tangent; None without one. [1] Shape (n_parameters,).
     edge: bool = False  #: Whether cycles come and go at the endurance limit.
 
+    def stated_error(self, i: int) -> float:
+        """Error as it is reported."""
+        return float(_with_step(self.own, self.error, self.other)[i])
+
     def is_doubtful(self, i: int) -> bool:
         """Whether the two differences are too far apart to be called a derivative."""
         largest = float(np.max(np.abs(self.own)))
@@ -258,7 +278,7 @@ def _rows(
             continue
         values: dict[str, Any] = {}
         for a in answers:
-            values |= {a.name: float(a.own[i]), f"{a.name}_error": float(a.error[i])}
+            values |= {a.name: float(a.own[i]), f"{a.name}_error": a.stated_error(i)}
             values[f"{a.name}_ends"] = _ends(a.ends[i])
         method = BY_DIFFERENCES if answers[0].other is None else BOTH
         note = " ".join(words for a in answers for words in a.notes(i))
@@ -289,7 +309,7 @@ def _sentences(
         yield (
             f"{len(plan.parameters)} quantities. Each derivative comes from differences over "
             f"± {100 * WIDE:g} % and ± {100 * NARROW:g} %, and its error is the difference of the "
-            f"two; runs at ± {100 * WHOLE:g} % show how far it holds."
+            f"two{', plus that from the tangent' if tangent is not None else ''}; runs at ± {100 * WHOLE:g} % show how far it holds."
         )
         if tangent is not None and worst is not None:
             yield (

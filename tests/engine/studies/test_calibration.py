@@ -11,6 +11,7 @@ import pytest
 from scipy.optimize import minimize
 from scipy.stats import chi2, norm, truncnorm
 
+from benchmarks.calibration_coverage import CLASSES, coverage, noisy, wrong
 from engine.case.case import Case
 from engine.case.data import CaseData, ElementRow, StationRow
 from engine.case.study_inputs import MeasuredFrequencyRow, MeasuredPeakRow, ScatterRow, StudyInputs
@@ -18,6 +19,7 @@ from engine.run import at_speed
 from engine.studies.calibration.calibration import calibrate
 from engine.studies.calibration.inputs import calibration_problems, plan_calibration
 from engine.studies.calibration.least_squares import FrequencyModel, maximum_torques, unknowns_of
+from engine.studies.calibration.optima import FastFrequencies, quantiles
 from engine.studies.calibration.records import Calibration
 from engine.studies.calibration.tables import (
     frequency_rows,
@@ -25,7 +27,7 @@ from engine.studies.calibration.tables import (
     measurement_rows,
     parameter_rows,
 )
-from engine.studies.scatter import factors_of
+from engine.studies.scatter import Factor, factors_of
 from engine.studies.variation import Change, varied_case
 from tests.sample_case import sample_case
 
@@ -606,3 +608,129 @@ def test_rows_are_plain_and_finite(case: Case, frequencies: np.ndarray) -> None:
                 assert value is None or type(value) in (str, bool, int, float), key
                 assert not isinstance(value, float) or math.isfinite(value), key
     assert pickle.loads(pickle.dumps(found)).sentence == found.sentence
+
+
+# --- several solutions, and what cannot be judged -------------------------------------------------
+
+
+def mirrored_chain() -> Case:
+    """Five inertias and four springs that are their own mirror image."""
+    return chain(1e5, 3e5, 3e5, 1e5, inertia=(4.0, 1.0, 2.0, 1.0, 4.0))
+
+
+def test_the_mirror_image_of_a_symmetric_train_is_a_solution_of_its_own() -> None:
+    """One end 12 % stiffer, the other 10 % softer: the frequencies are those of the train turned round."""
+    case = mirrored_chain()
+    true = varied_case(case, [Change("stiffness", "K0", 1.12), Change("stiffness", "K3", 0.9)])
+    scatter = (ScatterRow(None, "stiffness", "normal", 0.08),)
+    rows = (M(i + 1, f, 1e-3) for i, f in enumerate(elastic(true)))
+    found = calibrate(case, asked(*rows, scatter=scatter))
+    change = {
+        (s.solution, s.name): s for s in found.solutions if s.name in ("K0", "K3")
+    }  # both solutions, both ends
+    for a, b in (("K0", "K3"), ("K3", "K0")):
+        assert change[1, a].change == pytest.approx(change[2, b].change, abs=0.01)
+    assert change[1, "K0"].probability == pytest.approx(0.5, abs=0.1)
+    assert change[1, "K0"].misfit == pytest.approx(change[2, "K0"].misfit, abs=1e-3)
+    assert "left and right end cannot be told apart by these measurements" in found.sentence
+    assert "K0 and K3" in change[2, "K0"].note
+    for p in found.parameters:
+        if p.name in ("K0", "K3"):
+            assert p.determined != "determined"
+            assert p.change_low < -0.08 < 0.1 < p.change_high
+
+
+def test_one_solution_has_no_table() -> None:
+    case = chain(1e5, 3e5)
+    scatter = (ScatterRow(None, "stiffness", "normal", 0.05),)
+    rows = (M(None, f, 1e-3) for f in elastic(case))
+    assert calibrate(case, asked(*rows, scatter=scatter)).solutions == ()
+
+
+@pytest.mark.parametrize("times", [1.0, 10.0])
+def test_noise_cannot_be_judged_without_redundancy(
+    case: Case, frequencies: np.ndarray, times: float
+) -> None:
+    """Three modes to 0.2 %, ten stiffnesses: noise is taken up by changes, also ten times as large."""
+    noise = 1.0 + times * 0.002 * np.array([1.0, -0.6, 0.4])
+    rows = (M(i + 1, f, 0.002) for i, f in enumerate(noise * frequencies[:3]))
+    found = calibrate(case, asked(*rows))
+    assert "The misfit cannot be judged" in found.sentence
+    assert found.explained is None
+    assert all(p.determined != "determined" for p in found.parameters)
+    together = (ScatterRow(None, "stiffness", "normal", 0.1, together="together"),)
+    rows = (M(i + 1, f, 0.002) for i, f in enumerate(noise * frequencies[:3]))
+    judged = calibrate(case, asked(*rows, scatter=together))
+    assert "cannot be judged" not in judged.sentence
+    assert judged.explained is (times == 1.0)
+
+
+@pytest.mark.parametrize(
+    "factor",
+    [
+        Factor("stiffness", ("A",), "normal", 0.2),
+        Factor("stiffness", ("A",), "uniform", 0.2, 0.8, 1.2),
+        Factor("stiffness", ("A",), "triangular", 0.3),
+        Factor("stiffness", ("A",), "from-to", 0.0, 0.8, 1.1),
+    ],
+    ids=lambda f: f.distribution,
+)
+def test_unknowns_have_the_distributions_of_scatter(factor: Factor) -> None:
+    unknowns, z = unknowns_of((factor,)), np.linspace(-4.0, 4.0, 33)[:, None]
+    value, slope = unknowns.factor_and_slope(z)
+    assert value[:, 0] == pytest.approx(factor.at(norm.cdf(z[:, 0])), rel=1e-12)
+    h = 1e-5
+    up, down = (np.log(unknowns.factor(z + s * h)) for s in (1, -1))
+    assert slope == pytest.approx((up - down) / (2.0 * h), abs=1e-6)
+
+
+def test_many_trains_at_once_have_the_frequencies_of_each(case: Case) -> None:
+    """Also of a divided shaft with inertia of its own, of inertias and of a common factor."""
+    i = next(k for k, e in enumerate(case.elements) if e.kind == "shaft")
+    shaft = replace(
+        case.elements[i], stiffness=None, od=0.3, length=1.0, shear_modulus=8e10, density=7850.0
+    )
+    base = Case(**(vars(case) | {"elements": (*case.elements[:i], shaft, *case.elements[i + 1 :])}))
+    rows = (
+        ScatterRow(None, "stiffness", "normal", 0.1),
+        ScatterRow(None, "inertia", "normal", 0.1, together="together"),
+    )
+    model = FrequencyModel(base, unknowns_of(factors_of(base, rows)))
+    fast, n = FastFrequencies(model), model.unknowns.number
+    z = np.random.default_rng(3).normal(size=(4, n))
+    frequency, gradient = fast.at(z, 5)
+    for k, point in enumerate(z):
+        state = model.at(point)
+        assert fast.frequency(z)[k] == pytest.approx(state.frequency, rel=1e-9)
+        assert frequency[k] == pytest.approx(state.frequency[:5], rel=1e-9)
+        exact = (model.gradient(state) * model.unknowns.factor_and_slope(point)[1])[:5]
+        np.testing.assert_allclose(gradient[k], exact, atol=1e-9)
+
+
+def test_quantiles_of_weighted_samples() -> None:
+    values, weight = np.array([3.0, 1.0, 2.0]), np.array([1.0, 1.0, 2.0])
+    assert quantiles(values, weight, (0.125, 0.5, 0.875)) == pytest.approx([1.0, 2.0, 3.0])
+
+
+# --- a sample of the study of coverage (make calibration-study) ------------------------------------
+
+
+@pytest.mark.parametrize("name", CLASSES)
+def test_intervals_hold_the_truth_in_a_sample_of_the_study(name: str) -> None:
+    """The record has 1,000 trials of each class; of these few the share may err by 6 points."""
+    counted = [coverage(name, number) for number in range(12)]
+    share = sum(c["held"] for c in counted) / sum(c["rows"] for c in counted)
+    assert 0.87 <= share
+
+
+def test_a_wrong_measurement_is_named_in_a_sample_of_the_study() -> None:
+    counted = [wrong(name, number) for name in CLASSES for number in range(3)]
+    assert all(c["named"] and c["contradicted"] and not c["explained"] for c in counted)
+
+
+def test_tenfold_noise_is_never_explained_in_a_sample_of_the_study() -> None:
+    counted = [noisy(name, number) for name in CLASSES for number in range(3)]
+    for c in counted:
+        if c["more unknowns"]:
+            assert c["said"]
+            assert not c["explained"]
