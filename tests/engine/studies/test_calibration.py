@@ -659,6 +659,7 @@ def test_noise_cannot_be_judged_without_redundancy(
     assert found.explained is None
     assert all(p.determined != "determined" for p in found.parameters)
     together = (ScatterRow(None, "stiffness", "normal", 0.1, together="together"),)
+    noise = 1.0 + times * 0.001 * np.array([1.0, -0.6, 0.4])  # one factor cannot follow it
     rows = (M(i + 1, f, 0.001) for i, f in enumerate(noise * frequencies[:3]))
     judged = calibrate(case, asked(*rows, scatter=together))
     assert "cannot be judged" not in judged.sentence
