@@ -525,7 +525,7 @@ class Solution:
 
     @property
     def own_reduction(self) -> Floats:
-        """Share of each prior variance that the measurements take away by themselves.
+        """Share of each prior variance that the measurements take away by themselves. [1]
 
         That is, were all other quantities `WIDER` times as uncertain as table `Scatter` says.
         """
