@@ -281,7 +281,7 @@ _RESULTS: tuple[TableSpec, ...] = (
     table(
         "CalibratedParameters", sheet="Calibration", caption="Uncertain quantities",
         help="Smallest change of the uncertain inputs that explains the measurements.",
-        row_name=("Quantity", "Name"), changes_shown=("Change",), room=14,
+        row_name=("Quantity", "Name"), changes_shown=("Change",),
         json_only=(
             number("before", "count", "Value in the case. [SI]"),
             number("after", "count", "Calibrated value. [SI]"),
@@ -360,7 +360,7 @@ _RESULTS: tuple[TableSpec, ...] = (
         ),
     ),
     table(
-        "CalibrationSolutions", sheet="Calibration", caption="Solutions, where there are several",
+        "CalibrationSolutions", sheet="Calibration solutions", caption="Solutions, where there are several",
         help="Every train that explains the measurements, such as mirror images; blank = one only.",
         row_name=("Solution", "Quantity", "Name"),
         columns=(
@@ -397,13 +397,13 @@ _RESULTS: tuple[TableSpec, ...] = (
             ),
             sentence(
                 "Note", "How it differs from the first.", "The difference in words", _METHOD,
-                of_row=("CalibrationSolutions.Solution",), width=22.0,
+                of_row=("CalibrationSolutions.Solution",), width=60.0,
             ),
         ),
     ),
 )  # fmt: skip
 
-_FREQUENCY_FIT, _PEAK_FIT, _MODES, _MARGINS, _PARAMETERS, _ = _RESULTS
+_FREQUENCY_FIT, _PEAK_FIT, _MODES, _MARGINS, *_ = _RESULTS
 
 _CHART_ROWS = 17
 _PEAKS_AT = _FREQUENCY_FIT.below(7)
@@ -411,7 +411,6 @@ _FITS_AT = _PEAK_FIT.below(_PEAKS_AT)
 _MODES_AT = _FITS_AT + _CHART_ROWS
 _MARGINS_AT = _MODES.below(_MODES_AT)
 _PARAMETERS_AT = _MARGINS.below(_MARGINS_AT)
-_SOLUTIONS_AT = _PARAMETERS.below(_PARAMETERS_AT)
 
 _SHEETS: tuple[Sheet, ...] = (
     Sheet(
@@ -433,7 +432,6 @@ _SHEETS: tuple[Sheet, ...] = (
             "CalibratedFrequencies": f"B{_MODES_AT}",
             "CalibratedMargins": f"B{_MARGINS_AT}",
             "CalibratedParameters": f"B{_PARAMETERS_AT}",
-            "CalibrationSolutions": f"B{_SOLUTIONS_AT}",
         },
         (
             ChartAt("fit", f"B{_FITS_AT}", 460, 320),
@@ -444,6 +442,16 @@ _SHEETS: tuple[Sheet, ...] = (
         side=0.25,
         intro="Smallest change of the uncertain inputs (sheet Tolerances) that explains the "
         "measurements: torsionbook calibrate FILE.",
+    ),
+    Sheet(
+        "Calibration solutions",
+        "result",
+        {"A": 1.5, "B": 22, "C:I": 11, "J": 60},
+        {"CalibrationSolutions": "B7"},
+        freeze="A10",
+        side=0.25,
+        intro="Every train that explains the measurements, where there are several. Written by torsionbook "
+        "calibrate FILE.",
     ),
 )  # fmt: skip
 
