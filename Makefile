@@ -23,8 +23,11 @@ MINUTES := 10
 # More words for the lock: make lock LOCK="--upgrade"
 LOCK :=
 
+# Trials of each class, or trains: make calibration-study TRIALS=200
+TRIALS :=
+
 .DELETE_ON_ERROR:
-.PHONY: help demo test test-machines explore check format bench generated templates wheel smoke lock clean distclean moved
+.PHONY: help demo test test-machines explore check format bench calibration-study sensitivity-study generated templates wheel smoke lock clean distclean moved
 
 help:
 	@echo "make demo           recalculate two example workbooks into build/demo"
@@ -34,6 +37,8 @@ help:
 	@echo "make check          style, formatting and types"
 	@echo "make format         put the formatting right"
 	@echo "make bench          time and accuracy, side by side with other programs"
+	@echo "make calibration-study  how often the intervals of a calibration hold the truth (TRIALS=1000)"
+	@echo "make sensitivity-study  how often the stated errors of sensitivities hold (TRIALS=100)"
 	@echo "make templates      rebuild the workbooks in templates/"
 	@echo "make wheel          build the wheel into build/dist"
 	@echo "make smoke          install that wheel outside the checkout and use it"
@@ -68,6 +73,12 @@ format: $(DEV_READY)
 
 bench: $(DEV_READY)
 	$(PY) -m benchmarks
+
+calibration-study: $(DEV_READY)
+	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(PY) -m benchmarks.calibration_coverage $(TRIALS:%=--cases %)
+
+sensitivity-study: $(DEV_READY)
+	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(PY) -m benchmarks.sensitivity_errors $(TRIALS:%=--trains %)
 
 generated: $(RUN_READY)
 	$(PY) scripts/generated.py

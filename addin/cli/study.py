@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext
 from pathlib import Path
 from typing import Annotated, Any
@@ -34,11 +34,11 @@ from addin.contract.problems import printable
 from addin.contract.version import product_version
 from addin.reading.one_file import file_problem
 from addin.studies.registry import study_of_command
-from addin.studies.run_study import StudyFiles, study_one
+from addin.studies.run_study import StudyFiles, part_of_study, study_one
 from addin.studies.study import Option, Study, StudyResult
 from addin.workers.cluster import ClusterRefused
 from addin.workers.opened_map import open_parallel_map
-from addin.workers.parallel_map import Cancelled, UnitLost
+from addin.workers.parallel_map import Cancelled, UnitLost, serial_map
 from addin.workers.stop import Abandoned, Stop, Stopped
 
 
@@ -54,7 +54,10 @@ def study_command(name: str) -> Callable[..., None]:
         "out": (OutOption, None),
         "in_place": (InPlaceOption, False),
         "json": (JsonOption, None),
-        **{option.name: (_annotation(option), option.default) for option in study.options},
+        **{
+            option.name: (_annotation(option), None if option.file_endings else option.default)
+            for option in study.options
+        },
         "ignore_lock": (IgnoreLockOption, False),
     }
     if not study.measures_time:
@@ -75,6 +78,12 @@ def study_command(name: str) -> Callable[..., None]:
 def _annotation(option: Option) -> Any:
     """An option as typer takes it."""
     kind: Any = option.kind if option.default is not None else option.kind | None
+    if option.file_endings:  # a number and a file, in any order: read by `_number_and_file`
+        declared = typer.Option(
+            f"--{option.name}", help=f"{option.help} [default: {option.default}]",
+            metavar=option.metavar, show_default=False,
+        )  # fmt: skip
+        return Annotated[list[str] | None, declared]
     declared = typer.Option(
         f"--{option.name}",
         help=option.help,
@@ -96,11 +105,16 @@ def _run(study: Study, file: Path, given: Mapping[str, Any]) -> None:
         written; everything has been said.
     """
     options = {option.name: given[option.name] for option in study.options}
+    for option in study.options:
+        if option.file_endings:
+            options |= _number_and_file(option, given[option.name] or ())
     _check_options(study, file, options)
     settings = {option.name: options[option.name] for option in study.options if option.is_setting}
     destination, json_file = study_targets(
         file, study.command, given["out"], given["json"], given["in_place"]
     )
+    if _asks_for_part(study, file, settings, options):
+        return
     files = StudyFiles(destination, given["in_place"], json_file, given["ignore_lock"])
     stop = Stop()
 
@@ -141,16 +155,59 @@ def _run(study: Study, file: Path, given: Mapping[str, Any]) -> None:
         raise typer.Exit(INTERRUPTED)
 
 
+def _asks_for_part(
+    study: Study, file: Path, settings: Mapping[str, Any], options: Mapping[str, Any]
+) -> bool:
+    """Whether one part alone was asked for; it has then been calculated, shown and written."""
+    if not any(options[name] is not None for name in study.part_options):
+        return False
+    part, problems = part_of_study(study, file, serial_map(), settings, options)
+    if part is None:
+        list_problems(file, problems, False)
+        raise typer.Exit(WRONG_INPUT)
+    print_table((("Quantity", "name"), ("Value", "text")), part.rows)
+    typer.echo(printable(part.sentence))
+    try:
+        print_written(part.save())
+    except OSError as wrong:
+        place = Path(wrong.filename) if isinstance(wrong.filename, str) else file
+        raise failed(file_problem(place, wrong).message) from wrong
+    return True
+
+
+def _number_and_file(option: Option, words: Sequence[str]) -> dict[str, Any]:
+    """What was typed for an option that takes a number, a file, or one of each."""
+    found: dict[str, Any] = {}
+    for word in words:
+        number = word.strip().lstrip("+-").isdigit()
+        name = option.name if number else f"{option.name}_file"
+        if name in found:
+            what = "number" if number else "file"
+            raise typer.BadParameter(f"--{option.name} is given two {what}s; give one.")
+        found[name] = int(word) if number else Path(word)
+    count = found.setdefault(option.name, option.default)
+    if not (option.least or 0) <= count <= (option.most or count):
+        raise typer.BadParameter(f"--{option.name} is {count}; it must be {option.allowed}.")
+    found.setdefault(f"{option.name}_file", None)
+    return found
+
+
 def _check_options(study: Study, file: Path, options: Mapping[str, Any]) -> None:
     """Refuse what no option may be, before the work that would be lost."""
     for option in study.options:
-        value = options[option.name]
+        value, path = options[option.name], options.get(f"{option.name}_file")
+        if path is not None:
+            if path.resolve() == file.resolve():
+                raise typer.BadParameter(f"--{option.name} would overwrite the input.")
+            refuse_no_json(path, " or ".join(option.file_endings))
         if option.words:
             check_choice(f"--{option.name}", value, option.words)
         elif option.kind is Path and value is not None:
             if value.resolve() == file.resolve():
                 raise typer.BadParameter(f"--{option.name} would overwrite the input.")
             (refuse_no_folder if option.metavar == "FOLDER" else refuse_no_json)(value)
+    if sentence := study.refusal(options):
+        raise typer.BadParameter(sentence)
 
 
 def _show(study: Study, result: StudyResult, options: Mapping[str, Any]) -> None:

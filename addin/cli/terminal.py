@@ -62,10 +62,10 @@ def refuse_no_place(target: Path) -> None:
     refuse_no_folder(target.parent)
 
 
-def refuse_no_json(target: Path) -> None:
-    """As `refuse_no_place`, of a JSON that would replace a workbook or a document too."""
+def refuse_no_json(target: Path, ending: str = ".json") -> None:
+    """As `refuse_no_place`, of a JSON (or other data) that would replace a workbook or a document too."""
     if target.suffix.lower() in WORKBOOK_ENDINGS:
-        raise typer.BadParameter(f"{target} is the name of a workbook; end it in .json.")
+        raise typer.BadParameter(f"{target} is the name of a workbook; end it in {ending}.")
     refuse_no_place(target)
     if target.is_file() and _is_office_file(target):
         raise typer.BadParameter(f"{target} is a workbook or a document. Choose another name.")

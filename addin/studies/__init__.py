@@ -9,6 +9,7 @@ module           responsibility
 `study`          what a study is: its check, its calculation, options and what it shows
 `accuracy`       what accuracy costs in time: error against processor time
 `calibration`    measured frequencies and peak torques: its starts and its rows
+`raw_samples`    raw samples as a file, CSV or Parquet
 `registry`       every study, found in this folder, and what is wrong with the rows of all of them
 `run_study`      one input through a study: read, check, calculate, write
 `sensitivities`  what a small change of each input does

@@ -19,6 +19,7 @@ from engine.studies.calibration.tables import (
     margin_rows,
     measurement_rows,
     parameter_rows,
+    solution_rows,
 )
 
 
@@ -39,6 +40,7 @@ def _calculate(task: StudyTask) -> StudyResult:
             "CalibratedFrequencies": frequency_rows(calibration),
             "CalibratedMargins": margin_rows(calibration),
             "CalibratedParameters": parameter_rows(calibration),
+            "CalibrationSolutions": solution_rows(calibration),
         },
         sentence=" ".join((calibration.sentence, calibration.basis_reason, *calibration.notes)),
         digest=calibration.study_sha256,

@@ -19,7 +19,7 @@ from addin.reading.one_file import WORKBOOK_ENDINGS, Unreadable, file_problem, r
 from addin.reading.typed_case import CaseInput
 from addin.reading.workbook import WorkbookInput
 from addin.recorded.studies import rows_digest
-from addin.studies.study import Study, StudyResult, StudyTask
+from addin.studies.study import Study, StudyPart, StudyResult, StudyTask
 from addin.workers.parallel_map import ParallelMap
 from addin.writing.recalculate import case_problems
 from addin.writing.results_json import table_rows
@@ -120,6 +120,49 @@ def study_one(
         problem = file_problem(source, failed)
         return StudyOutcome(source, None, (problem,), tuple(warnings), tuple(written))
     return StudyOutcome(source, result, (), tuple(warnings), tuple(written))
+
+
+def part_of_study(
+    study: Study,
+    source: Path,
+    parallel_map: ParallelMap,
+    settings: Mapping[str, Any],
+    options: Mapping[str, Any],
+) -> tuple[StudyPart | None, tuple[CellProblem, ...]]:
+    """One part of a study alone, where the options ask for one.
+
+    Parameters
+    ----------
+    study : Study
+        What is asked.
+    source : Path
+        Workbook or case JSON. [path]
+    parallel_map : ParallelMap
+        Where units of work are done.
+    settings, options : mapping
+        Of the command line: those that change what is calculated, and all. [names and values]
+
+    Returns
+    -------
+    part : StudyPart or None
+        None if none is asked for, or something is wrong. [SI]
+    problems : tuple of CellProblem
+        Everything wrong. [problems]
+    """
+    read = read_checked(source)
+    if isinstance(read, Unreadable):
+        return None, read.problems
+    inputs = StudyInputs() if read.studies is None else read.studies.inputs
+    if unread := _unread(study, read):
+        return None, unread
+    try:
+        case = read.case()
+        if problems := study.check(case, inputs):
+            return None, _in_cells(read, study, problems)
+        task = StudyTask(case, inputs, settings, parallel_map, lambda stage: None)
+        return study.part(task, options), ()
+    except (CaseError, ModelError) as refused:
+        return None, case_problems(refused)
 
 
 def calculate_study(

@@ -49,6 +49,16 @@ class StudyResult:
 
 
 @dataclass(frozen=True)
+class StudyPart:
+    """One part of a study, calculated alone."""
+
+    sentence: str  #: What it is.
+    rows: tuple[tuple[str, str], ...]  #: Names and values for the terminal.
+    #: Writes its files and says which.
+    save: Callable[[], Iterable[Path]] = lambda: ()
+
+
+@dataclass(frozen=True)
 class StudyTask:
     """What one study is asked, and where its units of work are done."""
 
@@ -93,6 +103,9 @@ class Option:
     most: int | None = None  #: Largest whole number.
     words: tuple[str, ...] = ()  #: What a text may be.
     metavar: str | None = None  #: What its value is called.
+    #: Endings of a file that may be named instead of, or beside, its number; it is kept under the name of the
+    #: option and ``_file``.
+    file_endings: tuple[str, ...] = ()
     #: Whether it changes what is calculated; other options are for the terminal and further files.
     is_setting: bool = True
 
@@ -127,6 +140,12 @@ class Study:
     save: Callable[[StudyResult, Mapping[str, Any], Path], Iterable[Path]] = (
         lambda result, options, source: ()
     )
+    #: Why further files cannot be written as the options name them; empty where they can.
+    refusal: Callable[[Mapping[str, Any]], str] = lambda options: ""
+    #: Task, options → sentences and further files of one part calculated alone, instead of the
+    #: study, where the options ask for one; else None.
+    part: Callable[[StudyTask, Mapping[str, Any]], StudyPart | None] = lambda task, options: None
+    part_options: tuple[str, ...] = ()  #: Options that ask for one.
     #: Whether it measures times: it then has this process, and no other runs beside it.
     measures_time: bool = False
     #: Input, destination, `StudyResult` and whether locks are ignored → sentences, where it has no

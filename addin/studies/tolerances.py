@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import accumulate
+from pathlib import Path
+from typing import Any
 
 from addin.contract.studies.tolerances import TOLERANCES as TOLERANCES_SPEC
 from addin.contract.study_spec import CUT_SHORT
-from addin.studies.study import CutShort, Option, Study, StudyResult, StudyTask
+from addin.reading.case_json import case_to_json
+from addin.studies.raw_samples import SAMPLE_ENDINGS, samples_refusal, write_samples
+from addin.studies.study import CutShort, Option, Study, StudyPart, StudyResult, StudyTask
 from addin.workers.parallel_map import Cancelled
+from addin.xlsx.whole_files import write_json
 from engine.case.case import Case
 from engine.case.study_inputs import StudyInputs
 from engine.errors import Problem
 from engine.numerics.sample_statistics import FEWEST_SAMPLES
-from engine.studies.scatter import scatter_problems
+from engine.studies.scatter import sample_size, scatter_problems
+from engine.studies.tolerances.raw_samples import raw_samples, sample_again
 from engine.studies.tolerances.sample import ToleranceSettings, evaluate, plan_tolerances, units_of
 from engine.studies.tolerances.tables import tolerance_details, tolerance_tables
 from engine.studies.tolerances.tolerances import Tolerances, summarise_sample
@@ -98,13 +104,64 @@ def _number(value: float) -> str:
     return "unlimited" if value == float("inf") else f"{float(f'{value:.3g}'):,g}"
 
 
+def _refusal(options: Mapping[str, Any]) -> str:
+    """Why a file of samples, or one sample, cannot be."""
+    path, only, case = options["samples_file"], options["only"], options["case"]
+    drawn = sample_size(options["samples"], options["method"])
+    if only is not None and only > drawn:
+        return (
+            f"--only is {only}, but {drawn:,} samples are drawn. Give a number from 1 to {drawn:,}."
+        )
+    if case is not None and only is None:
+        return "--case writes the case of one sample; say which with --only."
+    if path is not None and case is not None and path.resolve() == case.resolve():
+        return f"--samples and --case would both be written to {path}."
+    return "" if path is None else samples_refusal(path)
+
+
+def _part(task: StudyTask, options: Mapping[str, Any]) -> StudyPart | None:
+    """One sample again, to the same bits."""
+    number = options["only"]
+    if number is None:
+        return None
+    settings = ToleranceSettings(**task.settings)
+    samples, case = sample_again(task.case, task.inputs.scatter, settings, number)
+    values = (
+        "–" if v is None else repr(v) if isinstance(v, float) else str(v) for v in samples.rows[0]
+    )
+
+    def save() -> Iterator[Path]:
+        if (path := options["samples_file"]) is not None:
+            write_samples(path, samples)
+            yield path
+        if (path := options["case"]) is not None:
+            write_json(path, case_to_json(case))
+            yield path
+
+    return StudyPart(
+        f"Sample {number} of {sample_size(settings.samples, settings.method):,}, calculated alone as in "
+        "the study.",
+        tuple(zip(samples.columns, values, strict=True)),
+        save,
+    )
+
+
+def _save(study: StudyResult, options: Mapping[str, Any], source: Path) -> Iterator[Path]:
+    """The raw samples."""
+    if (path := options["samples_file"]) is not None:
+        write_samples(path, raw_samples(study.result.plan, study.result.answers))
+        yield path
+
+
 _HELP = """\
 Calculate the scatter of frequencies, margins, peaks and allowable starts from that of the inputs.
 
 Samples trains from table Scatter and calculates each: percentiles with their intervals, the
 probability that each margin is kept and that StartsRequired is reached, and the main drivers.
+`--samples samples.csv` also writes every sample; `--only 17` calculates one of them again, to the
+same bits.
 
-Example: `torsionbook tolerances train.xlsx --samples 10000`"""
+Example: `torsionbook tolerances train.xlsx --samples 10000 --samples samples.csv`"""
 
 
 #: The study of ``torsionbook tolerances``.
@@ -114,7 +171,12 @@ TOLERANCES = Study(
     calculate=_calculate,
     help=_HELP,
     options=(
-        Option("samples", int, 1000, "Number of samples.", least=30, most=1_000_000),
+        Option(
+            "samples", int, 1000,
+            "Number of samples, and likewise a file for the raw samples (.csv or .parquet); may be "
+            "given twice.",
+            least=30, most=1_000_000, metavar="N|FILE", file_endings=SAMPLE_ENDINGS,
+        ),
         Option("seed", int, 1, "The same seed gives the same samples.", least=0),
         Option(
             "method", str, "lhs", "lhs (Latin hypercube) or sobol (Sobol sequence; number of samples rounded up to a "
@@ -126,5 +188,17 @@ TOLERANCES = Study(
             "Decide anew which effects to simulate for a sample whose torque reverses where that "
             "of the nominal run does not.",
         ),
+        Option(
+            "only", int, None, "Calculate this one of the samples again, and nothing else.", least=1,
+            is_setting=False,
+        ),
+        Option(
+            "case", Path, None, "With --only: write the case of the sample as JSON, for recalc.",
+            is_setting=False,
+        ),
     ),
+    save=_save,
+    refusal=_refusal,
+    part=_part,
+    part_options=("only",),
 )  # fmt: skip

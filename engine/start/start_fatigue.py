@@ -37,6 +37,8 @@ WHOLE_STARTS = frozenset(
 COUNTED_STARTS = WHOLE_STARTS | {Outcome.TRIPPED}
 #: Largest cycles compared between two steps to estimate the error of turning points.
 COMPARED_CYCLES = 50
+#: Cycles below this share of the largest add next to nothing to the damage on lines as steep as those of shafts.
+DAMAGING_SHARE = 0.5
 
 
 def is_counted(start: Start | None) -> bool:
@@ -256,10 +258,10 @@ def _cycle_difference(fine: Floats, coarse: Floats) -> float:
 
 
 def _relative_difference(fine: Floats, coarse: Floats) -> float:
-    """Largest relative change of one of the largest ranges between two steps. [1]"""
+    """Largest relative change of one of the ranges that damage between two steps. [1]"""
     a = np.sort(np.abs(np.diff(fine)))[::-1][:COMPARED_CYCLES]
     b = np.sort(np.abs(np.diff(coarse)))[::-1][:COMPARED_CYCLES]
-    n = min(len(a), len(b))
+    n = min(len(a), len(b), int(np.count_nonzero(a >= DAMAGING_SHARE * np.max(a, initial=0.0))))
     return float(np.max(np.abs(a[:n] - b[:n]) / np.where(a[:n] > 0.0, a[:n], np.inf), initial=0.0))
 
 

@@ -107,6 +107,14 @@ class Factor:
             return np.asarray(1.0 + self.spread * (2.0 * triang.ppf(u, 0.5) - 1.0))
         return np.asarray(1.0 + self.spread * truncnorm.ppf(u, -CUT, CUT))
 
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Least and largest factor. [1]"""
+        if self.distribution == FROM_TO:
+            return self.from_, self.to
+        width = self.spread * (CUT if self.distribution == NORMAL else 1.0)
+        return 1.0 - width, 1.0 + width
+
 
 # --- the table ------------------------------------------------------------------------------------
 

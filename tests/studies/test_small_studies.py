@@ -134,6 +134,7 @@ BLANK = {
     "StartsByVoltage": {"unloaded_stress", "unloaded_starts"},
     "StartMatrix": {"damping_ratio", "trip_speed", "impacts"},
     "CalibratedParameters": {"inertia", "calibrated_inertia"},
+    "FrequencyFit": {"explained"},  # fewer measurements than quantities
 }
 
 

@@ -25,6 +25,10 @@ from addin.contract.study_spec import StudySpec
 
 _METHOD = "docs/calibration.md"
 _MAP = "Tarantola, Inverse Problem Theory (2005), chapter 3; docs/calibration.md"
+_SAMPLES = (
+    "Bardsley et al., SIAM J. Sci. Comput. 36 (2014) A1895 (randomize-then-optimize); "
+    "docs/calibration.md"
+)
 _RAYLEIGH = (
     "Friswell & Mottershead, Finite Element Model Updating (1995), chapter 4; docs/calibration.md"
 )
@@ -44,7 +48,7 @@ _F = (
 _T = ("MeasuredPeaks.Element", "MeasuredPeaks.Maximum torque", "MeasuredPeaks.Uncertainty")
 _START = ("MotorTorque.Average", "MotorTorque.Pulsating", "LoadTorque.Torque", "DampingRatio")
 _ALL = (*_TRAIN, *_PRIOR, *_F, *_T)
-_LEAST = "least of Σ z² + Σ ((calculated − measured)/σ)², z = (ln p − μ)/σ_p"
+_LEAST = "least of Σ z² + Σ ((calculated − measured)/σ)², z = Φ⁻¹(F(p))"
 
 
 def _fit(
@@ -103,7 +107,9 @@ def _fit(
             of_row=(value,), of_case=_ALL,
         ),
         flag(
-            "Explained", "Whether a change within the spread explains it.",
+            "Explained",
+            "Whether a change within the spread explains it; blank = cannot be judged (not more "
+            "measurements than uncertain quantities).",
             "|left-out residual| ≤ 3", _METHOD, of_row=(f"{name}.Left-out residual",),
         ),
         sentence(
@@ -114,8 +120,8 @@ def _fit(
     return table(name, sheet="Calibration", columns=columns, **more)  # type: ignore[arg-type]
 
 
-_CHANGED = Trace(f"Case × e^(μ + σ z), {_LEAST}", _MAP, (), _ALL)
-_ENDS = "Change at ± 1.96 posterior deviations of ln p"
+_CHANGED = Trace(f"Case × p, p = F⁻¹(Φ(z)) of table Scatter, {_LEAST}", _MAP, (), _ALL)
+_ENDS = "2.5 % and 97.5 % quantile of the posterior, over all solutions"
 _LEAST_MARGIN = "|f − f_exc|/f_exc, the least over all excitations and continuous speeds"
 _REQUIRED = "20 % calculated, 10 % measured, or MarginRequired"
 _VERDICT = "As in SeparationMargins"
@@ -187,7 +193,7 @@ _RESULTS: tuple[TableSpec, ...] = (
             ),
             number(
                 "Posterior deviation", "fraction", "Standard deviation after calibration.",
-                "√(g C gᵀ), C = (I + JᵀJ)⁻¹", _MAP, of_case=_ALL,
+                "Standard deviation of ln f over the posterior samples", _SAMPLES, of_case=_ALL,
             ),
             number(
                 "Change", "fraction", "Frequency after / before − 1.", "After/before − 1", _METHOD,
@@ -309,14 +315,12 @@ _RESULTS: tuple[TableSpec, ...] = (
             ),
             number(
                 "Change low", "fraction", "Change at the lower end of its 95 % interval.", _ENDS,
-                _MAP,
-                of_row=("CalibratedParameters.Change", "CalibratedParameters.Posterior deviation"),
+                _SAMPLES, of_case=_ALL,
                 format=shown.TWO_DECIMALS,
             ),
             number(
                 "Change high", "fraction", "Change at the upper end of its 95 % interval.", _ENDS,
-                _MAP,
-                of_row=("CalibratedParameters.Change", "CalibratedParameters.Posterior deviation"),
+                _SAMPLES, of_case=_ALL,
                 format=shown.TWO_DECIMALS,
             ),
             number(
@@ -326,7 +330,7 @@ _RESULTS: tuple[TableSpec, ...] = (
             ),
             number(
                 "Posterior deviation", "fraction", "Standard deviation after calibration.",
-                "σ √C_jj, C = (I + JᵀJ)⁻¹", _MAP, of_case=_ALL,
+                "Standard deviation of the posterior samples over p", _SAMPLES, of_case=_ALL,
             ),
             sentence(
                 "Note", "Notes.", "Notes on the change, in words", _METHOD,
@@ -334,7 +338,8 @@ _RESULTS: tuple[TableSpec, ...] = (
             ),
             text(
                 "Determined", "determined (variance reduced by 3/4 or more), partly or not.",
-                "determined: variance reduced by 75 % or more; partly: by 10 % or more", _METHOD,
+                "determined: variance reduced by 75 % or more, also if the spreads of the other "
+                "quantities were ten times as large; partly: by 10 % or more", _METHOD,
                 of_row=("CalibratedParameters.Reduction",),
             ),
             number(
@@ -347,15 +352,58 @@ _RESULTS: tuple[TableSpec, ...] = (
                 format=shown.ONE_DECIMAL,
             ),
             number(
-                "Pull", "ratio", "Change, as a multiple of the prior standard deviation.", "z = (ln p − μ)/σ", _MAP,
+                "Pull", "ratio", "Change, as a multiple of the prior standard deviation.",
+                "z = Φ⁻¹(F(p)), F the distribution of table Scatter", _MAP,
                 of_row=("CalibratedParameters.Change", "CalibratedParameters.Prior deviation"),
                 format=shown.TWO_DECIMALS,
             ),
         ),
     ),
+    table(
+        "CalibrationSolutions", sheet="Calibration solutions", caption="Solutions, where there are several",
+        help="Every train that explains the measurements, such as mirror images; blank = one only.",
+        row_name=("Solution", "Quantity", "Name"),
+        columns=(
+            text(
+                "Name", "Element or station.", "As in CalibratedParameters", _METHOD,
+                of_row=("Scatter.Name",),
+            ),
+            text("Quantity", "Quantity calibrated.", "As typed", _METHOD, of_row=("Scatter.Quantity",)),
+            integer(
+                "Solution", "Counted from 1, the smallest misfit first.",
+                "Search from the prior's middle and 48 draws of it", _METHOD, of_case=_ALL,
+            ),
+            number(
+                "Misfit", "ratio", "Sum of squares of changes and residuals.", _LEAST, _MAP,
+                of_case=_ALL, format=shown.TWO_DECIMALS,
+            ),
+            number(
+                "Probability", "fraction", "Probability of the trains around this solution.",
+                "Weight of the posterior samples", _SAMPLES, of_case=_ALL, format=shown.ONE_DECIMAL,
+            ),
+            number(
+                "Change", "fraction", "Calibrated / case − 1 in this solution.", trace=_CHANGED,
+                format=shown.TWO_DECIMALS,
+            ),
+            number(
+                "Change low", "fraction", "Lower end of the 95 % interval around this solution.",
+                "2.5 % quantile of the samples around it", _SAMPLES, of_case=_ALL,
+                format=shown.TWO_DECIMALS,
+            ),
+            number(
+                "Change high", "fraction", "Upper end of the 95 % interval around this solution.",
+                "97.5 % quantile of the samples around it", _SAMPLES, of_case=_ALL,
+                format=shown.TWO_DECIMALS,
+            ),
+            sentence(
+                "Note", "How it differs from the first.", "The difference in words", _METHOD,
+                of_row=("CalibrationSolutions.Solution",), width=60.0,
+            ),
+        ),
+    ),
 )  # fmt: skip
 
-_FREQUENCY_FIT, _PEAK_FIT, _MODES, _MARGINS, _ = _RESULTS
+_FREQUENCY_FIT, _PEAK_FIT, _MODES, _MARGINS, *_ = _RESULTS
 
 _CHART_ROWS = 17
 _PEAKS_AT = _FREQUENCY_FIT.below(7)
@@ -395,6 +443,16 @@ _SHEETS: tuple[Sheet, ...] = (
         intro="Smallest change of the uncertain inputs (sheet Tolerances) that explains the "
         "measurements: torsionbook calibrate FILE.",
     ),
+    Sheet(
+        "Calibration solutions",
+        "result",
+        {"A": 1.5, "B": 22, "C:I": 11, "J": 60},
+        {"CalibrationSolutions": "B7"},
+        freeze="A10",
+        side=0.25,
+        intro="Every train that explains the measurements, where there are several. Written by torsionbook "
+        "calibrate FILE.",
+    ),
 )  # fmt: skip
 
 _CHARTS: tuple[ChartSpec, ...] = (
@@ -433,7 +491,11 @@ _DETAILS: Shape = {
     "chi_square": described("Sum of squares at the minimum.", NUMBER),
     "degrees": described("Measurements used.", COUNT),
     "probability": described("Probability that chance alone gives a misfit this large.", NUMBER),
-    "explained": described("Everything measured is explained.", FLAG),
+    "explained": described(
+        "Everything measured is explained; null = nothing contradicts it, but there are not more "
+        "measurements than uncertain quantities, so the misfit cannot be judged.",
+        {"type": ["boolean", "null"]},
+    ),
     "margin_basis": TEXT,
     "margin_basis_justified": FLAG,
     "margin_basis_reason": TEXT,

@@ -29,6 +29,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from engine.arrays import Floats
 from engine.case.case import Case
 from engine.case.data import CaseData
 from engine.case.study_inputs import StudyInputs, study_digest
@@ -47,16 +48,19 @@ from engine.studies.calibration.least_squares import (
     best_assignment,
     distances,
     match_modes_by_mac,
+    solution_at,
     solve,
     unknowns_of,
 )
+from engine.studies.calibration.optima import Posterior, exchanged, posterior_of, quantiles
 from engine.studies.calibration.records import (
     CalibratedFrequency,
     CalibratedParameter,
     Calibration,
+    CalibrationSolution,
     Measurement,
 )
-from engine.studies.scatter import FROM_TO, NORMAL, Factor
+from engine.studies.scatter import NORMAL, Factor
 from engine.studies.variation import nominal_value
 
 #: Share of the prior variance that measurements take away: from here on they determine a quantity,
@@ -72,8 +76,12 @@ ONLY_TOGETHER = 0.9
 SHOWN_MODES = 10
 #: An assignment whose rival fits almost as well: difference of S, two standard deviations. [1]
 AMBIGUOUS = 4.0
-#: 95 % of a normal distribution. [1]
-TWO_SIDED = 1.959964
+#: Ends of a 95 % interval. [1]
+ENDS = (0.025, 0.975)
+#: So near an end of its range, in widths, a change is at the end. [1]
+AT_END = 0.01
+#: A solution is better than another if its misfit is smaller by more. [1]
+BETTER = 1e-6
 
 
 # --- the calibration ------------------------------------------------------------------------------
@@ -109,8 +117,36 @@ def calibrate(
     if plan.peaks:
         peaks = PeakModel(case, unknowns, plan.peaks, each_start)
         solution = solve(model, plan.frequencies, solution.modes, peaks, solution.z)
-    estimate = _Estimate(case, plan, unknowns, model, solution, peaks)
+    posterior = posterior_of(model, plan.frequencies, solution)
+    best = posterior.optima[0]
+    if best.misfit < solution.least - BETTER:
+        taken = dict(zip(sorted(solution.modes), best.mode, strict=True))
+        solution, rivals = solution_at(model, plan.frequencies, best.z, taken), {}
+        if peaks is not None:
+            solution = solve(model, plan.frequencies, solution.modes, peaks, best.z)
+            posterior = posterior_of(model, plan.frequencies, solution)
+    rivals = _other_modes(model, plan.frequencies, solution, posterior, rivals)
+    estimate = _Estimate(case, plan, unknowns, model, solution, peaks, posterior)
     return estimate.result(studies, rivals)
+
+
+def _other_modes(
+    model: FrequencyModel,
+    readings: Sequence[Reading],
+    solution: Solution,
+    posterior: Posterior,
+    rivals: Rivals,
+) -> Rivals:
+    """Which other mode each reading could be, also in the other solutions."""
+    found, used = dict(rivals), sorted(solution.modes)
+    for optimum in posterior.optima[1:]:
+        taken = dict(zip(used, optimum.mode, strict=True))
+        other = solution_at(model, readings, optimum.z, taken)
+        worse = optimum.misfit - posterior.optima[0].misfit
+        for i, mode in solution.modes.items():
+            if other.modes[i] != mode and worse < found.get(i, (None, math.inf))[1]:
+                found[i] = (other.modes[i], worse)
+    return found
 
 
 class _Estimate:
@@ -124,15 +160,18 @@ class _Estimate:
         model: FrequencyModel,
         solution: Solution,
         peaks: PeakModel | None,
+        posterior: Posterior,
     ) -> None:
         self.case, self.plan, self.unknowns = case, plan, unknowns
         self.model, self.solution, self.peaks = model, solution, peaks
-        self.covariance = solution.covariance
+        self.covariance, self.samples = solution.covariance, posterior
+        self.factor, self.own_reduction = unknowns.factor(posterior.z), solution.own_reduction
+        #: Whether there are more measurements than unknowns: else no misfit can show.
+        self.judged = len(solution.residual) > unknowns.number
         self.prior = model.at(np.zeros(unknowns.number))
         order = match_modes_by_mac(model.base.vectors, self.prior.vectors)
-        self.prior_spread = np.linalg.norm(model.gradient(self.prior), axis=1)[order]
-        slope = model.gradient(solution.state)[solution.order]
-        self.posterior = np.sqrt(np.einsum("ij,jk,ik->i", slope, self.covariance, slope))
+        self.prior_spread = model.prior_spread(self.prior)[order]
+        self.posterior = _deviation(np.log(posterior.frequency), posterior.weight)[solution.order]
         mac = (model.base.vectors.T @ solution.state.vectors) ** 2
         self.mac = mac[np.arange(len(solution.order)), solution.order]
         self.used, self.left_out = sorted(solution.modes), solution.left_out_residual
@@ -143,13 +182,14 @@ class _Estimate:
         measurements = (*self._frequencies_measured(rivals), *self._peaks_measured())
         chi_square, degrees = solution.least, len(solution.residual)
         probability = _tail(chi_square, degrees)
-        explained = bool(measurements) and all(m.explained for m in measurements)
-        explained = explained and probability >= IMPROBABLE
+        contradicted = not measurements or any(m.explained is False for m in measurements)
+        contradicted = contradicted or probability < IMPROBABLE
+        explained = False if contradicted else (True if self.judged else None)
         changed = self.unknowns.varied_case(case, solution.z)
         calculated = at_speed(Case(**(vars(changed) | {"margin_basis": "calculated"})))
         frequencies = self._frequencies(calculated.margins)
         doubt = self._doubt(rivals)
-        justified, reason = _basis(case, frequencies, calculated.margins, explained, doubt)
+        justified, reason = _basis(case, frequencies, calculated.margins, not contradicted, doubt)
         calibrated = replace(changed, margin_basis="measured") if justified else changed
         before, after = at_speed(Case(**vars(case))), at_speed(Case(**vars(calibrated)))
         parameters = self._parameters()
@@ -161,6 +201,7 @@ class _Estimate:
             degrees=degrees,
             probability=probability,
             explained=explained,
+            solutions=tuple(self._solutions()),
             margins_before=before.margins.rows,
             margins_after=after.margins.rows,
             basis=calibrated.margin_basis or "calculated",
@@ -168,7 +209,12 @@ class _Estimate:
             basis_reason=reason,
             calibrated=calibrated,
             starts=0 if self.peaks is None else self.peaks.starts,
-            sentence=_sentence(parameters, measurements, explained, probability),
+            sentence=" ".join(
+                (
+                    _sentence(parameters, measurements, explained, probability),
+                    *self._several(),
+                )
+            ),
             notes=self.plan.notes,
             study_sha256=study_digest(
                 *studies.scatter, *studies.measured_frequencies, *studies.measured_peaks
@@ -184,10 +230,10 @@ class _Estimate:
 
     def _parameter(self, j: int) -> CalibratedParameter:
         factor, sigma = self.unknowns.factors[j], float(self.unknowns.deviation[j])
-        z, variance = float(self.solution.z[j]), float(self.covariance[j, j])
-        posterior = sigma * math.sqrt(variance)
-        times = float(self.unknowns.factor(self.solution.z)[j])
-        reduction = min(max(1.0 - variance, 0.0), 1.0)
+        z, times = float(self.solution.z[j]), float(self.unknowns.factor(self.solution.z)[j])
+        posterior = float(_deviation(self.factor[:, j : j + 1], self.samples.weight)[0]) / times
+        reduction = min(max(1.0 - (posterior / sigma) ** 2, 0.0), 1.0)
+        low, high = quantiles(self.factor[:, j], self.samples.weight, ENDS)
         single = len(factor.names) == 1
         before = nominal_value(self.case, factor.names[0], factor.quantity) if single else None
         return CalibratedParameter(
@@ -196,21 +242,24 @@ class _Estimate:
             before=before,
             after=None if before is None else before * times,
             change=times - 1.0,
-            change_low=times * math.exp(-TWO_SIDED * posterior) - 1.0,
-            change_high=times * math.exp(TWO_SIDED * posterior) - 1.0,
+            change_low=low - 1.0,
+            change_high=high - 1.0,
             prior_deviation=sigma,
             posterior_deviation=posterior,
             reduction=reduction,
             pull=z,
-            determined=_determined(reduction),
+            determined=_determined(min(reduction, float(self.own_reduction[j]))),
             note=" ".join(self._notes(j, factor, times, reduction)),
         )
 
     def _notes(self, j: int, factor: Factor, times: float, reduction: float) -> Iterator[str]:
-        low, high = _ends(factor)
-        if not low <= times <= high:
+        low, high = factor.ends
+        if (
+            factor.distribution != NORMAL
+            and not AT_END < (times - low) / (high - low) < 1.0 - AT_END
+        ):
             yield (
-                f"The change is outside the range of table Scatter ({low - 1.0:+.0%} to "
+                f"The change is at the end of the range of table Scatter ({low - 1.0:+.0%} to "
                 f"{high - 1.0:+.0%}): check the data, or the measurement."
             )
         elif abs(float(self.solution.z[j])) > 2.0:
@@ -226,6 +275,73 @@ class _Estimate:
             )
         if reduction < UNTOUCHED:
             yield "The measurements hardly determine it."
+        elif self.own_reduction[j] < DETERMINED <= reduction:
+            yield (
+                "Its interval holds only if the spreads of the other quantities do: the measurements "
+                "alone do not determine it."
+            )
+
+    def _solutions(self) -> Iterator[CalibrationSolution]:
+        """Every quantity in every solution, where there are several."""
+        optima, unknowns = self.samples.optima, self.unknowns
+        if len(optima) < 2:
+            return
+        place = {f: j for j, f in enumerate(unknowns.factors)}
+        for i, optimum in enumerate(optima):
+            weight = self.samples.around(i)
+            factor, note = unknowns.factor(optimum.z), self._relation(i)
+            for f in self.plan.factors:
+                if f not in place:
+                    continue
+                j = place[f]
+                low, high = quantiles(self.factor[:, j], weight, ENDS)
+                yield CalibrationSolution(
+                    solution=i + 1,
+                    misfit=optimum.misfit,
+                    probability=float(weight.sum()),
+                    quantity=f.quantity,
+                    name=", ".join(f.names) or "all modes",
+                    change=float(factor[j]) - 1.0,
+                    change_low=low - 1.0,
+                    change_high=high - 1.0,
+                    note=note,
+                )
+
+    def _relation(self, i: int) -> str:
+        """How a solution differs from the first."""
+        first, other = self.samples.optima[0], self.samples.optima[i]
+        if i == 0:
+            return "The smallest misfit: the changes above."
+        pairs = exchanged(self.model, first.z, other.z)
+        if pairs:
+            names = ["/".join(self.unknowns.factors[j].names) for j in range(len(first.z))]
+            listed = ", ".join(f"{names[j]} and {names[k]}" for j, k in pairs)
+            return (
+                f"Mirror solution, with {listed} exchanged: left and right end cannot be told apart by "
+                "these measurements."
+            )
+        if other.mode != first.mode:
+            moved = [
+                f"{self.plan.frequencies[r].frequency:.4g} Hz is mode {b + 1} instead of {a + 1}"
+                for r, a, b in zip(self.used, first.mode, other.mode, strict=True)
+                if a != b
+            ]
+            return f"Other modes measured: {', '.join(moved)} (numbers after calibration)."
+        j = int(np.argmax(np.abs(other.z - first.z)))
+        return f"Differs most in {self.unknowns.factors[j].label}."
+
+    def _several(self) -> Iterator[str]:
+        """That there are several solutions, if there are."""
+        optima = self.samples.optima
+        if len(optima) < 2:
+            return
+        shares = [float(self.samples.around(i).sum()) for i in range(len(optima))]
+        yield (
+            f"{len(optima)} solutions explain the measurements, with probabilities "
+            f"{', '.join(f'{share:.0%}' for share in shares)}; intervals cover all of them."
+        )
+        mirrors = (self._relation(i) for i in range(1, len(optima)))
+        yield from dict.fromkeys(m for m in mirrors if m.startswith("Mirror"))
 
     def _partner(self, j: int) -> str:
         """The quantity it is most correlated with after measuring, if strongly."""
@@ -314,11 +430,11 @@ class _Estimate:
             residual=float(self.solution.residual[place]),
             left_out_residual=own,
             used=True,
-            explained=abs(own) <= UNEXPLAINED,
+            explained=False if abs(own) > UNEXPLAINED else (True if self.judged else None),
         )
 
     def _of_a_mode(self, i: int, mode: int, row: Measurement, rivals: Rivals) -> Iterator[str]:
-        if not row.explained and row.left_out_residual is not None:
+        if row.explained is False and row.left_out_residual is not None:
             yield (
                 f"Not explained: {abs(row.left_out_residual):.1f} standard deviations from the value "
                 "expected from the other measurements and the spread. Check its mode and its value, or "
@@ -384,7 +500,7 @@ class _Estimate:
     def _peaks_measured(self) -> Iterator[Measurement]:
         if self.peaks is None:
             return
-        base = self.peaks.at([-self.unknowns.centre / self.unknowns.deviation])[0]
+        base = self.peaks.of_case()
         for place in sorted(range(len(self.plan.peaks)), key=lambda i: self.plan.peaks[i].row):
             reading = self.plan.peaks[place]
             plain = Measurement(
@@ -392,7 +508,7 @@ class _Estimate:
             )
             before, after = float(base[place]), float(self.solution.torque[place])
             row = self._compared(plain, before, after, len(self.used) + place)
-            if not row.explained and row.left_out_residual is not None:
+            if row.explained is False and row.left_out_residual is not None:
                 note = (
                     f"Not explained: {abs(row.left_out_residual):.1f} standard deviations from the value "
                     "expected from the other measurements and the spread. Torque curves, voltage or "
@@ -403,13 +519,10 @@ class _Estimate:
             yield row
 
 
-def _ends(factor: Factor) -> tuple[float, float]:
-    """What a distribution allows; a normal one has no ends."""
-    if factor.distribution == NORMAL:
-        return 0.0, math.inf
-    if factor.distribution == FROM_TO:
-        return factor.from_, factor.to
-    return 1.0 - factor.spread, 1.0 + factor.spread
+def _deviation(values: Floats, weight: Floats) -> Floats:
+    """Standard deviation of each column of weighted samples."""
+    mean = weight @ values
+    return np.asarray(np.sqrt(weight @ (values - mean) ** 2))
 
 
 def _determined(reduction: float) -> str:
@@ -445,7 +558,7 @@ def _basis(
     case: CaseData,
     frequencies: Sequence[CalibratedFrequency],
     margins: SeparationMargins,
-    explained: bool,
+    consistent: bool,
     doubt: str,
 ) -> tuple[bool, str]:
     """Whether MarginBasis becomes measured, and why."""
@@ -460,7 +573,7 @@ def _basis(
     stays = "MarginBasis is unchanged"
     if case.margin_basis == "measured":
         stays = "The case has MarginBasis measured, which this calibration does not confirm"
-    if not explained:
+    if not consistent:
         return False, (
             f"{stays}: a measurement is not explained, so the model is not reliable for the other "
             "modes either."
@@ -496,7 +609,7 @@ def _basis(
 def _sentence(
     parameters: Sequence[CalibratedParameter],
     measurements: Sequence[Measurement],
-    explained: bool,
+    explained: bool | None,
     probability: float,
 ) -> str:
     used = [m for m in measurements if m.used]
@@ -524,6 +637,12 @@ def _sentence(
             f"{1.0 / max(probability, 1e-9):.2g} times (χ² test). See the notes of the "
             "measurements."
         )
-    else:
+    elif explained is False:
         sentences.append("Some measurements are not explained; see their notes.")
+    if len(used) <= len(parameters):
+        sentences.append(
+            f"The misfit cannot be judged by itself: {len(used)} measurement{'s' * (len(used) != 1)} "
+            f"cannot contradict {len(parameters)} uncertain quantit{'ies' if len(parameters) > 1 else 'y'}"
+            ", only their spreads, so errors larger than their stated uncertainty may not show."
+        )
     return " ".join(sentences)

@@ -1,7 +1,8 @@
 """The least change of uncertain quantities that explains what was measured.
 
-Each uncertain quantity is a factor exp(x) on what the case says, so that stiffness and inertia stay
-positive; x = μ + σ z, with the prior of z the standard normal. Wanted is the most probable z,
+Each uncertain quantity is a factor on what the case says, distributed as table `Scatter` states. It
+is written p = F⁻¹(Φ(z)), F its distribution function and Φ that of the standard normal, which is then
+the prior of every z, whatever the distribution. Wanted is the most probable z,
 
     S(z) = Σ zⱼ² + Σ ((fᵢ(z) − fᵢ measured)/σᵢ)² + Σ ((Tᵢ(z) − Tᵢ measured)/σᵢ)²  →  least,
 
@@ -23,11 +24,14 @@ Mottershead, Finite Element Model Updating (1995), chapters 4 and 8; Kuhn, Nav. 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from scipy import special
+from scipy.optimize import least_squares, linear_sum_assignment
 
 from engine.arrays import Floats, Ints
 from engine.case.data import CaseData
@@ -41,7 +45,7 @@ from engine.model.subdivision import BAND
 from engine.model.train import Train
 from engine.run import planned_start
 from engine.start.pieces import analysis_for_start
-from engine.studies.scatter import NORMAL, Factor, changes_of
+from engine.studies.scatter import CUT, NORMAL, TRIANGULAR, Factor, changes_of
 from engine.studies.variation import varied_case
 
 #: A measurement this many standard deviations off what the prior allows is taken for no mode. [1]
@@ -52,6 +56,9 @@ PEAK_ACCURACY = 2e-4
 PEAK_STEP, LEAST_PEAK_STEP = 0.1, 2e-3
 #: `scipy.optimize.least_squares` ends below these; with peaks, whose noise is larger, below those. [1]
 EXACT, NOISY = 1e-12, 1e-5
+#: What a quantity is determined by must be the measurements, not the spreads typed for the others: these
+#: are taken so many times as wide for it. [1]
+WIDER = 10.0
 #: Most steps of it where each one costs starts.
 NOISY_STEPS = 15
 
@@ -61,9 +68,8 @@ class Unknowns:
     """Uncertain quantities with their prior."""
 
     factors: tuple[Factor, ...]  #: One an unknown. [1]
-    #: Mean and standard deviation of the logarithm of each factor. [1] Shape (n_unknowns,).
-    centre: Floats
-    deviation: Floats  #: Likewise. [1] Shape (n_unknowns,).
+    #: Prior standard deviation of each factor over its mean. [1] Shape (n_unknowns,).
+    deviation: Floats
 
     @property
     def number(self) -> int:
@@ -75,15 +81,52 @@ class Unknowns:
 
         Parameters
         ----------
-        z : ndarray, shape (n_unknowns,)
-            In prior standard deviations. [1]
+        z : ndarray, shape (..., n_unknowns)
+            Standard normal. [1]
 
         Returns
         -------
-        ndarray, shape (n_unknowns,)
-            Positive. [1]
+        ndarray, shape (..., n_unknowns)
+            Distributed as table `Scatter` states; positive. [1]
         """
-        return np.asarray(np.exp(self.centre + self.deviation * z))
+        return self.factor_and_slope(z)[0]
+
+    def factor_and_slope(self, z: Floats) -> tuple[Floats, Floats]:
+        """What each quantity is multiplied by, and how fast its logarithm changes.
+
+        Closed forms of `Factor.at` of the standard normal distribution function.
+
+        Parameters
+        ----------
+        z : ndarray, shape (..., n_unknowns)
+            Standard normal. [1]
+
+        Returns
+        -------
+        factor, slope : ndarray, shape (..., n_unknowns)
+            p and d ln p/dz. [1]
+        """
+        z = np.asarray(z, dtype=float)
+        p, change = np.ones(z.shape), np.zeros(z.shape)
+        density = np.exp(-0.5 * z**2) / math.sqrt(2.0 * math.pi)
+        for j, factor in enumerate(self.factors):
+            x, d = z[..., j], density[..., j]
+            from_, to = factor.ends
+            middle, half = 0.5 * (from_ + to), 0.5 * (to - from_)
+            if factor.distribution == NORMAL:
+                outside = float(special.ndtr(-CUT))
+                inside = 1.0 - 2.0 * outside
+                t = special.ndtri(outside + inside * special.ndtr(x))
+                p[..., j] = 1.0 + factor.spread * t
+                change[..., j] = factor.spread * inside * np.exp(0.5 * (t**2 - x**2))
+            elif factor.distribution == TRIANGULAR:
+                root = np.sqrt(2.0 * special.ndtr(-np.abs(x)))
+                p[..., j] = middle + half * np.sign(x) * (1.0 - root)
+                change[..., j] = half * d / np.maximum(root, 1e-150)
+            else:
+                p[..., j] = middle + half * special.erf(x / math.sqrt(2.0))
+                change[..., j] = 2.0 * half * d
+        return p, change / p
 
     def varied_case(self, case: CaseData, z: Floats) -> CaseData:
         """The case with its uncertain quantities changed.
@@ -104,11 +147,10 @@ class Unknowns:
 
 
 def unknowns_of(factors: Sequence[Factor]) -> Unknowns:
-    """The prior of each factor as that of its logarithm.
+    """The uncertain quantities of a calibration.
 
     Standard deviation: `spread` of a normal distribution, half width/√3 of a uniform and /√6 of a
-    triangular one; from-to is uniform about the middle of its ends, which need not be 1. Over its
-    mean it is that of the logarithm, as far as it is small.
+    triangular one; from-to is uniform about the middle of its ends, which need not be 1.
 
     Parameters
     ----------
@@ -123,7 +165,7 @@ def unknowns_of(factors: Sequence[Factor]) -> Unknowns:
     scattering = sorted((f for f in factors if f.scatters), key=lambda f: (f.quantity, f.names))
     middle = np.array([0.5 * (f.from_ + f.to) for f in scattering])
     width = np.array([f.spread if f.distribution == NORMAL else f.deviation for f in scattering])
-    return Unknowns(tuple(scattering), np.log(middle), width / middle)
+    return Unknowns(tuple(scattering), width / middle)
 
 
 # --- frequencies ----------------------------------------------------------------------------------
@@ -188,7 +230,7 @@ class FrequencyModel:
         return self._state(self.unknowns.varied_case(self.case, z))
 
     def gradient(self, state: State) -> Floats:
-        """Change of ln f with each unknown, from the energies of the modes.
+        """Change of ln f with the logarithm of each factor, from the energies of the modes.
 
         Parameters
         ----------
@@ -198,7 +240,7 @@ class FrequencyModel:
         Returns
         -------
         ndarray, shape (n_elastic, n_unknowns)
-            ∂ ln f/∂z; 0 for damping. [1]
+            ∂ ln f/∂ ln p; 0 for damping. [1]
         """
         modes, train = state.modes, state.train
         elastic = slice(modes.n_rigid, None)
@@ -215,7 +257,22 @@ class FrequencyModel:
                     derivative[:, j] -= (
                         0.5 * own[name] * turn**2
                     )  # its own, not that of a shaft's end
-        return derivative * self.unknowns.deviation
+        return derivative
+
+    def prior_spread(self, state: State) -> Floats:
+        """Standard deviation of ln f from the uncertain quantities alone.
+
+        Parameters
+        ----------
+        state : State
+            Where. [SI]
+
+        Returns
+        -------
+        ndarray, shape (n_elastic,)
+            √Σ (∂ ln f/∂ ln p × σ)². [1]
+        """
+        return np.asarray(np.linalg.norm(self.gradient(state) * self.unknowns.deviation, axis=1))
 
 
 def match_modes_by_mac(reference: Floats, vectors: Floats) -> Ints:
@@ -231,8 +288,6 @@ def match_modes_by_mac(reference: Floats, vectors: Floats) -> Ints:
     ndarray of int, shape (n_elastic,)
         Number of the mode that each one of the reference has become. [index]
     """
-    from scipy.optimize import linear_sum_assignment
-
     _, order = linear_sum_assignment(-((reference.T @ vectors) ** 2))
     return np.asarray(order)
 
@@ -292,8 +347,6 @@ def assign(
     dict of int to int
         Index of a reading → index of its mode. [indices]
     """
-    from scipy.optimize import linear_sum_assignment
-
     near = distances(readings, frequency, spread)
     mode_of = {
         i: r.mode for i, r in enumerate(readings) if r.mode is not None and near[i, r.mode] <= GATE
@@ -397,6 +450,11 @@ class PeakModel:
         """Starts calculated so far. [count]"""
         return len(self._known)
 
+    def of_case(self) -> Floats:
+        """Peak torques of the case as it was typed, shape (n_readings,). [N m]"""
+        (torques,) = self._each(maximum_torques, [self.case])
+        return np.array([_torque(torques, r.element) for r in self.readings])
+
     def at(self, points: Sequence[Floats]) -> list[Floats]:
         """Peak torques at several points, those not yet known calculated together.
 
@@ -466,6 +524,20 @@ class Solution:
         return np.asarray(np.linalg.inv(np.eye(len(self.z)) + self.jacobian.T @ self.jacobian))
 
     @property
+    def own_reduction(self) -> Floats:
+        """Share of each prior variance that the measurements take away by themselves. [1]
+
+        That is, were all other quantities `WIDER` times as uncertain as table `Scatter` says.
+        """
+        reduction = np.zeros(len(self.z))
+        for j in range(len(self.z)):
+            wide = WIDER * self.jacobian
+            wide[:, j] = self.jacobian[:, j]
+            gram = np.eye(len(self.z)) + wide.T @ wide
+            reduction[j] = 1.0 - np.linalg.inv(gram)[j, j]
+        return reduction
+
+    @property
     def left_out_residual(self) -> Floats:
         """Each residual as it would be if all others, and not it, had been used. [1]
 
@@ -502,8 +574,6 @@ def solve(
     Solution
         The least. [1]
     """
-    from scipy.optimize import least_squares
-
     problem = _Problem(model, readings, modes, peaks)
     z = np.zeros(model.unknowns.number) if begin is None else begin
     if (modes or peaks) and len(z):
@@ -514,15 +584,45 @@ def solve(
             xtol=limit, ftol=limit, gtol=limit, max_nfev=steps,
         ).x  # fmt: skip
     problem.accept(z)
-    return Solution(
-        z,
-        problem.residual(z),
-        problem.jacobian(z),
-        problem.state(z),
-        problem.order,
-        np.empty(0) if peaks is None else peaks.at([z])[0],
-        dict(modes),
-    )
+    return problem.solution(z, modes)
+
+
+def solution_at(
+    model: FrequencyModel,
+    readings: Sequence[Reading],
+    z: Floats,
+    taken: Mapping[int, int],
+) -> Solution:
+    """A point at which a search has ended, with what is calculated there.
+
+    Parameters
+    ----------
+    model : FrequencyModel
+        Frequencies. [Hz]
+    readings : sequence of Reading
+        Measured frequencies. [Hz]
+    z : ndarray, shape (n_unknowns,)
+        Where. [1]
+    taken : mapping of int to int
+        Which mode there each used reading is taken for, by number. [indices]
+
+    Returns
+    -------
+    Solution
+        Modes of the case are paired by shape, but those stated with the modes taken for them. [1]
+    """
+    state = model.at(z)
+    likeness = (model.base.vectors.T @ state.vectors) ** 2
+    for i, at in taken.items():
+        stated = readings[i].mode
+        if stated is not None:
+            likeness[stated, at] += 2.0
+    _, order = linear_sum_assignment(-likeness)
+    mode_at = {int(at): mode for mode, at in enumerate(order)}
+    modes = {i: mode_at[at] for i, at in taken.items()}
+    problem = _Problem(model, readings, modes, None)
+    problem.stay(z, np.asarray(order))
+    return problem.solution(z, modes)
 
 
 class _Problem:
@@ -557,6 +657,17 @@ class _Problem:
         self.order = self._order(self.state(z))
         self._shapes = self.state(z).vectors
 
+    def stay(self, z: Floats, order: Ints) -> None:
+        """Take a point, and where each mode of the case is there."""
+        self._shapes, self.order = self.state(z).vectors, order
+
+    def solution(self, z: Floats, modes: Mapping[int, int]) -> Solution:
+        """What is calculated at the last accepted point."""
+        torque = np.empty(0) if self.peaks is None else self.peaks.at([z])[0]
+        return Solution(
+            z, self.residual(z), self.jacobian(z), self.state(z), self.order, torque, dict(modes)
+        )
+
     def _order(self, state: State) -> Ints:
         return np.asarray(match_modes_by_mac(self._shapes, state.vectors)[self.order])
 
@@ -572,7 +683,8 @@ class _Problem:
     def jacobian(self, z: Floats) -> Floats:
         state = self.state(z)
         at = self._order(state)[self.mode]
-        jacobian = (state.frequency[at] / self.scale)[:, None] * self.model.gradient(state)[at]
+        slope = self.model.gradient(state)[at] * self.model.unknowns.factor_and_slope(z)[1]
+        jacobian = (state.frequency[at] / self.scale)[:, None] * slope
         if self.peaks is None:
             return np.asarray(jacobian)
         return np.vstack([jacobian, self.peaks.gradient(z) / self.torque_scale[:, None]])
@@ -614,7 +726,7 @@ def best_assignment(model: FrequencyModel, readings: Sequence[Reading]) -> tuple
         What else its readings could be. [index, 1]
     """
     at = model.at(np.zeros(model.unknowns.number))
-    spread = np.linalg.norm(model.gradient(at), axis=1)
+    spread = model.prior_spread(at)
     order = match_modes_by_mac(model.base.vectors, at.vectors)
     frequency, spread = at.frequency[order], spread[order]
     twists = model.base.modes.twists[model.base.modes.n_rigid :]

@@ -63,8 +63,24 @@ class Measurement:
     #: The residual if all others, and not it, had been used, in its standard deviations. [1]
     left_out_residual: float | None = None
     used: bool = False  #: Whether it entered the calibration.
-    explained: bool = False  #: Whether a change within the spread explains it.
+    #: Whether a change within the spread explains it; None where that cannot be judged.
+    explained: bool | None = False
     note: str = ""  #: What to do about it.
+
+
+@dataclass(frozen=True)
+class CalibrationSolution:
+    """One of several trains that explain the measurements."""
+
+    solution: int  #: Counted from 1, the least misfit first.
+    misfit: float  #: Sum of squares of changes and residuals. [1]
+    probability: float  #: Of the trains around it, of all that explain the measurements. [1]
+    quantity: str  #: One uncertain quantity, and whose.
+    name: str  #: Likewise.
+    change: float  #: Its change there, and the ends of its 95 % interval around it. [1]
+    change_low: float  #: Likewise. [1]
+    change_high: float  #: Likewise. [1]
+    note: str  #: How the solution differs from the first.
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +93,11 @@ class Calibration:
     chi_square: float  #: Least sum of squares of changes and residuals. [1]
     degrees: int  #: Measurements used, with which it is compared.
     probability: float  #: That chance alone makes it as large. [1]
-    explained: bool  #: Whether everything measured is explained within the spread.
+    #: Whether everything measured is explained within the spread; None where nothing contradicts it but
+    #: there are not more measurements than uncertain quantities, so that no misfit could show.
+    explained: bool | None
+    #: Every quantity in every solution; empty where there is one solution only. [rows]
+    solutions: tuple[CalibrationSolution, ...]
     #: Judged margins of the case, and of the calibrated one on its basis. [rows]
     margins_before: tuple[MarginRow, ...]
     margins_after: tuple[MarginRow, ...]  #: Likewise. [rows]

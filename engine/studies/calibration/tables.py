@@ -70,6 +70,22 @@ def measurement_rows(calibration: Calibration, kind: str) -> list[dict[str, Any]
     return [{name: row.pop("of")} | {k: v for k, v in row.items() if k != "kind"} for row in rows]
 
 
+def solution_rows(calibration: Calibration) -> list[dict[str, Any]]:
+    """Rows of `CalibrationSolutions`.
+
+    Parameters
+    ----------
+    calibration : Calibration
+        The calibration. [SI]
+
+    Returns
+    -------
+    list of dict
+        Under their JSON keys; empty where there is one solution only. [1]
+    """
+    return [asdict(s) for s in calibration.solutions]
+
+
 def margin_rows(calibration: Calibration) -> list[dict[str, Any]]:
     """Rows of `CalibratedMargins`: least margin of each mode before and after.
 

@@ -3,8 +3,9 @@
 Frequencies: from the energies of the modes (`engine.model.frequency_derivatives`).
 
 Starts: every quantity is changed by ± 0.02 % and ± 0.01 %, one at a time, all steps of the calculation
-fixed. Richardson's extrapolation of the two central differences is the derivative, the difference
-of the two its error. The result of runs at ± 1 % is given beside it: a peak depends on the phase in which
+fixed. Richardson's extrapolation of the two central differences is the derivative. Its error is the
+difference of the two, and where there is a tangent the difference from that as well: the differences
+carry the step's error in the phase, which two of them at one step cannot show. The result of runs at ± 1 % is given beside it: a peak depends on the phase in which
 the pulsation meets a mode, which a change of inertia or torque turns by more than a whole cycle per
 cent, so a derivative may hold for a small part of that only. A linear start is differentiated a second, independent way, by its tangent
 (`engine.studies.sensitivities.linear_start`), and the two are compared. The allowable starts follow from the turning points:
@@ -86,10 +87,33 @@ class Derivatives:
     #: ∂ln(starts)/∂ln p of every judged shaft, and errors. [1] Shape (n_parameters, n_shafts).
     all_starts: Floats
     starts_errors: Floats  #: Likewise. [1] Shape (n_parameters, n_shafts).
+    step_errors: tuple[float, float]  #: Relative errors of peaks and starts in the nominal run. [1]
     tangent: TangentDerivatives | None  #: The second way; None where there is none. [1]
     #: Largest difference of the two ways over the largest derivative of the answer. [1]
     largest_difference: float | None
     sentences: tuple[str, ...]  #: What a reader must know.
+
+    @property
+    def stated_peak_errors(self) -> Floats:
+        """Errors of peaks as they are reported, those of the step included. [1] Shape as `peaks`."""
+        other = None if self.tangent is None else self.tangent.peak
+        return _with_step(self.peaks, self.peak_errors, other, self.step_errors[0])
+
+    @property
+    def stated_starts_errors(self) -> Floats:
+        """Likewise of starts. [1] Shape as `all_starts`."""
+        other = None if self.tangent is None else self.tangent.starts
+        return _with_step(self.all_starts, self.starts_errors, other, self.step_errors[1])
+
+
+def _with_step(own: Floats, error: Floats, other: Floats | None, step_error: float) -> Floats:
+    """Error of the differences, with that of the step.
+
+    The error of the step is where the tangent differs, and at least the relative error of the answer
+    itself times its largest derivative: a phase that is a little off mixes them.
+    """
+    least = step_error * np.max(np.abs(own), axis=0, initial=0.0)
+    return np.asarray(error + least + (0.0 if other is None else np.abs(own - other)))
 
 
 # --- together -------------------------------------------------------------------------------------
@@ -125,17 +149,20 @@ def gather_derivatives(
         peaks[i], peak_errors[i] = d.peak, d.peak_error
         starts[i], starts_errors[i] = d.starts, d.starts_error
     element, shaft = _governing(plan)
+    step_errors = (plan.recipe.step_error, plan.recipe.starts_error or 0.0)
     answers = []
     if element is not None:
         other = None if tangent is None else tangent.peak[:, element]
         ends = {i: d.peak_ends[:, element] for i, d in by_index.items()}
-        answers.append(_Answer("peak", peaks[:, element], peak_errors[:, element], ends, other))
+        answers.append(
+            _Answer("peak", peaks[:, element], peak_errors[:, element], ends, other, step_errors[0])
+        )
     if shaft is not None and _is_limited(plan, shaft):
         other = None if tangent is None else tangent.starts[:, shaft]
         edge = tangent is not None and bool(tangent.edge[shaft])
         ends = {i: d.starts_ends[:, shaft] for i, d in by_index.items()}
         own, error = starts[:, shaft], starts_errors[:, shaft]
-        answers.append(_Answer("starts", own, error, ends, other, edge))
+        answers.append(_Answer("starts", own, error, ends, other, step_errors[1], edge))
     worst = None
     if tangent is not None and element is not None and found:
         calculated = [i for i, d in by_index.items() if not d.trouble]
@@ -153,6 +180,7 @@ def gather_derivatives(
         peak_errors,
         starts,
         starts_errors,
+        step_errors,
         tangent,
         worst,
         tuple(_sentences(plan, energies, tangent, worst)),
@@ -199,7 +227,12 @@ class _Answer:
     error: Floats  #: Its error. [1] Shape (n_parameters,).
     ends: Mapping[int, Floats]  #: Logarithms of its change at − 1 % and + 1 %, by quantity. [1]
     other: Floats | None  #: By the tangent; None without one. [1] Shape (n_parameters,).
+    step_error: float  #: Relative error of the answer in the nominal run. [1]
     edge: bool = False  #: Whether cycles come and go at the endurance limit.
+
+    def stated_error(self, i: int) -> float:
+        """Error as it is reported."""
+        return float(_with_step(self.own, self.error, self.other, self.step_error)[i])
 
     def is_doubtful(self, i: int) -> bool:
         """Whether the two differences are too far apart to be called a derivative."""
@@ -258,7 +291,7 @@ def _rows(
             continue
         values: dict[str, Any] = {}
         for a in answers:
-            values |= {a.name: float(a.own[i]), f"{a.name}_error": float(a.error[i])}
+            values |= {a.name: float(a.own[i]), f"{a.name}_error": a.stated_error(i)}
             values[f"{a.name}_ends"] = _ends(a.ends[i])
         method = BY_DIFFERENCES if answers[0].other is None else BOTH
         note = " ".join(words for a in answers for words in a.notes(i))
@@ -289,7 +322,7 @@ def _sentences(
         yield (
             f"{len(plan.parameters)} quantities. Each derivative comes from differences over "
             f"± {100 * WIDE:g} % and ± {100 * NARROW:g} %, and its error is the difference of the "
-            f"two; runs at ± {100 * WHOLE:g} % show how far it holds."
+            f"two{', plus that from the tangent' if tangent is not None else ''}; runs at ± {100 * WHOLE:g} % show how far it holds."
         )
         if tangent is not None and worst is not None:
             yield (

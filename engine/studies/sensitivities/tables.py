@@ -83,6 +83,7 @@ def element_rows(derivatives: Derivatives) -> list[dict[str, Any]]:
     list of dict
         quantity, of, element, peak_torque, peak_error, allowable_starts, starts_error. [1]
     """
+    peak_errors, starts_errors = derivatives.stated_peak_errors, derivatives.stated_starts_errors
     rows = []
     for i, (quantity, name) in enumerate(derivatives.parameters):
         for j, element in enumerate(derivatives.elements):
@@ -91,11 +92,11 @@ def element_rows(derivatives: Derivatives) -> list[dict[str, Any]]:
                 "of": name,
                 "element": element,
                 "peak_torque": 0.01 * float(derivatives.peaks[i, j]),
-                "peak_error": 0.01 * float(derivatives.peak_errors[i, j]),
+                "peak_error": 0.01 * float(peak_errors[i, j]),
             }
             if element in derivatives.shafts:
                 k = derivatives.shafts.index(element)
                 row["allowable_starts"] = 0.01 * float(derivatives.all_starts[i, k])
-                row["starts_error"] = 0.01 * float(derivatives.starts_errors[i, k])
+                row["starts_error"] = 0.01 * float(starts_errors[i, k])
             rows.append(row)
     return rows

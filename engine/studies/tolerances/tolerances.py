@@ -118,6 +118,8 @@ class Tolerances:
     starts: Floats = field(repr=False)
     #: First elastic frequency of every sample. [Hz] Shape (n,).
     first_frequency: Floats = field(repr=False)
+    plan: TolerancePlan = field(repr=False)  #: What was drawn. [mixed]
+    answers: Evaluated = field(repr=False)  #: Of every sample. [SI]
 
 
 # --- from samples to answers ----------------------------------------------------------------------
@@ -173,6 +175,8 @@ def summarise_sample(plan: TolerancePlan, evaluated: Sequence[Evaluated]) -> Tol
         sum(len(e.troubles) for e in evaluated if e.first < plan.n_samples),
         least,
         sample.frequency[sample.known][:, 0] if plan.recipe.n_modes else np.zeros(0),
+        plan,
+        sample,
     )
 
 

@@ -9,8 +9,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.optimize import minimize
-from scipy.stats import chi2
+from scipy.stats import chi2, norm, truncnorm
 
+from benchmarks.calibration_coverage import CLASSES, coverage, noisy, wrong
 from engine.case.case import Case
 from engine.case.data import CaseData, ElementRow, StationRow
 from engine.case.study_inputs import MeasuredFrequencyRow, MeasuredPeakRow, ScatterRow, StudyInputs
@@ -18,6 +19,7 @@ from engine.run import at_speed
 from engine.studies.calibration.calibration import calibrate
 from engine.studies.calibration.inputs import calibration_problems, plan_calibration
 from engine.studies.calibration.least_squares import FrequencyModel, maximum_torques, unknowns_of
+from engine.studies.calibration.optima import FastFrequencies, quantiles
 from engine.studies.calibration.records import Calibration
 from engine.studies.calibration.tables import (
     frequency_rows,
@@ -25,7 +27,7 @@ from engine.studies.calibration.tables import (
     measurement_rows,
     parameter_rows,
 )
-from engine.studies.scatter import factors_of
+from engine.studies.scatter import Factor, factors_of
 from engine.studies.variation import Change, varied_case
 from tests.sample_case import sample_case
 
@@ -75,26 +77,35 @@ def chain(*stiffness: float, inertia: tuple[float, ...] = (4.0, 1.0, 2.0)) -> Ca
 # --- closed forms ---------------------------------------------------------------------------------
 
 
-def test_one_spring_one_frequency_by_hand() -> None:
-    """f ∝ √k: z is the root of z + (f−m)/u² f' = 0, its variance 1/(1 + f'²/u²), f' = ½σf."""
+def test_one_spring_one_frequency_by_quadrature() -> None:
+    """f ∝ √k, one unknown: the posterior is a curve, its greatest value and quantiles plain."""
     case = chain(1e5, inertia=(4.0, 1.0))
     f0 = float(elastic(case)[0])
-    sigma, u, m = 0.08, 0.005, 1.03 * f0
+    sigma, u, m = 0.15, 0.03, 1.05 * f0
     found = calibrate(
         case, asked(M(None, m, u), scatter=(ScatterRow("K0", "stiffness", "normal", sigma),))
     )
     (p,) = found.parameters
-    f = f0 * math.sqrt(1.0 + p.change)
-    assert p.pull == pytest.approx(math.log1p(p.change) / sigma, rel=1e-12)
-    slope = 0.5 * sigma * f / (u * m)
-    assert p.pull + (f - m) / (u * m) * slope == pytest.approx(0.0, abs=1e-9)
-    assert p.posterior_deviation == pytest.approx(sigma / math.sqrt(1.0 + slope**2), rel=1e-9)
-    (row,) = found.frequencies
-    assert row.after == pytest.approx(f, rel=1e-9)
-    assert row.prior_deviation == pytest.approx(0.5 * sigma, rel=1e-9)
-    assert row.posterior_deviation == pytest.approx(0.5 * p.posterior_deviation, rel=1e-9)
-    assert found.chi_square == pytest.approx(p.pull**2 + ((f - m) / (u * m)) ** 2, rel=1e-9)
+    z = np.linspace(-6.0, 6.0, 200_001)
+    factor = 1.0 + sigma * truncnorm.ppf(norm.cdf(z), -4.0, 4.0)
+    misfit = z**2 + ((f0 * np.sqrt(factor) - m) / (u * m)) ** 2
+    best = int(np.argmin(misfit))
+    assert p.pull == pytest.approx(z[best], abs=1e-4)
+    assert p.change == pytest.approx(factor[best] - 1.0, abs=1e-5)
+    assert found.chi_square == pytest.approx(misfit[best], rel=1e-6)
     assert found.probability == pytest.approx(chi2.sf(found.chi_square, 1), rel=1e-9)
+    density = np.exp(-0.5 * misfit)
+    below = np.cumsum(density) / density.sum()
+    low, high = np.interp([0.025, 0.975], below, factor)
+    mean = density @ factor / density.sum()
+    deviation = math.sqrt(density @ (factor - mean) ** 2 / density.sum())
+    assert p.change_low == pytest.approx(low - 1.0, abs=0.03 * deviation)
+    assert p.change_high == pytest.approx(high - 1.0, abs=0.03 * deviation)
+    assert p.posterior_deviation == pytest.approx(deviation / factor[best], rel=0.01)
+    (row,) = found.frequencies
+    assert row.after == pytest.approx(f0 * math.sqrt(factor[best]), rel=1e-5)
+    assert row.prior_deviation == pytest.approx(0.5 * sigma, rel=1e-9)
+    assert row.posterior_deviation == pytest.approx(0.5 * deviation / mean, rel=0.02)
 
 
 @pytest.mark.parametrize(
@@ -135,7 +146,8 @@ def test_an_independent_search_finds_the_same_least() -> None:
         return np.sqrt(values[1:]) / (2.0 * math.pi)
 
     def misfit(z: np.ndarray) -> float:
-        residual = (calculated(k0 * np.exp(spread * z)) - measured) / (u * measured)
+        factor = 1.0 + spread * truncnorm.ppf(norm.cdf(z), -4.0, 4.0)
+        residual = (calculated(k0 * factor) - measured) / (u * measured)
         return float(z @ z + residual @ residual)
 
     best = minimize(misfit, np.zeros(2), method="BFGS", options={"gtol": 1e-9})
@@ -164,7 +176,8 @@ def test_derivatives_from_energies_are_those_of_differences(case: Case) -> None:
     ):
         model = FrequencyModel(base, unknowns_of(factors))
         z = 0.3 * np.sin(np.arange(model.unknowns.number))
-        exact = model.gradient(model.at(z))[:6]
+        slope = model.unknowns.factor_and_slope(z)[1]
+        exact = (model.gradient(model.at(z)) * slope)[:6]
         h = 1e-4
         for j, e in enumerate(np.eye(len(z))):
             up, down = (np.log(model.at(z + s * h * e).frequency[:6]) for s in (1, -1))
@@ -182,7 +195,7 @@ def test_measuring_the_case_itself_changes_nothing(case: Case, frequencies: np.n
         a.stiffness == pytest.approx(b.stiffness, rel=1e-12)
         for a, b in zip(found.calibrated.elements, case.elements, strict=True)
     )
-    assert found.explained
+    assert found.explained is None  # three measurements cannot contradict ten quantities
 
 
 def test_a_perturbed_train_is_found_again(case: Case) -> None:
@@ -241,8 +254,9 @@ def test_modes_that_change_order_keep_their_measurements() -> None:
 def test_a_mode_between_two_measurements_says_that_it_could_be_either() -> None:
     case = chain(1e5, 1.05e5, 1e5, inertia=(50.0, 1.0, 1.0, 50.0))
     f = elastic(case)
-    between = math.sqrt(f[1] * f[2])
-    scatter = (ScatterRow(None, "stiffness", "normal", 0.4),)
+    between = 62.0
+    assert f[1] < 0.85 * between < 1.15 * between < f[2]
+    scatter = (ScatterRow(None, "stiffness", "triangular", 0.9),)
     found = calibrate(case, asked(M(None, float(between)), scatter=scatter))
     assert "It may also be mode" in found.measurements[0].note
 
@@ -435,30 +449,40 @@ def test_damping_counts_only_beside_peak_torques(case: Case) -> None:
 
 
 def test_a_change_beyond_a_uniform_spread_is_told() -> None:
+    """8 % above, where table Scatter allows 5 %: of a stated mode it is not explained, else not used."""
     case = chain(1e5, inertia=(4.0, 1.0))
     scatter = (ScatterRow("K0", "stiffness", "uniform", 0.05),)
-    found = calibrate(case, asked(M(None, 1.04 * float(elastic(case)[0]), 1e-3), scatter=scatter))
-    assert "is outside the range of table Scatter (-5% to +5%)" in found.parameters[0].note
+    f = 1.04 * float(elastic(case)[0])
+    found = calibrate(case, asked(M(1, f, 1e-3), scatter=scatter))
+    (p,) = found.parameters
+    assert p.change == pytest.approx(0.05, abs=1e-3)
+    assert "is at the end of the range of table Scatter (-5% to +5%)" in p.note
+    assert found.measurements[0].explained is False
+    assert found.explained is False
+    assert "less likely than a wrong value" in told(
+        calibrate(case, asked(M(None, f, 1e-3), scatter=scatter)), 1
+    )
 
 
 @pytest.mark.parametrize(
-    ("times", "leaves"), [(0.87, True), (0.95, False), (1.02, False), (1.1, True)]
+    ("times", "at_end"), [(0.87, 0.9), (0.95, None), (1.02, None), (1.1, 1.04)]
 )
-def test_a_change_is_held_against_both_ends_of_from_to(times: float, leaves: bool) -> None:
+def test_a_change_stays_between_both_ends_of_from_to(times: float, at_end: float | None) -> None:
     """f goes with the root of the one stiffness, and the measurement is sharp."""
     case = chain(1e5, inertia=(4.0, 1.0))
     scatter = (ScatterRow("K0", "stiffness", "from-to", None, 0.9, 1.04),)
     f = math.sqrt(times) * float(elastic(case)[0])
-    found = calibrate(case, asked(M(None, f, 1e-4), scatter=scatter))
+    found = calibrate(case, asked(M(1, f, 1e-4), scatter=scatter))
     (p,) = found.parameters
-    assert 1.0 + p.change == pytest.approx(times, rel=1e-3)
-    assert ("is outside the range of table Scatter (-10% to +4%)" in p.note) == leaves
+    assert 1.0 + p.change == pytest.approx(times if at_end is None else at_end, rel=1e-3)
+    told = "is at the end of the range of table Scatter (-10% to +4%)" in p.note
+    assert told == (at_end is not None)
 
 
 def test_two_springs_in_series_are_known_only_together() -> None:
     case = chain(1e5, 1e5, inertia=(5.0, 1e-4, 5.0))
     f = float(elastic(case)[0])
-    scatter = (ScatterRow(None, "stiffness", "normal", 0.3),)
+    scatter = (ScatterRow(None, "stiffness", "triangular", 0.7),)
     found = calibrate(case, asked(M(1, 1.05 * f, 1e-4), scatter=scatter))
     assert all("Strongly correlated with stiffness of" in p.note for p in found.parameters)
 
@@ -509,7 +533,7 @@ def test_high_modes_within_twenty_percent_of_an_excitation_are_shown() -> None:
 def test_a_bad_measurement_of_a_mode_does_not_make_it_known(
     case: Case, frequencies: np.ndarray
 ) -> None:
-    scatter = (ScatterRow(None, "stiffness", "normal", 0.3),)
+    scatter = (ScatterRow(None, "stiffness", "triangular", 0.7),)
     found = calibrate(case, asked(*(M(None, f, 0.05) for f in frequencies[:2]), scatter=scatter))
     assert not found.basis_justified
     assert "measured, but known to" in found.basis_reason
@@ -541,13 +565,13 @@ def test_a_poor_measurement_beside_a_small_prior_is_no_measurement(
 
 
 def test_a_measurement_that_could_be_another_mode_makes_none_known() -> None:
-    """Half way between modes 2 and 3; taken for mode 2, which line frequency is 15 % away from."""
+    """62 Hz between 51 and 89 Hz, modes 2 and 3; taken for mode 2, which line frequency is 15 % away from."""
     case = chain(1e5, 1.05e5, 1e5, inertia=(50.0, 1.0, 1.0, 50.0))
-    between = math.sqrt(float(np.prod(elastic(case)[1:3])))
+    between = 62.0
     case = Case(**(vars(case) | {"line_frequency": 1.15 * between}))
-    scatter = (ScatterRow(None, "stiffness", "normal", 0.4),)
+    scatter = (ScatterRow(None, "stiffness", "triangular", 0.9),)
     found = calibrate(case, asked(M(None, between), scatter=scatter))
-    assert found.explained
+    assert found.explained is not False
     assert not found.basis_justified
     assert "may belong to mode 3 or to mode 2" in found.basis_reason
     stated = calibrate(case, asked(M(2, between), scatter=scatter))
@@ -584,3 +608,130 @@ def test_rows_are_plain_and_finite(case: Case, frequencies: np.ndarray) -> None:
                 assert value is None or type(value) in (str, bool, int, float), key
                 assert not isinstance(value, float) or math.isfinite(value), key
     assert pickle.loads(pickle.dumps(found)).sentence == found.sentence
+
+
+# --- several solutions, and what cannot be judged -------------------------------------------------
+
+
+def mirrored_chain() -> Case:
+    """Five inertias and four springs that are their own mirror image."""
+    return chain(1e5, 3e5, 3e5, 1e5, inertia=(4.0, 1.0, 2.0, 1.0, 4.0))
+
+
+def test_the_mirror_image_of_a_symmetric_train_is_a_solution_of_its_own() -> None:
+    """One end 12 % stiffer, the other 10 % softer: the frequencies are those of the train turned round."""
+    case = mirrored_chain()
+    true = varied_case(case, [Change("stiffness", "K0", 1.12), Change("stiffness", "K3", 0.9)])
+    scatter = (ScatterRow(None, "stiffness", "normal", 0.08),)
+    rows = (M(i + 1, f, 1e-3) for i, f in enumerate(elastic(true)))
+    found = calibrate(case, asked(*rows, scatter=scatter))
+    change = {
+        (s.solution, s.name): s for s in found.solutions if s.name in ("K0", "K3")
+    }  # both solutions, both ends
+    for a, b in (("K0", "K3"), ("K3", "K0")):
+        assert change[1, a].change == pytest.approx(change[2, b].change, abs=0.01)
+    assert change[1, "K0"].probability == pytest.approx(0.5, abs=0.1)
+    assert change[1, "K0"].misfit == pytest.approx(change[2, "K0"].misfit, abs=1e-3)
+    assert "left and right end cannot be told apart by these measurements" in found.sentence
+    assert "K0 and K3" in change[2, "K0"].note
+    for p in found.parameters:
+        if p.name in ("K0", "K3"):
+            assert p.determined != "determined"
+            assert p.change_low < -0.08 < 0.1 < p.change_high
+
+
+def test_one_solution_has_no_table() -> None:
+    case = chain(1e5, 3e5)
+    scatter = (ScatterRow(None, "stiffness", "normal", 0.05),)
+    rows = (M(None, f, 1e-3) for f in elastic(case))
+    assert calibrate(case, asked(*rows, scatter=scatter)).solutions == ()
+
+
+@pytest.mark.parametrize("times", [1.0, 10.0])
+def test_noise_cannot_be_judged_without_redundancy(
+    case: Case, frequencies: np.ndarray, times: float
+) -> None:
+    """Three modes to 0.1 %, ten stiffnesses: noise is taken up by changes, also ten times as large."""
+    noise = 1.0 + times * 0.001 * np.array([1.0, 0.9, 1.1])
+    rows = (M(i + 1, f, 0.001) for i, f in enumerate(noise * frequencies[:3]))
+    found = calibrate(case, asked(*rows))
+    assert "The misfit cannot be judged" in found.sentence
+    assert found.explained is None
+    assert all(p.determined != "determined" for p in found.parameters)
+    together = (ScatterRow(None, "stiffness", "normal", 0.1, together="together"),)
+    noise = 1.0 + times * 0.001 * np.array([1.0, -0.6, 0.4])  # one factor cannot follow it
+    rows = (M(i + 1, f, 0.001) for i, f in enumerate(noise * frequencies[:3]))
+    judged = calibrate(case, asked(*rows, scatter=together))
+    assert "cannot be judged" not in judged.sentence
+    assert judged.explained is (times == 1.0)
+
+
+@pytest.mark.parametrize(
+    "factor",
+    [
+        Factor("stiffness", ("A",), "normal", 0.2),
+        Factor("stiffness", ("A",), "uniform", 0.2, 0.8, 1.2),
+        Factor("stiffness", ("A",), "triangular", 0.3),
+        Factor("stiffness", ("A",), "from-to", 0.0, 0.8, 1.1),
+    ],
+    ids=lambda f: f.distribution,
+)
+def test_unknowns_have_the_distributions_of_scatter(factor: Factor) -> None:
+    unknowns, z = unknowns_of((factor,)), np.linspace(-4.0, 4.0, 33)[:, None]
+    value, slope = unknowns.factor_and_slope(z)
+    assert value[:, 0] == pytest.approx(factor.at(norm.cdf(z[:, 0])), rel=1e-12)
+    h = 1e-5
+    up, down = (np.log(unknowns.factor(z + s * h)) for s in (1, -1))
+    assert slope == pytest.approx((up - down) / (2.0 * h), abs=1e-6)
+
+
+def test_many_trains_at_once_have_the_frequencies_of_each(case: Case) -> None:
+    """Also of a divided shaft with inertia of its own, of inertias and of a common factor."""
+    i = next(k for k, e in enumerate(case.elements) if e.kind == "shaft")
+    shaft = replace(
+        case.elements[i], stiffness=None, od=0.3, length=1.0, shear_modulus=8e10, density=7850.0
+    )
+    base = Case(**(vars(case) | {"elements": (*case.elements[:i], shaft, *case.elements[i + 1 :])}))
+    rows = (
+        ScatterRow(None, "stiffness", "normal", 0.1),
+        ScatterRow(None, "inertia", "normal", 0.1, together="together"),
+    )
+    model = FrequencyModel(base, unknowns_of(factors_of(base, rows)))
+    fast, n = FastFrequencies(model), model.unknowns.number
+    z = np.random.default_rng(3).normal(size=(4, n))
+    frequency, gradient = fast.at(z, 5)
+    for k, point in enumerate(z):
+        state = model.at(point)
+        assert fast.frequency(z)[k] == pytest.approx(state.frequency, rel=1e-9)
+        assert frequency[k] == pytest.approx(state.frequency[:5], rel=1e-9)
+        exact = (model.gradient(state) * model.unknowns.factor_and_slope(point)[1])[:5]
+        np.testing.assert_allclose(gradient[k], exact, atol=1e-9)
+
+
+def test_quantiles_of_weighted_samples() -> None:
+    values, weight = np.array([3.0, 1.0, 2.0]), np.array([1.0, 1.0, 2.0])
+    assert quantiles(values, weight, (0.125, 0.5, 0.875)) == pytest.approx([1.0, 2.0, 3.0])
+
+
+# --- a sample of the study of coverage (make calibration-study) ------------------------------------
+
+
+@pytest.mark.parametrize("name", CLASSES)
+def test_intervals_hold_the_truth_in_a_sample_of_the_study(name: str) -> None:
+    """The record has 1,000 trials of each class; of these few the share may err by 6 points."""
+    counted = [coverage(name, number) for number in range(12)]
+    share = sum(c["held"] for c in counted) / sum(c["rows"] for c in counted)
+    assert 0.87 <= share
+
+
+def test_a_wrong_measurement_is_named_in_a_sample_of_the_study() -> None:
+    counted = [wrong(name, number) for name in CLASSES for number in range(3)]
+    assert all(c["named"] and c["contradicted"] and not c["explained"] for c in counted)
+
+
+def test_tenfold_noise_is_never_explained_in_a_sample_of_the_study() -> None:
+    counted = [noisy(name, number) for name in CLASSES for number in range(3)]
+    for c in counted:
+        if c["more unknowns"]:
+            assert c["said"]
+            assert not c["explained"]
