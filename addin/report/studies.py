@@ -165,7 +165,7 @@ def _tuning(study: _Study) -> Iterator[Block | None]:
 
 def _tolerances(study: _Study) -> Iterator[Block | None]:
     yield study.table(
-        "ToleranceStarts", "Allowable starts of the sample",
+        "StartsOfSample", "Allowable starts of the sample",
         ("Element", "Nominal", "P10", "P50", "P90", "Unlimited", "Required", "Probability",
          "Probability low", "Probability high"),
         "P10: 10 % of the samples have fewer. Probability: of reaching the required starts, "

@@ -79,7 +79,7 @@ def _key(table: str) -> str:
 
 def test_the_starts_factor_is_in_the_probability_and_in_the_ledger(folder: Path) -> None:
     """Starts of the samples lie near 450: more than the 300 that are required, and less than twice."""
-    (row,) = content(folder, "tolerances")["tolerance_starts"]
+    (row,) = content(folder, "tolerances")["starts_of_sample"]
     assert row["p_10"] > 300.0  # all would be enough without the factor
     assert row["p_90"] < 600.0  # with it, no more than those above the P90 can be
     assert row["probability"] <= 0.1 + 1.0 / 30.0

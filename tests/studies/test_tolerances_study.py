@@ -77,11 +77,11 @@ def test_a_workbook_is_sampled_and_its_cells_are_those_of_the_json(
     jsonschema.validate(found, SCHEMAS["tolerances"])
     assert found["tolerances"]["samples_calculated"] == 60
     book = openpyxl.load_workbook(book_)
-    cells = _table(book, "ToleranceStarts")
-    assert len(cells) == len(found["tolerance_starts"]) > 1
+    cells = _table(book, "StartsOfSample")
+    assert len(cells) == len(found["starts_of_sample"]) > 1
     key = "HP compressor shaft"
     starts = next(r for r in cells if r["Element"] == key)
-    row = next(r for r in found["tolerance_starts"] if r["element"] == key)
+    row = next(r for r in found["starts_of_sample"] if r["element"] == key)
     for column, key in (("P10", "p_10"), ("P90 high", "p_90_high"), ("Nominal", "nominal")):
         assert starts[column] == pytest.approx(row[key], rel=6e-3)  # shown in four digits
     assert starts["Probability"] == pytest.approx(100.0 * row["probability"])

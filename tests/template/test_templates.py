@@ -266,3 +266,10 @@ def test_every_page_has_ink(soffice, name: str) -> None:
     from workbook_checks import assert_pages_have_ink
 
     assert_pages_have_ink(template_path(name), soffice, at_least=14)
+
+
+def test_no_table_has_a_name_that_is_defined(book: openpyxl.Workbook) -> None:
+    """Excel knows both in one namespace, in which capitals do not count."""
+    tables = [name.casefold() for name in all_tables(book)]
+    assert len(set(tables)) == len(tables)
+    assert not set(tables) & {name.casefold() for name in book.defined_names}

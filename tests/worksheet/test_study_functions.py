@@ -84,7 +84,7 @@ def test_tolerances_are_the_command(handle, tmp_path):
     starts = by_header(call("TV_TOLERANCES", [handle, scatter, None, 60.0, 5.0]))
     shares = ("Unlimited", "Probability", "Probability low", "Probability high")
     # numbers that may be words are shown with four digits, as on the sheet
-    assert_same(starts, told["tolerance_starts"], dict.fromkeys(shares, 0.01), within=5e-4)
+    assert_same(starts, told["starts_of_sample"], dict.fromkeys(shares, 0.01), within=5e-4)
     margins = by_header(call("TV_TOLERANCES", [handle, scatter, "Margins", 60.0, 5.0]))
     assert_same(margins, told["tolerance_margins"], PER_CENT)
     frequencies = by_header(call("TV_TOLERANCES", [handle, scatter, "frequencies", 60.0, 5.0]))

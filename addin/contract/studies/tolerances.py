@@ -123,7 +123,7 @@ _INPUTS: tuple[TableSpec, ...] = (
 
 _RESULTS: tuple[TableSpec, ...] = (
     table(
-        "ToleranceStarts", sheet="Tolerance results", caption="Allowable starts",
+        "StartsOfSample", sheet="Tolerance results", caption="Allowable starts",
         help="Allowable starts: percentiles with 95 % intervals, and the probability of reaching "
         "StartsRequired.",
         row_name=("Element",), changes_shown=("P10", "P50", "P90", "Probability"), room=4,
@@ -145,7 +145,7 @@ _RESULTS: tuple[TableSpec, ...] = (
                 "Required", "count", "StartsRequired.", "As typed", _SAMPLE,
                 of_case=("StartsRequired",), format=shown.ONE_DECIMAL,
             ),
-            *_met("ToleranceStarts", _STARTS),
+            *_met("StartsOfSample", _STARTS),
             integer(
                 "Samples", "Samples whose start was completed.", "Counted", _SAMPLE,
                 of_case=_SCATTER,
@@ -306,7 +306,7 @@ _RESULTS: tuple[TableSpec, ...] = (
 )  # fmt: skip
 
 _OF_STARTS, _OF_FREQUENCIES = _RESULTS[0], _RESULTS[2]
-#: Row of the first thing below table `ToleranceStarts`.
+#: Row of the first thing below table `StartsOfSample`.
 _BELOW_STARTS = 9 + _OF_STARTS.room + 2
 #: Row of the captions below table `ToleranceFrequencies`.
 _BELOW_FREQUENCIES = 8 + _OF_FREQUENCIES.room + 2
@@ -325,7 +325,7 @@ _SHEETS: tuple[Sheet, ...] = (
         "Tolerance results",
         "result",
         {"A": 1.5, "B": 27, "C": 8, "D:G": 7.5, "H:I": 9, "J:L": 7.5, "M:N": 9, "O:Q": 9.3, "R": 8.5},
-        {"ToleranceStarts": "B7", "ToleranceDrivers": f"B{_BELOW_STARTS + 22}"},
+        {"StartsOfSample": "B7", "ToleranceDrivers": f"B{_BELOW_STARTS + 22}"},
         (
             ChartAt("tornado", f"B{_BELOW_STARTS}", 610, 420),
             ChartAt("starts_histogram", f"J{_BELOW_STARTS}", 570, 208),

@@ -65,7 +65,7 @@ TUNED_COLUMNS = (
 )  # fmt: skip
 #: What `TV_TOLERANCES` is asked for → the table of the study.
 ANSWERS = {
-    "starts": "ToleranceStarts",
+    "starts": "StartsOfSample",
     "frequencies": "ToleranceFrequencies",
     "margins": "ToleranceMargins",
     "peaks": "TolerancePeaks",

@@ -50,7 +50,7 @@ def tolerance_tables(tolerances: Tolerances) -> Mapping[str, list[Row]]:
         Table name → rows with JSON keys. [SI]
     """
     return {
-        "ToleranceStarts": list(_starts(tolerances)),
+        "StartsOfSample": list(_starts(tolerances)),
         "ToleranceDrivers": list(_drivers(tolerances)),
         "ToleranceTornado": _tornado(tolerances),
         "ToleranceHistogram": list(_histogram(tolerances)),
