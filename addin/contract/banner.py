@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -29,9 +31,8 @@ CHANGED_NAME = "InputsChanged"
 IS_CHANGED = f"IFERROR({CHANGED_NAME},1)"
 #: The banner then.
 CHANGED_WORDS = "INPUTS CHANGED SINCE CALCULATION"
-#: The banner as a formula of the spreadsheet; `headline` gives the same words, of inputs as calculated.
-OVERALL = (
-    f'=IF({_ALL}=0,"NOT CALCULATED",IF({IS_CHANGED},"{CHANGED_WORDS}",'
+#: What follows where nothing has changed.
+_JUDGED = (
     'IF(COUNTIFS(Verdicts[Verdict],"check*",Verdicts[Check],"Overall")>0,'
     '"CHECK THE INPUTS: "&INDEX(Verdicts[Where],MATCH("Overall",Verdicts[Check],0)),'
     f'IF({_FAILED}>0,"FAIL: "&({_FAILED})&" of "&{_ALL}&" checks",'
@@ -40,8 +41,28 @@ OVERALL = (
     f"IF({_count('accepted*')}>0,"
     f'"ACCEPTED (margin by forced response): all "&{_ALL}&" checks",'
     f'"PASS: all "&{_ALL}&" checks")))))'
-    f'&IF({NOTES}=0,"",", "&{NOTES}&IF({NOTES}=1," note"," notes"))))'
+    f'&IF({NOTES}=0,"",", "&{NOTES}&IF({NOTES}=1," note"," notes"))'
 )
+#: The banner as a formula of the spreadsheet; `headline` gives the same words, of inputs as calculated.
+OVERALL = f'=IF({_ALL}=0,"NOT CALCULATED",IF({IS_CHANGED},"{CHANGED_WORDS}",{_JUDGED}))'
+#: The same for a workbook of 0.1.0, which has no copy of its inputs.
+OVERALL_WITHOUT_COPY = f'=IF({_ALL}=0,"NOT CALCULATED",{_JUDGED})'
+#: Digests of the banner formulas of earlier releases (0.1.0): they call a check that is incomplete a pass.
+_EARLIER = frozenset({"964ad841f577f7bb"})
+_QUOTED = re.compile(r'("(?:[^"]|"")*")')
+
+
+def bare(formula: str) -> str:
+    """A formula without what programs write otherwise: blanks, anchors and capitals."""
+    parts = _QUOTED.split(formula.strip().removeprefix("="))
+    return "".join(
+        part if part.startswith('"') else re.sub(r"[\s$]", "", part).upper() for part in parts
+    )
+
+
+def is_earlier_banner(formula: str) -> bool:
+    """Whether it is the banner of an earlier release, which recalculation replaces."""
+    return hashlib.sha256(bare(formula).encode()).hexdigest()[:16] in _EARLIER
 
 
 def headline(overall: Mapping[str, Any], verdicts: Sequence[str], notes: int) -> str:

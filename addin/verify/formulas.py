@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
-import hashlib
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from addin.contract.banner import CHANGED_NAME, CHANGED_WORDS, OVERALL
+from addin.contract.banner import (
+    CHANGED_NAME,
+    CHANGED_WORDS,
+    OVERALL,
+    OVERALL_WITHOUT_COPY,
+    bare,
+    is_earlier_banner,
+)
 from addin.contract.input_copy import CHANGED_FORMULA
 from addin.contract.problems import shortened
 from addin.contract.sheets import (
@@ -32,8 +38,6 @@ _QUOTED = re.compile(r'("(?:[^"]|"")*")')
 
 
 _BANNER = "overall verdict"
-#: Digests of the banner formulas of earlier releases (0.1.0).
-_EARLIER_BANNERS = frozenset({"964ad841f577f7bb"})
 #: The verdict with which a banner begins.
 _CAPITALS = re.compile(r"(?:[A-Z]+(?: [A-Z]+)*\b)?")
 
@@ -60,11 +64,11 @@ class OwnFormula:
         part = workbook.sheet_part(self.sheet)
         value = part.value(self.row, self.column)
         if isinstance(value, Formula):
-            return _bare(value.text) == _bare(self.formula) or self._is_earlier_banner(value.text)
+            return bare(value.text) == bare(self.formula) or self._is_earlier_banner(value.text)
         return (self.row, self.column) in part.formulas
 
     def _is_earlier_banner(self, text: str) -> bool:
-        return self.what == _BANNER and _digest(text) in _EARLIER_BANNERS
+        return self.what == _BANNER and is_earlier_banner(text)
 
 
 def earlier_banner(workbook: Workbook, expected: str) -> Iterator[Finding]:
@@ -87,7 +91,7 @@ def earlier_banner(workbook: Workbook, expected: str) -> Iterator[Finding]:
         if own.what != _BANNER or not isinstance(value, Formula):
             continue
         shown = str(plain_value(value.cached) or "")
-        if _digest(value.text) not in _EARLIER_BANNERS:
+        if not is_earlier_banner(value.text):
             continue
         sentence = (
             f"the banner is a formula of an earlier release: it shows '{shortened(shown, 60)}', this "
@@ -118,7 +122,9 @@ def own_formulas(workbook: Workbook) -> list[OwnFormula]:
     name = workbook.defined_names.get("OverallVerdict")
     if name is not None and name.sheet is not None and name.rect is not None:
         place = (name.sheet, name.rect.top, name.rect.left)
-        formulas.append(OwnFormula(*place, OVERALL, _BANNER))
+        copied = CHANGED_NAME in workbook.defined_names
+        banner = OVERALL if copied else OVERALL_WITHOUT_COPY
+        formulas.append(OwnFormula(*place, banner, _BANNER))
     name = workbook.defined_names.get(CHANGED_NAME)
     if name is not None and name.sheet is not None and name.rect is not None:
         place = (name.sheet, name.rect.top, name.rect.left)
@@ -207,7 +213,7 @@ def _lines(workbook: Workbook) -> Iterator[OwnFormula]:
         part = workbook.sheet_part(sheet)
         held = ((at, part.value(*at)) for at in part.formulas)
         moved = next(
-            (at for at, f in held if isinstance(f, Formula) and _bare(f.text) == _bare(formula)),
+            (at for at, f in held if isinstance(f, Formula) and bare(f.text) == bare(formula)),
             None,
         )
         if moved:
@@ -296,7 +302,7 @@ def replaced(workbook: Workbook, own: OwnFormula) -> Finding:
     nothing = reads_nothing(workbook, value.text)
     return Finding(
         "edited", own.sheet, own.cell, f"{sentence}; it refers to no cell" if nothing else sentence,
-        own.table, "", own.header, value.text, _bare(own.formula), fails=nothing,
+        own.table, "", own.header, value.text, bare(own.formula), fails=nothing,
     )  # fmt: skip
 
 
@@ -305,11 +311,11 @@ _WORD = re.compile(r"[A-Za-z_\\][\w.\\]*")
 
 def reads_nothing(workbook: Workbook, formula: str) -> bool:
     """Whether a formula reads neither a cell nor a table nor a name."""
-    bare = _QUOTED.sub("", formula)
+    unquoted = _QUOTED.sub("", formula)
     names = {name.casefold() for name in workbook.defined_names}
-    words = {word.casefold() for word in _WORD.findall(bare)}
-    cell = re.search(r"(?<![\w.])\$?[A-Za-z]{1,3}\$?\d{1,7}(?![\w(])", bare)
-    return not (cell or "[" in bare or "!" in bare or ":" in bare or words & names)
+    words = {word.casefold() for word in _WORD.findall(unquoted)}
+    cell = re.search(r"(?<![\w.])\$?[A-Za-z]{1,3}\$?\d{1,7}(?![\w(])", unquoted)
+    return not (cell or "[" in unquoted or "!" in unquoted or ":" in unquoted or words & names)
 
 
 def restore(fresh: Workbook) -> dict[tuple[str, int, int], OwnFormula]:
@@ -387,15 +393,3 @@ def unjudged(standing: Workbook, fresh: Workbook | None) -> list[OwnFormula]:
         if standing.shown_value(own.sheet, own.cell) not in (None, "")
         and (fresh is None or fresh.shown_value(own.sheet, own.cell) is None)
     ]
-
-
-def _digest(formula: str) -> str:
-    return hashlib.sha256(_bare(formula).encode()).hexdigest()[:16]
-
-
-def _bare(formula: str) -> str:
-    """A formula without what programs write otherwise: blanks, anchors and capitals."""
-    parts = _QUOTED.split(formula.strip().removeprefix("="))
-    return "".join(
-        part if part.startswith('"') else re.sub(r"[\s$]", "", part).upper() for part in parts
-    )

@@ -19,7 +19,12 @@ from addin.calculation.full_speed_words import shaft_speeds
 from addin.charts.data import accuracy_block, accuracy_title, chart_blocks
 from addin.charts.start_cycles import start_cycle_facts, start_cycle_rows
 from addin.contract import tables as fields
-from addin.contract.banner import CHANGED_NAME, CHANGED_WORDS
+from addin.contract.banner import (
+    CHANGED_NAME,
+    CHANGED_WORDS,
+    OVERALL_WITHOUT_COPY,
+    is_earlier_banner,
+)
 from addin.contract.chart_tables import CHART_TABLES, HISTORIES, LABELS
 from addin.contract.charts import CHARTS, Label
 from addin.contract.digests import short_digest
@@ -35,6 +40,7 @@ from addin.recorded.results import recorded_fact
 from addin.recorded.study_digests import stated_digests, twelve_digits
 from addin.writing.input_copy import input_copy
 from addin.xlsx import (
+    Formula,
     SaveReport,
     Table,
     TableData,
@@ -133,12 +139,23 @@ def write_results(
     present = tables_to_write(workbook, run, stamp, chosen_elements(workbook))
     workbook.write_tables(present)
     workbook.link_chart_titles(_title_links(workbook))
+    _renew_banner(workbook)
     _fit_rows(workbook, present)
     for spec in fields.INPUT_TABLES:  # typed by a program that leaves charts as they were
         table = workbook.tables.get(spec.name)
         if table is not None:
             workbook.renew_charts_of(table.sheet, table.data)
     return workbook.save(destination, in_place=in_place)
+
+
+def _renew_banner(workbook: Workbook) -> None:
+    """The banner of an earlier release knows fewer verdicts: one of this version takes its place."""
+    name = workbook.defined_names.get("OverallVerdict")
+    if name is None or name.sheet is None or name.rect is None:
+        return
+    held = workbook.sheet_part(name.sheet).value(name.rect.top, name.rect.left)
+    if isinstance(held, Formula) and is_earlier_banner(held.text):
+        workbook.set_name("OverallVerdict", Formula(OVERALL_WITHOUT_COPY), replace_formula=True)
 
 
 def tables_to_write(

@@ -95,14 +95,24 @@ def _start(case: CaseData) -> Iterator[str]:
             f"Shear yield in the start not judged: {listed(open_)}. Type a Stress diameter and a Material "
             "with Yield, or a Peak torque limit."
         )
-    toothed = {row.element for row in case.meshes}
-    if open_ := [
-        str(row.element)
+    in_meshes = {row.element for row in case.meshes}
+    toothed = [
+        row
         for row in case.elements
-        if (row.kind == ElementKind.GEAR_MESH or row.element in toothed)
-        and row.reversal_limit is None
-    ]:
+        if row.kind == ElementKind.GEAR_MESH or row.element in in_meshes
+    ]
+    if open_ := [str(row.element) for row in toothed if row.reversal_limit is None]:
         yield f"A torque reversal, if there is one, not judged: {listed(open_)}. Type a Reversal limit."
+    given = {
+        row.element
+        for row in case.meshes
+        if row.backlash is not None or row.angular_backlash is not None
+    }
+    if open_ := [str(row.element) for row in toothed if row.element not in given]:
+        yield (
+            f"Peaks and starts, if the torque reverses, not judged: {listed(open_)}. Type its Backlash or "
+            "Angular backlash."
+        )
     if open_ := without_sn_points(case):
         yield (
             f"Allowable starts not judged: {listed(open_)}. Type a Stress diameter and a Material with "
