@@ -9,7 +9,7 @@ which the field is applied or the motor trips is an event of the same kind.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Sequence, Set
 from dataclasses import dataclass, fields, replace
 from itertools import islice
 
@@ -49,6 +49,7 @@ from engine.start.prescribed import run_prescribed
 from engine.start.pull_in import has_failed, has_settled, judge_pull_in, swing_frequency_linear
 from engine.start.settings import NEGLIGIBLE, StartSettings, has_start, keeps_history, settings_of
 from engine.start.start import Start, run_start
+from engine.start.start_fatigue import judged_shafts
 from engine.start.start_model import (
     COARSEST_FIRST,
     MAX_VALUES,
@@ -184,7 +185,8 @@ def run_event_start(
                 varied = islice(_variations(step), most)
                 more = (_light(at(h, _changed(model, k))) for k, h in varied)
                 runs = [fine, other, coarse, *(run for run in more if not run.events.gave_up)]
-                repeatability = _repeatability(runs, TOGETHER * step, judged, tolerance)
+                counted = {index for index, _ in judged_shafts(case)}
+                repeatability = _repeatability(runs, TOGETHER * step, judged, tolerance, counted)
                 break
         if met or last:
             break
@@ -423,9 +425,9 @@ def _variations(step: float) -> Iterator[tuple[int, float]]:
 
 
 def _repeatability(
-    runs: Sequence[_Run], apart: float, judged: JudgedRun, tolerance: float
+    runs: Sequence[_Run], apart: float, judged: JudgedRun, tolerance: float, counted: Set[int]
 ) -> Repeatability:
-    """Intervals of the peaks from an ensemble, the reported run first.
+    """Intervals of the peaks from an ensemble, the reported run first; histories of elements that are counted.
 
     Those of the extremes themselves, and of the extremes after the runs have parted (the first change of
     contact that is `apart` [s] in two of them): where these come near the largest torque before, one more
@@ -458,7 +460,10 @@ def _repeatability(
         spread > tolerance,
         len(runs),
         tuple(sizes),
-        tuple(tuple(run.turning) for run in runs),
+        tuple(
+            {i: run.turning[i] for i, e in enumerate(element_of.tolist()) if e in counted}
+            for run in runs
+        ),
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -74,8 +75,8 @@ class Repeatability:
     runs: int  #: Runs of the ensemble. [count]
     #: Interval of the larger magnitude of the extremes of each element with a peak. [N m]
     sizes: tuple[tuple[float, float], ...]
-    #: Of each run the turning points of every output; what cycles are counted in. [s, N m]
-    histories: tuple[tuple[Turning, ...], ...]
+    #: Of each run the turning points of the outputs whose cycles are counted. [s, N m]
+    histories: tuple[Mapping[int, Turning], ...]
 
 
 def prediction_interval(values: Floats) -> tuple[float, float]:

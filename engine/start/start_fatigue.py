@@ -205,7 +205,7 @@ def _over_ensemble(
     own = np.flatnonzero(start.trajectory.output_element == index)
     damages = np.array(
         [
-            largest_damage(case, element, [run[i][1] for i in own])
+            largest_damage(case, element, [run[i][1] for i in own.tolist()])
             for run in start.repeatability.histories
         ]
     )
