@@ -27,7 +27,7 @@ LOCK :=
 TRIALS :=
 
 .DELETE_ON_ERROR:
-.PHONY: help demo test test-machines explore check format bench calibration-study sensitivity-study generated templates wheel smoke lock clean distclean moved
+.PHONY: help demo test test-machines explore check format bench calibration-study sensitivity-study mutations generated templates wheel smoke lock clean distclean moved
 
 help:
 	@echo "make demo           recalculate two example workbooks into build/demo"
@@ -39,6 +39,7 @@ help:
 	@echo "make bench          time and accuracy, side by side with other programs"
 	@echo "make calibration-study  how often the intervals of a calibration hold the truth (TRIALS=1000)"
 	@echo "make sensitivity-study  how often the stated errors of sensitivities hold (TRIALS=100)"
+	@echo "make mutations      calculate spoiled cases: named problems or finite results (CASES=20000)"
 	@echo "make templates      rebuild the workbooks in templates/"
 	@echo "make wheel          build the wheel into build/dist"
 	@echo "make smoke          install that wheel outside the checkout and use it"
@@ -79,6 +80,9 @@ calibration-study: $(DEV_READY)
 
 sensitivity-study: $(DEV_READY)
 	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(PY) -m benchmarks.sensitivity_errors $(TRIALS:%=--trains %)
+
+mutations: $(DEV_READY)
+	$(PY) -m benchmarks.mutated_cases $(CASES:%=--cases %)
 
 generated: $(RUN_READY)
 	$(PY) scripts/generated.py

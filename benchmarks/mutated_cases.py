@@ -1,0 +1,178 @@
+"""Cases spoiled as hands spoil them, calculated: `python -m benchmarks.mutated_cases`.
+
+Each case is one of the examples or a random start, with one to three mutations: a value times 1e±3 or a few per
+cent, two rows exchanged, two values of a column exchanged, a column blanked, a row deleted. It must end in named
+problems or in finite results, within `LONGEST` of processor time; a traceback of another kind is a miss.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import os
+import signal
+import sys
+import time
+from collections import Counter
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import asdict, dataclass, fields, is_dataclass, replace
+from typing import Any
+
+from benchmarks.peers import single_threaded
+
+os.environ.update(single_threaded())  # one thread a process: there is a process a core
+
+import numpy as np  # noqa: E402
+
+from benchmarks.study_trains import study_train  # noqa: E402
+from engine.case.case import Case  # noqa: E402
+from engine.case.data import CaseData  # noqa: E402
+from engine.errors import CaseError, ModelError  # noqa: E402
+from engine.results.tables import result_tables  # noqa: E402
+from engine.run import run  # noqa: E402
+
+#: Processor time that one case may take, and after which it is given up. [s]
+LONGEST, GIVEN_UP = 20.0, 120
+#: Cases of the whole study, and of the sample that a test runs.
+FULL, QUICK = 20_000, 12
+#: Tables whose rows are mutated.
+TABLES = (
+    "stations", "elements", "meshes", "motor_torque", "load_torque", "materials", "sn_points", "excitations",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Ended:
+    """How one mutated case ended."""
+
+    number: int  #: Case.
+    how: str  #: ``calculated``, ``refused``, or what was wrong.
+    changes: tuple[str, ...]  #: Mutations, in words.
+    seconds: float  #: Processor time. [s]
+
+    @property
+    def sound(self) -> bool:
+        """Whether it ended as it should. [flag]"""
+        return self.how in ("calculated", "refused") and self.seconds <= LONGEST
+
+
+def mutated(number: int) -> tuple[CaseData, tuple[str, ...]]:
+    """A case from its number alone, with its mutations in words."""
+    rng = np.random.default_rng((number, 22))
+    case: CaseData = CaseData(**vars(study_train(int(rng.integers(2, 10_000))).case))
+    case = replace(case, tolerance_peak=1e-3, tolerance_starts=2e-2)
+    said = []
+    for _ in range(int(rng.integers(1, 4))):
+        case, words = _mutation(case, rng)
+        said.append(words)
+    return case, tuple(said)
+
+
+def _mutation(case: CaseData, rng: np.random.Generator) -> tuple[CaseData, str]:
+    """One more mutation; of a table without rows none."""
+    table = str(rng.choice(TABLES))
+    rows = list(getattr(case, table))
+    if not rows:
+        return case, f"{table}: no rows"
+    numbers = [f.name for f in fields(rows[0]) if any(_is_number(getattr(r, f.name)) for r in rows)]
+    kind = str(rng.choice(["scaled", "exchanged rows", "exchanged values", "blanked", "deleted"]))
+    column = str(rng.choice(numbers)) if numbers else ""
+    i, j = (int(k) for k in rng.integers(0, len(rows), 2))
+    if kind == "scaled" and column:
+        factor = float(rng.choice([1e-3, 1e3, 0.9, 1.1, -1.0, 0.0, 10.0, 0.1]))
+        whole = bool(rng.random() < 0.3)
+        for k in range(len(rows)) if whole else (i,):
+            if _is_number(value := getattr(rows[k], column)):
+                rows[k] = replace(rows[k], **{column: factor * value})
+        kind = f"{column} × {factor:g}{' in every row' if whole else f' in row {i + 1}'}"
+    elif kind == "exchanged rows":
+        rows[i], rows[j] = rows[j], rows[i]
+        kind = f"rows {i + 1} and {j + 1} exchanged"
+    elif kind == "exchanged values" and column:
+        a, b = getattr(rows[i], column), getattr(rows[j], column)
+        rows[i] = replace(rows[i], **{column: b})
+        rows[j] = replace(rows[j], **{column: a})
+        kind = f"{column} of rows {i + 1} and {j + 1} exchanged"
+    elif kind == "blanked" and column:
+        rows = [replace(row, **{column: None}) for row in rows]
+        kind = f"{column} blank"
+    elif kind == "deleted":
+        del rows[i]
+        kind = f"row {i + 1} deleted"
+    return replace(case, **{table: tuple(rows)}), f"{table}: {kind}"
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, float | int) and not isinstance(value, bool)
+
+
+def ended(number: int) -> Ended:
+    """Calculate one mutated case."""
+    data, changes = mutated(number)
+    began = time.process_time()
+    try:
+        results = run(Case(**vars(data)))
+        how = "calculated" if all(_finite(result_tables(results))) else "a number is not finite"
+    except (CaseError, ModelError):
+        how = "refused"
+    except TimeoutError:
+        how = f"given up after {GIVEN_UP} s"
+    except Exception as wrong:  # noqa: BLE001 - every other end is what the study looks for
+        how = f"{type(wrong).__name__}: {wrong}"
+    return Ended(number, how, changes, time.process_time() - began)
+
+
+def _finite(value: Any) -> Iterator[bool]:
+    """Whether each number of some rows is finite."""
+    if isinstance(value, dict):
+        for one in value.values():
+            yield from _finite(one)
+    elif isinstance(value, list | tuple):
+        for one in value:
+            yield from _finite(one)
+    elif is_dataclass(value) and not isinstance(value, type):
+        yield from _finite(asdict(value))
+    elif isinstance(value, float):
+        yield math.isfinite(value)
+
+
+def _alone(number: int) -> Ended:
+    def give_up(*_: object) -> None:
+        raise TimeoutError
+
+    if hasattr(signal, "SIGALRM"):
+        signal.signal(signal.SIGALRM, give_up)
+        signal.alarm(GIVEN_UP)
+    try:
+        return ended(number)
+    finally:
+        if hasattr(signal, "SIGALRM"):
+            signal.alarm(0)
+
+
+def main() -> int:
+    """Calculate them all; 1 where one did not end as it should."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.mutated_cases")
+    parser.add_argument("--cases", type=int, default=FULL, help="how many")
+    parser.add_argument("--first", type=int, default=0, help="number of the first")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="processes")
+    args = parser.parse_args()
+    numbers = range(args.first, args.first + args.cases)
+    found: list[Ended] = []
+    with ProcessPoolExecutor(args.jobs) as pool:
+        for future in as_completed([pool.submit(_alone, n) for n in numbers]):
+            one = future.result()
+            found.append(one)
+            if not one.sound:
+                print(json.dumps(asdict(one)), flush=True)
+            if len(found) % 500 == 0:
+                print(f"… {len(found)} of {args.cases}", file=sys.stderr, flush=True)
+    print(dict(Counter(one.how if one.sound else "missed" for one in found)))
+    print(f"longest: {max(one.seconds for one in found):.1f} s of processor time")
+    return 0 if all(one.sound for one in found) else 1
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,24 @@
+"""Cases spoiled as hands spoil them end in named problems or finite results: a sample of benchmarks/mutated_cases.py."""
+
+from __future__ import annotations
+
+import pytest
+
+from benchmarks.mutated_cases import QUICK, ended, mutated
+
+
+def test_a_case_is_the_same_from_its_number_alone() -> None:
+    assert mutated(5) == mutated(5)
+    assert mutated(5)[1] != mutated(6)[1]
+
+
+@pytest.mark.parametrize("number", range(QUICK))
+def test_a_mutated_case_is_calculated_or_refused(number: int) -> None:
+    one = ended(number)
+    assert one.sound, one
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("first", range(1_000, 1_100, 25))
+def test_a_hundred_more(first: int) -> None:
+    assert [one for n in range(first, first + 25) if not (one := ended(n)).sound] == []
