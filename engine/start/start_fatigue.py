@@ -156,8 +156,8 @@ def _shaft(
             shaft = of(fine, peak.high - peak.size, always_count)
         return replace(shaft, left_out=None if start.left_out is None else 0.0), None
     # that of the peak would be told of every small cycle, too, near endurance the most
-    relative = _relative_difference(fine, coarse) + pieces + start.truncation_error
-    shaft = of(fine, 0.0, always_count, relative)
+    relative = _relative_difference(fine, coarse) + start.truncation_error
+    shaft = of(fine, pieces * peak.size, always_count, relative)
 
     def change(relative: float) -> float:
         """Of the damage, where every torque is larger by a share."""

@@ -224,8 +224,9 @@ def test_check_says_what_an_almost_empty_workbook_cannot_answer(tmp_path):
     book.save(in_place=True)
     done = torsionbook("check", "x.xlsx", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
-    first, *more = done.stdout.splitlines()[-2:]
+    first, speeds, *more = done.stdout.splitlines()[-3:]
     assert first == "x.xlsx: no errors."
+    assert speeds.startswith("  At full speed: ")
     assert "No separation margins and no forced response" in more[0]
     assert "No start: tables MotorTorque and TorqueTime are empty" in more[0]
     whole = torsionbook("new", "y.xlsx", "--example", "proposed", cwd=tmp_path)

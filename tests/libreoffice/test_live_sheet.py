@@ -231,4 +231,4 @@ def test_after_a_calculation_it_says_whose_the_results_are(calc, shipped, tmp_pa
         below(book, "Stations", "Inertia", 1).value = 1234.0
 
     path = edited(done, tmp_path, change)
-    assert words(calc, path)[8, 3] == "The inputs have changed: recalculate."
+    assert words(calc, path)[8, 3] == "INPUTS CHANGED SINCE CALCULATION"

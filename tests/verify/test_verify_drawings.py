@@ -178,12 +178,12 @@ def test_charts_stay_clean_and_known_after_another_program(train, soffice, tmp_p
 def unit_cells(workbook: Workbook) -> dict[str, tuple[str, str]]:
     """Cells right of the numbers: by what stands there, sheet and cell."""
     found = {}
-    for sheet, label, unit in (("Summary", 2, 4), ("Starts", 11, 16)):
+    for sheet, label, unit in (("Summary", 2, 4), ("Starts", 14, 19)):
         part = workbook.sheet_part(sheet)
         for row in range(1, 60):
             words, shown = part.constant(row, label), part.constant(row, unit)
             if isinstance(words, str) and isinstance(shown, str) and len(shown) < 9:
-                found[words] = (sheet, f"{'DP'[sheet == 'Starts']}{row}")
+                found[words] = (sheet, f"{'DS'[sheet == 'Starts']}{row}")
     return found
 
 
