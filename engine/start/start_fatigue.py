@@ -37,6 +37,9 @@ WHOLE_STARTS = frozenset(
 COUNTED_STARTS = WHOLE_STARTS | {Outcome.TRIPPED}
 #: Largest cycles compared between two steps to estimate the error of turning points.
 COMPARED_CYCLES = 50
+#: Error of torques from pieces counts so often for damage: it was found from one change of the damage by the
+#: steepest slope of the S-N lines, and that of the history is less.
+PIECES_ON_DAMAGE = 2.0
 #: Cycles below this share of the largest add next to nothing to the damage on lines as steep as those of shafts.
 DAMAGING_SHARE = 0.5
 
@@ -144,7 +147,7 @@ def _shaft(
             relative_torque_error=relative, always_count=always,
         )  # fmt: skip
 
-    pieces = dict(start.pieces_error).get(str(element.element), 0.0)
+    pieces = PIECES_ON_DAMAGE * dict(start.pieces_error).get(str(element.element), 0.0)
     found = []
     for fine, coarse in _histories(start, index):
         error = max(peak.error, _cycle_difference(fine, coarse)) + (peak.left_out or 0.0)
@@ -163,8 +166,9 @@ def _shaft(
         """Of the damage, where every torque is larger by a share."""
         return abs(of((1.0 + relative) * fine).damage / damage - 1.0) if relative else 0.0
 
-    off = abs(of(coarse).damage / damage - 1.0) + change(pieces + start.truncation_error)
-    low, high = shaft.damage_low, shaft.damage_high
+    stepped = abs(of(coarse).damage / damage - 1.0)
+    off = stepped + change(pieces + start.truncation_error)
+    low, high = shaft.damage_low / (1.0 + stepped), shaft.damage_high * (1.0 + stepped)
     if start.repeatability is not None:
         ends = _over_ensemble(case, element, start, index)
         low, high = min(low, ends[0]), max(high, ends[1])
