@@ -287,7 +287,7 @@ def test_samples_without_damage_are_told_as_unlimited(
     assert row is not None
     assert row.unlimited == pytest.approx(20 / 30)
     assert [math.isinf(p.value) for p in row.percentiles] == [False, True, True]
-    (told,) = tolerance_tables(got)["ToleranceStarts"]
+    (told,) = tolerance_tables(got)["StartsOfSample"]
     assert (told["p_50"], told["p_90"]) == ("unlimited", "unlimited")
     assert told["p_10"] == pytest.approx(row.percentiles[0].value)
     assert told["unlimited"] == pytest.approx(20 / 30)
@@ -382,7 +382,7 @@ def test_a_plain_run_that_stalls_has_no_number_beside_those_that_do_not(case: Ca
         found = [r for r in got.percentiles if r.quantity == quantity]
         assert found
         assert all(r.nominal is None for r in found)
-    assert tolerance_tables(got)["ToleranceStarts"][0]["nominal"] == "not judged"
+    assert tolerance_tables(got)["StartsOfSample"][0]["nominal"] == "not judged"
     assert next(p for p in got.probabilities if p.check == "starts").nominal is None
 
 
@@ -426,7 +426,7 @@ def test_unlimited_starts_are_told_as_unlimited(case: Case) -> None:
     assert row.unlimited == 1.0
     assert row.nominal == math.inf
     assert never.driven == "peak stress"
-    (told,) = tolerance_tables(never)["ToleranceStarts"]
+    (told,) = tolerance_tables(never)["StartsOfSample"]
     assert told["p_10"] == told["nominal"] == "unlimited"
     assert tolerance_tables(never)["ToleranceHistogram"] == [{"starts": "unlimited", "share": 1.0}]
     some = percentile(raised(2.3), "allowable starts", "HP compressor shaft")
