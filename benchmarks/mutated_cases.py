@@ -36,7 +36,7 @@ from engine.run import run  # noqa: E402
 #: Processor time that one case may take, and after which it is given up. [s]
 LONGEST, GIVEN_UP = 20.0, 120
 #: Cases of the whole study, and of the sample that a test runs.
-FULL, QUICK = 20_000, 12
+FULL, QUICK = 20_000, 80
 #: Tables whose rows are mutated.
 TABLES = (
     "stations", "elements", "meshes", "motor_torque", "load_torque", "materials", "sn_points", "excitations",

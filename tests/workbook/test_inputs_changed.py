@@ -227,6 +227,7 @@ def test_rows_added_and_deleted_are_a_change(calculated: Path, calc: Any) -> Non
     assert wrong(expected, calc(steps)) == []
 
 
+@pytest.mark.slow
 def test_a_table_that_grew_is_a_change_until_the_next_calculation(
     calculated: Path, calc: Any, tmp_path: Path
 ) -> None:

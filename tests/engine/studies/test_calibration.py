@@ -729,6 +729,7 @@ def test_a_wrong_measurement_is_named_in_a_sample_of_the_study() -> None:
     assert all(c["named"] and c["contradicted"] and not c["explained"] for c in counted)
 
 
+@pytest.mark.slow
 def test_tenfold_noise_is_never_explained_in_a_sample_of_the_study() -> None:
     counted = [noisy(name, number) for name in CLASSES for number in range(3)]
     for c in counted:
