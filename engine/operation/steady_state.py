@@ -59,7 +59,7 @@ BESIDE_RESONANCE = 1e-7
 STRESS_ROUNDING = 1e-9
 #: Speeds of an order line over the operating range, besides its resonances.
 SWEEP_POINTS = 31
-#: Times a sweep looks for the largest torque between its frequencies. The last gain is told as its error.
+#: Times a sweep looks for the largest torque between its frequencies. What the last time added is its error.
 SWEEP_REFINEMENTS = 3
 #: Share of the largest torque from which another peak is looked at, too.
 NEARLY_LARGEST = 0.8

@@ -253,19 +253,23 @@ def largest_damage(case: CaseData, element: ElementRow, histories: Sequence[Floa
     )
 
 
+def _largest_ranges(fine: Floats, coarse: Floats) -> tuple[Floats, Floats]:
+    """The largest ranges of turning points at both steps, in falling order, equally many. [N m]"""
+    a, b = (np.sort(np.abs(np.diff(h)))[::-1][:COMPARED_CYCLES] for h in (fine, coarse))
+    n = min(len(a), len(b))
+    return a[:n], b[:n]
+
+
 def _cycle_difference(fine: Floats, coarse: Floats) -> float:
     """Largest change of a turning point between two steps, over the largest ranges. [N m]"""
-    a = np.sort(np.abs(np.diff(fine)))[::-1][:COMPARED_CYCLES]
-    b = np.sort(np.abs(np.diff(coarse)))[::-1][:COMPARED_CYCLES]
-    n = min(len(a), len(b))
-    return float(np.max(np.abs(a[:n] - b[:n]), initial=0.0))
+    a, b = _largest_ranges(fine, coarse)
+    return float(np.max(np.abs(a - b), initial=0.0))
 
 
 def _relative_difference(fine: Floats, coarse: Floats) -> float:
     """Largest relative change of one of the ranges that damage between two steps. [1]"""
-    a = np.sort(np.abs(np.diff(fine)))[::-1][:COMPARED_CYCLES]
-    b = np.sort(np.abs(np.diff(coarse)))[::-1][:COMPARED_CYCLES]
-    n = min(len(a), len(b), int(np.count_nonzero(a >= DAMAGING_SHARE * np.max(a, initial=0.0))))
+    a, b = _largest_ranges(fine, coarse)
+    n = int(np.count_nonzero(a >= DAMAGING_SHARE * np.max(a, initial=0.0)))
     return float(np.max(np.abs(a[:n] - b[:n]) / np.where(a[:n] > 0.0, a[:n], np.inf), initial=0.0))
 
 

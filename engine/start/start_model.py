@@ -30,7 +30,7 @@ COARSEST_ANGLE = 1.2
 #: per step)⁴ (docs/benchmarks.md, the start), taken four times as large. [1]
 ERROR_AT_ONE_RADIAN = 4e-5
 #: Share of the tolerance that modes left out may take. Their bound is several times what they do, so a larger
-#: share would make up most of the error that is told; another mode costs next to nothing.
+#: share would be most of the stated error; another mode costs next to nothing.
 DROPPED = 0.01
 #: Modes whose ringing decays below this share of the tolerance need no fine steps any more.
 FADED = 0.05

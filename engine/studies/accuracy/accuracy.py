@@ -17,8 +17,6 @@ model in arrays to peaks and starts.
 from __future__ import annotations
 
 import math
-import statistics
-import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -40,7 +38,13 @@ from engine.start.start import Start
 from engine.start.start_model import MAX_VALUES, StartModel, start_model
 from engine.start.trajectory import turning_of
 from engine.studies.accuracy.alternatives import alternatives, duration, price_sentence
-from engine.studies.accuracy.answers import Answers, Histories, answers_of, errors_between
+from engine.studies.accuracy.answers import (
+    Answers,
+    Histories,
+    answers_of,
+    errors_between,
+    timed_runs,
+)
 
 #: Settings of each method, each at half the step of the one before.
 SETTINGS = 6
@@ -208,7 +212,7 @@ class _Ladder:
             def once(step: float = step) -> Answers:
                 return answers_of(self.case, self.histories(self.model, step, method))
 
-            answers, wall = _timed_runs(once, rounds)
+            answers, wall = timed_runs(once, rounds)
             peak, starts = errors_between(answers, reference)
             yield AccuracyRow(label, f"step {step:.3g} s", peak, starts, wall)
 
@@ -236,7 +240,7 @@ def _event_study(
     rows = []
     for tolerance in EVENT_TOLERANCES:
         on_stage(f"start with events to {tolerance:.2g}")
-        answers, wall = _timed_runs(partial(answers_at, tolerance), rounds)
+        answers, wall = timed_runs(partial(answers_at, tolerance), rounds)
         peak, starts = errors_between(answers, reference)
         rows.append(AccuracyRow(EVENTS, f"tolerance {tolerance:.2g}", peak, starts, wall))
     if has_start(case):
@@ -272,17 +276,7 @@ def _event_study(
     return AccuracyStudy(tuple(rows), sentence, text, off[0], off[1])
 
 
-# --- times and words ------------------------------------------------------------------------------
-
-
-def _timed_runs(once: Callable[[], Answers], rounds: int) -> tuple[Answers, float]:
-    """Answers and the median processor time of `rounds` runs; compiled code is warm by then."""
-    walls = []
-    for _ in range(max(rounds, 1)):
-        began = time.process_time()
-        answers = once()
-        walls.append(time.process_time() - began)
-    return answers, statistics.median(walls)
+# --- words ----------------------------------------------------------------------------------------
 
 
 def _checked(off: tuple[float, float | None]) -> str:

@@ -7,10 +7,9 @@ pieces of distributed shafts. The change of the answers is what that thing is wo
 
 from __future__ import annotations
 
-import statistics
-import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import partial
 
 from engine.case.case import Case
 from engine.case.data import CaseData, EffectChoiceRow
@@ -21,7 +20,7 @@ from engine.model.modal_analysis import ModalAnalysis, analyse
 from engine.results.results import AccuracyRow
 from engine.run import PlannedStart, planned_start
 from engine.start.start import Start
-from engine.studies.accuracy.answers import Answers, answers_of, errors_between
+from engine.studies.accuracy.answers import Answers, answers_of, errors_between, timed_runs
 
 #: Methods of the rows: the start as it is calculated, and what else could be.
 CHOSEN, ALTERNATIVE = "chosen", "alternative"
@@ -60,7 +59,7 @@ def alternatives(
     start = planned.start
     chosen = _answers(case, start)
     on_stage("the start as it is calculated")
-    taken = _timed(lambda: planned_start(case, analysis), rounds)
+    _, taken = timed_runs(lambda: planned_start(case, analysis), rounds)
     stated = start.estimated_error + (start.left_out or 0.0)
     setting = _described(start)
     if start.repeatability is not None:
@@ -69,12 +68,11 @@ def alternatives(
     for words, other, found in _others(case, analysis, planned):
         on_stage(words)
         try:
-            changed = planned_start(other, found)
+            changed, taken = timed_runs(partial(planned_start, other, found), rounds)
         except TorsionError:  # what cannot be simulated has no price
             continue
         peak, starts = errors_between(_answers(case, changed.start), chosen)
-        wall = _timed(lambda c=other, a=found: planned_start(c, a), rounds)  # type: ignore[misc]
-        rows.append(AccuracyRow(ALTERNATIVE, words, peak, starts, wall))
+        rows.append(AccuracyRow(ALTERNATIVE, words, peak, starts, taken))
     return tuple(rows)
 
 
@@ -162,13 +160,3 @@ def _as_is(case: CaseData) -> Case:
 
 def _answers(case: CaseData, start: Start) -> Answers:
     return answers_of(case, start.turning_of_element())
-
-
-def _timed(once: Callable[[], object], rounds: int) -> float:
-    """Median processor time of some runs. [s]"""
-    taken = []
-    for _ in range(max(rounds, 1)):
-        began = time.process_time()
-        once()
-        taken.append(time.process_time() - began)
-    return statistics.median(taken)

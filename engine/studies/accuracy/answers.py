@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import statistics
+import time
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import TypeVar
 
 from engine.arrays import Floats
-from engine.case.choices import RainflowResidue
 from engine.case.data import CaseData
-from engine.fatigue.allowable_starts import shaft_fatigue
-from engine.start.start_fatigue import judged_shafts, sn_curve_of
+from engine.start.start_fatigue import judged_shafts, largest_damage
+
+Result = TypeVar("Result")
 
 #: Turning points by element: times and torques. [s, N m]
 Histories = Mapping[int, tuple[Floats, Floats]]
@@ -41,12 +44,10 @@ def answers_of(case: CaseData, histories: Histories) -> Answers:
         What is reported of the start. [N m, 1]
     """
     extremes = {e: (float(value.max()), float(value.min())) for e, (_, value) in histories.items()}
-    residue = case.rainflow_residue or RainflowResidue.HALF_CYCLES
-    damage = {}
-    for index, element in judged_shafts(case):
-        material = next(m for m in case.materials if m.material == element.material)
-        curve = sn_curve_of(case, element.material)
-        damage[index] = shaft_fatigue(element, histories[index][1], curve, material, residue).damage
+    damage = {
+        index: largest_damage(case, element, [histories[index][1]])
+        for index, element in judged_shafts(case)
+    }
     return Answers(extremes, damage)
 
 
@@ -79,3 +80,28 @@ def errors_between(answers: Answers, reference: Answers) -> tuple[float, float |
             both = damage > 0.0 and other > 0.0
             starts = max(starts or LEAST_ERROR, abs(damage / other - 1.0) if both else 1.0)
     return peak, starts
+
+
+def timed_runs(once: Callable[[], Result], rounds: int) -> tuple[Result, float]:
+    """The result of the last of some runs, and their median processor time; compiled code is warm by then.
+
+    Parameters
+    ----------
+    once : callable
+        One run. [any]
+    rounds : int
+        How often it is run. [count]
+
+    Returns
+    -------
+    result : Result
+        As `once` gives it. [any]
+    seconds : float
+        Median. [s]
+    """
+    taken = []
+    for _ in range(max(rounds, 1)):
+        began = time.process_time()
+        result = once()
+        taken.append(time.process_time() - began)
+    return result, statistics.median(taken)
