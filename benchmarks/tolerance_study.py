@@ -57,7 +57,7 @@ TINY = 1e-9
 #: Of the runs that do not say that they are sensitive, every so many is tried.
 NUDGED = 3
 #: Step of the independent integrator: phase of the fastest mode, and the longest one. [rad, s]
-REFERENCE_ANGLE, REFERENCE_STEP = 0.08, 1e-5
+REFERENCE_ANGLE, REFERENCE_STEP = 0.3, 3e-5
 
 
 # --- one train ------------------------------------------------------------------------------------

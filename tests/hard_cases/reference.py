@@ -43,6 +43,8 @@ B8 = np.ascontiguousarray(dop.B)
 C8 = np.ascontiguousarray(dop.C[:STAGES])
 #: A moment of change is bisected to this share of a step.
 BISECTIONS = 40
+#: Two steps in which a sample comes this near to an extreme [1] are made again in so many parts each.
+NEAR, CLOSER = 0.05, 16
 #: Contact of a clearance, and the law there: spring and damper, parting without force, damping as
 #: large as the spring force.
 FREE, DRIVE, BACK = 0, 1, 2
@@ -304,37 +306,38 @@ def _step(y, h, train, drives, law, force, stage, work, out):
     """One step of Dormand-Prince 8, no law changing."""
     n = len(y)
     for i in range(STAGES):
-        for j in range(n):
-            s = 0.0
-            for m in range(i):
-                if A[i, m] != 0.0:
-                    s += A[i, m] * stage[m, j]
-            work[j] = y[j] + h * s
+        work[:] = y
+        for m in range(i):
+            share = h * A[i, m]
+            if share != 0.0:
+                for j in range(n):
+                    work[j] += share * stage[m, j]
         _rates(work, train, drives, law, force, stage[i])
-    for j in range(n):
-        s = 0.0
-        for i in range(STAGES):
-            s += B8[i] * stage[i, j]
-        out[j] = y[j] + h * s
+    out[:] = y
+    for i in range(STAGES):
+        share = h * B8[i]
+        if share != 0.0:
+            for j in range(n):
+                out[j] += share * stage[i, j]
 
 
 @njit(cache=True)
-def _observe(y, train, drives, links, law, force, work, torque, tooth):
-    """Elastic torques of elements, then of rigid links; whole torques of elements."""
+def _observe(y, train, drives, links, law, force, work, seen):
+    """Elastic torques of elements, torques of rigid links, then whole torques of elements."""
     _, first, second, ratio, k, c, gap, _, _, _ = train
-    rows = len(k)
+    rows, whole = len(k), len(k) + len(links)
     for e in range(rows):
         rate = y[rows + first[e]] - ratio[e] * y[rows + second[e]]
-        torque[e], tooth[e] = _element(k[e], c[e], gap[e], law[e], y[e], rate)
+        seen[e], seen[whole + e] = _element(k[e], c[e], gap[e], law[e], y[e], rate)
     if len(links):
         _rates(y, train, drives, law, force, work)
         for i in range(len(links)):
             behind = int(links[i, 0])
-            beyond = tooth[behind] if behind >= 0 else 0.0
-            torque[rows + i] = beyond + links[i, 2] * force[int(links[i, 1])]
+            beyond = seen[whole + behind] if behind >= 0 else 0.0
+            seen[rows + i] = beyond + links[i, 2] * force[int(links[i, 1])]
     for e in range(rows):
         if k[e] == 0.0:
-            torque[e] = tooth[e]  # an element without stiffness reports its viscous torque
+            seen[e] = seen[whole + e]  # an element without stiffness reports its viscous torque
 
 
 @njit(cache=True)
@@ -351,34 +354,118 @@ def _widen(high, low, values):
 
 
 @njit(cache=True)
+def _widen_between(high, low, before, middle, after, slack):
+    """Widen by the vertices of the middle samples; whether one comes near an extreme, or passes it."""
+    near = False
+    for o in range(len(high)):
+        a, b, c = before[o], middle[o], after[o]
+        if (b > a and b > c) or (b < a and b < c):
+            vertex = _vertex(a, b, c)
+            margin = slack * abs(vertex)
+            near = near or vertex > high[o] - margin or vertex < low[o] + margin
+            if slack == 0.0:
+                high[o], low[o] = max(high[o], vertex), min(low[o], vertex)
+    return near
+
+
+@njit(cache=True)
+def _advance(y, h, train, drives, links, law, high, low, counts, times, rooms):
+    """One step, which ends and goes on wherever a law changes; whether one did.
+
+    `counts` gets impacts, and those of the back flank, `times` time without force and fastest approach.
+    """
+    force, work, stage, new, trial, law_new, seen = rooms
+    rows, left, changed = len(train[4]), h, False
+    switching = len(drives[6]) > 0 or np.any(train[6] >= 0.0)
+    while left > 0.0:
+        _step(y, left, train, drives, law, force, stage, work, new)
+        used = left
+        if switching:
+            _laws(new, train, drives, law, force, work, law_new)
+            if np.any(law_new != law):
+                changed = True
+                same, other = 0.0, 1.0
+                for _ in range(BISECTIONS):
+                    s = 0.5 * (same + other)
+                    _step(y, s * left, train, drives, law, force, stage, work, trial)
+                    _laws(trial, train, drives, law, force, work, law_new)
+                    if np.any(law_new != law):
+                        other = s
+                    else:
+                        same = s
+                used = other * left
+                _step(y, used, train, drives, law, force, stage, work, new)
+                _laws(new, train, drives, law, force, work, law_new)
+                # whole forces have corners here, or jump: both sides count
+                _observe(new, train, drives, links, law, force, work, seen)
+                _widen(high, low, seen)
+                _observe(new, train, drives, links, law_new, force, work, seen)
+                _widen(high, low, seen)
+            for e in range(rows):
+                if train[6][e] < 0.0:
+                    continue
+                loaded = law[e] % 3 != FREE and law[e] // 3 != PARTING
+                if not loaded:
+                    times[0, e] += used
+                if law[e] % 3 == FREE and law_new[e] % 3 != FREE:
+                    counts[0, e] += 1
+                    counts[1, e] += law_new[e] % 3 == BACK
+                    rate = new[rows + train[1][e]] - train[3][e] * new[rows + train[2][e]]
+                    times[1, e] = max(times[1, e], abs(rate))
+            law[:] = law_new
+        y[:] = new
+        left = left - used if used < left else 0.0
+    return changed
+
+
+@njit(cache=True)
+def _look_closely(y, law, h, train, drives, links, high, low, rooms):
+    """The same two steps again in finer ones, for the extremes that lie in them alone."""
+    seen, force, work = rooms[6], rooms[0], rooms[1]
+    counts, times = np.zeros((2, len(train[4])), np.int64), np.zeros((2, len(train[4])))
+    before, middle, steady = np.zeros(len(seen)), np.zeros(len(seen)), 0
+    for i in range(2 * CLOSER + 1):
+        _observe(y, train, drives, links, law, force, work, seen)
+        _widen(high, low, seen)
+        if steady >= 2:  # no vertex across a corner
+            _widen_between(high, low, before, middle, seen, 0.0)
+        before[:], middle[:] = middle, seen
+        if i < 2 * CLOSER:
+            changed = _advance(
+                y, h / CLOSER, train, drives, links, law, high, low, counts, times, rooms
+            )
+            steady = 0 if changed else steady + 1
+
+
+@njit(cache=True)
 def _run(y, steps, h, train, drives, links, every, time, kept, driven):
     rows, stations = len(train[4]), len(train[0])
     n, n_out, n_laws = len(y), rows + len(links), rows + len(drives[6])
-    switching = len(drives[6]) > 0 or np.any(train[6] >= 0.0)
-    force, work, stage = np.zeros(stations), np.zeros(n), np.zeros((STAGES, n))
-    new, trial = np.zeros(n), np.zeros(n)
-    law, law_new = np.zeros(n_laws, np.int64), np.zeros(n_laws, np.int64)
-    torque, tooth = np.zeros(n_out), np.zeros(rows)
-    before, middle = np.zeros(n_out), np.zeros(n_out)
-    high, low = np.zeros(n_out), np.zeros(n_out)
-    tooth_high, tooth_low = np.zeros(rows), np.zeros(rows)
-    impacts, back = np.zeros(rows, np.int64), np.zeros(rows, np.int64)
-    free, approach = np.zeros(rows), np.zeros(rows)
+    n_seen = n_out + rows
+    force, work, seen = np.zeros(stations), np.zeros(n), np.zeros(n_seen)
+    law = np.zeros(n_laws, np.int64)
+    rooms = (
+        force, work, np.zeros((STAGES, n)), np.zeros(n), np.zeros(n), np.zeros(n_laws, np.int64), seen,
+    )  # fmt: skip
+    before, middle = np.zeros(n_seen), np.zeros(n_seen)
+    high, low = np.zeros(n_seen), np.zeros(n_seen)
+    counts, times = np.zeros((2, rows), np.int64), np.zeros((2, rows))
+    states, laws = np.zeros((2, n)), np.zeros((2, n_laws), np.int64)  # one and two steps ago
     _laws(y, train, drives, law.copy(), force, work, law)
     row = 0
     for i in range(steps + 1):
-        _observe(y, train, drives, links, law, force, work, torque, tooth)
-        _widen(high, low, torque)
-        _widen(tooth_high, tooth_low, tooth)
-        for o in range(n_out):
-            if i > 1 and middle[o] > before[o] and middle[o] > torque[o]:
-                high[o] = max(high[o], _vertex(before[o], middle[o], torque[o]))
-            if i > 1 and middle[o] < before[o] and middle[o] < torque[o]:
-                low[o] = min(low[o], _vertex(before[o], middle[o], torque[o]))
-            before[o], middle[o] = middle[o], torque[o]
+        _observe(y, train, drives, links, law, force, work, seen)
+        _widen(high, low, seen)
+        if i > 1 and _widen_between(high, low, before, middle, seen, NEAR):
+            old, old_law = states[1].copy(), laws[1].copy()
+            _look_closely(old, old_law, h, train, drives, links, high, low, rooms)
+            _observe(y, train, drives, links, law, force, work, seen)
+        before[:], middle[:] = middle, seen
+        states[1], laws[1] = states[0], laws[0]
+        states[0], laws[0] = y, law
         if every > 0 and i % every == 0:
             _drive(y, train, drives, law[rows:], force)
-            time[row], kept[row], driven[row] = i * h, torque, force
+            time[row], kept[row], driven[row] = i * h, seen[:n_out], force
             for j in range(rows, n_laws):
                 if law[j] == HELD:  # the jump gives what holds the speed
                     law[j] = BELOW
@@ -386,47 +473,11 @@ def _run(y, steps, h, train, drives, links, every, time, kept, driven):
                     driven[row, int(drives[3][0, 0])] -= force[int(drives[3][0, 0])]
                     law[j] = HELD
             row += 1
-        if i == steps:
-            break
-        left = h
-        while left > 0.0:
-            _step(y, left, train, drives, law, force, stage, work, new)
-            used = left
-            if switching:
-                _laws(new, train, drives, law, force, work, law_new)
-                if np.any(law_new != law):
-                    same, other = 0.0, 1.0
-                    for _ in range(BISECTIONS):
-                        s = 0.5 * (same + other)
-                        _step(y, s * left, train, drives, law, force, stage, work, trial)
-                        _laws(trial, train, drives, law, force, work, law_new)
-                        if np.any(law_new != law):
-                            other = s
-                        else:
-                            same = s
-                    used = other * left
-                    _step(y, used, train, drives, law, force, stage, work, new)
-                    _laws(new, train, drives, law, force, work, law_new)
-                    # whole forces have corners here, or jump: both sides count
-                    _observe(new, train, drives, links, law, force, work, torque, tooth)
-                    _widen(tooth_high, tooth_low, tooth)
-                    _observe(new, train, drives, links, law_new, force, work, torque, tooth)
-                    _widen(tooth_high, tooth_low, tooth)
-                for e in range(rows):
-                    if train[6][e] < 0.0:
-                        continue
-                    loaded = law[e] % 3 != FREE and law[e] // 3 != PARTING
-                    if not loaded:
-                        free[e] += used
-                    if law[e] % 3 == FREE and law_new[e] % 3 != FREE:
-                        impacts[e] += 1
-                        back[e] += law_new[e] % 3 == BACK
-                        rate = new[rows + train[1][e]] - train[3][e] * new[rows + train[2][e]]
-                        approach[e] = max(approach[e], abs(rate))
-                law[:] = law_new
-            y[:] = new
-            left = left - used if used < left else 0.0
-    return high, low, tooth_high, tooth_low, impacts, back, free, approach
+        if i < steps:
+            _advance(y, h, train, drives, links, law, high, low, counts, times, rooms)
+    return (
+        high[:n_out], low[:n_out], high[n_out:], low[n_out:], counts[0], counts[1], times[0], times[1],
+    )  # fmt: skip
 
 
 def state_size(case: CaseData) -> int:
