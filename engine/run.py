@@ -35,7 +35,7 @@ from engine.plan.plan import (
 from engine.results.results import AtSpeed, Results
 from engine.results.times import COMPILING_EVENTS, accuracy_of, measured_times
 from engine.results.verdicts import verdicts_of
-from engine.results.warnings import MAX_PLANS, warnings_of
+from engine.results.warnings import warnings_of
 from engine.start.crossings import Crossing, crossings_of
 from engine.start.pieces import analysis_for_start, with_pieces_error
 from engine.start.prescribed import run_prescribed
@@ -66,7 +66,6 @@ class PlannedStart:
     plans: tuple[Plan, ...]  #: In the order in which they were made. [mixed]
     model: ModalTrain  #: The train it was calculated with. [SI]
     evidence: Evidence  #: What the plans were made from. [SI]
-    settled: bool  #: False if the last plan, too, was found wrong by its run.
     #: The start with every effect on that the plan leaves out, where bounds must be measured. [SI]
     full: Start | None = None
 
@@ -98,10 +97,8 @@ def run(case: CaseData, on_stage: Callable[[str], None] | None = None) -> Result
     crossings: tuple[Crossing, ...] = ()
     errors: tuple[tuple[str, float | None], ...] = ()
     reversals: tuple[Reversal, ...] = ()
-    settled = True
     if has_start(case) or case.torque_time:
         planned = planned_start(case, analysis, stage)
-        settled = planned.settled
         with stage("fatigue"):
             start, starts, errors = judged_starts(case, planned)
         # sections and runs are most of the memory, and nothing more is read from them
@@ -125,7 +122,6 @@ def run(case: CaseData, on_stage: Callable[[str], None] | None = None) -> Result
         spent=tuple(spent),
         plans=plans,
         reversals=reversals,
-        settled=settled,
     )
     return replace(
         results,
@@ -215,7 +211,7 @@ def planned_start(
             with stage("start"):
                 linear = calculate_start(stepped, model, plain, None)
                 linear = with_pieces_error(linear, pieces, tolerance)
-    start, settled, full = linear, True, None
+    start, full = linear, None
     while plans[-1].events:
         effects = plans[-1].effects
         if not is_compiled(advance_pieces):
@@ -228,10 +224,9 @@ def planned_start(
             evidence = replace(evidence, event=start_evidence(case, model.train, start, wall))
             new = revised_plan(case, plans[-1], evidence)
         runs_as_before = new.effects == plans[-1].effects
-        settled = runs_as_before or len(plans) < MAX_PLANS
-        if new is not plans[-1] and settled:
+        if new is not plans[-1]:
             plans.append(new)
-        if runs_as_before or not settled:
+        if runs_as_before:
             break
     if plans[-1].events and plans[-1].left_out:
         with stage("effects left out"):
@@ -243,7 +238,7 @@ def planned_start(
             start, full = with_pieces_error(full, pieces, tolerance), None
             model = (analysis.coupled if plan.lateral else None) or model
     start = with_left_out(start, plans[-1].left_out_bound, tolerance)
-    return PlannedStart(start, linear, tuple(plans), model, evidence, settled, full)
+    return PlannedStart(start, linear, tuple(plans), model, evidence, full)
 
 
 def _with_all_effects(

@@ -229,8 +229,9 @@ class ContactSystems:
         #: Forces to the common basis, shape (m, n_forces). [rad/√(kg m²)]
         self.common_reach = _common_reach(basis, places)
         self._scale = shows_scale
-        self._tables: tuple[Any, ...] | None = None
-        self._levels = 1
+        #: As the loop takes them, with room for more pieces; those in them so far.
+        self._tables: tuple[Any, ...] = (np.zeros(0, dtype=np.int64), np.zeros((0, 0)))
+        self._filled = 0
         self._step = 0.0
 
     def index_of(self, contact: Sequence[int]) -> int:
@@ -244,7 +245,6 @@ class ContactSystems:
             return self._keys.index(key)
         self.pieces.append(_make_piece(self, loaded))
         self._keys.append(key)
-        self._tables = None
         return len(self._keys) - 1
 
     @property
@@ -275,37 +275,54 @@ class ContactSystems:
         tuple
             As `engine.stepping.contact_loop.advance_pieces` takes it. [SI]
         """
-        if self._tables is not None and self._step == step:
-            return self._tables
-        self._step = step
-        p, basis = self.pieces, self.basis
-        fastest = max(float(np.max(x.stiffness, initial=0.0)) for x in p) ** 0.5
+        n = len(self.pieces)
+        fastest = max(float(np.max(x.stiffness, initial=0.0)) for x in self.pieces) ** 0.5
         levels = 2 + max(int(np.ceil(np.log2(max(fastest / sampled, 1.0)))), 0)
-        self._levels = max(self._levels, levels)
-        n, m = len(p), basis.vectors.shape[1]
-        n_dampers = len(self.places.viscous) + 2 * len(basis.flanks)
-
-        def stacked(parts: list[Floats]) -> Floats:
-            return np.ascontiguousarray(np.array(parts, dtype=np.float64))
-
-        flank_rows = np.concatenate([basis.drive_rows, basis.back_rows])
-        self._tables = (
-            np.array(self._keys, dtype=np.int64),
-            stacked([x.stiffness for x in p]),
-            stacked([x.rate for x in p]),
-            stacked([x.reach.T for x in p]),
-            stacked([x.constant for x in p]),
-            stacked([self.mean_speed @ x.turn for x in p]),
-            stacked([flank_rows @ x.turn for x in p]),
-            stacked([x.viscous for x in p]).reshape(n, -1),
-            stacked([self._visibility(x) for x in p]),
-            stacked([x.turn for x in p]),
-            np.zeros((n, self._levels, 2, 2, m)),
-            np.zeros((n, self._levels, 2, 4, m)),
-            np.zeros((n, self._levels, 2 * n_dampers, 2 * n_dampers)),
-            np.zeros((n, self._levels), dtype=np.int64),
-        )
+        if n > len(self._tables[0]) or levels > self._tables[-1].shape[1]:
+            self._grow(n, levels)
+        for i in range(self._filled, n):
+            row = self._row(self.pieces[i])
+            for table, values in zip(self._tables, (self._keys[i], *row), strict=False):
+                table[i] = values
+        self._filled = n
+        if step != self._step:
+            self._step = step
+            self._tables[-1][:] = 0  # coefficients are those of other steps
         return self._tables
+
+    def _row(self, piece: ContactSystem) -> tuple[Floats, ...]:
+        """What the loop is told of one piece."""
+        flank_rows = np.concatenate([self.basis.drive_rows, self.basis.back_rows])
+        return (
+            piece.stiffness,
+            piece.rate,
+            piece.reach.T,
+            piece.constant,
+            self.mean_speed @ piece.turn,
+            flank_rows @ piece.turn,
+            piece.viscous,
+            self._visibility(piece),
+            piece.turn,
+        )
+
+    def _grow(self, n: int, levels: int) -> None:
+        """Room for more pieces and levels; what is in the tables stays, coefficients of steps too."""
+        old = self._tables
+        levels = max(levels, old[-1].shape[1])
+        room = n if not self._filled else max(2 * n, len(old[0]))
+        solved = 2 * (len(self.places.viscous) + 2 * len(self.basis.flanks))
+        m = self.basis.vectors.shape[1]
+        of_steps = ((levels, 2, 2, m), (levels, 2, 4, m), (levels, solved, solved), (levels,))
+        new: list[Any] = [np.full(room, -1, dtype=np.int64)]
+        new += [np.zeros((room, *values.shape)) for values in self._row(self.pieces[0])]
+        new += [np.zeros((room, *shape)) for shape in of_steps[:3]]
+        new.append(np.zeros((room, levels), dtype=np.int64))
+        for k, (table, before) in enumerate(zip(new, old, strict=False) if self._filled else ()):
+            if k < len(new) - len(of_steps):
+                table[: self._filled] = before[: self._filled]
+            else:
+                table[: self._filled, : before.shape[1]] = before[: self._filled]
+        self._tables = tuple(new)
 
     def _scale_of(self, flank: Flank) -> float:
         """Torque scale of the element of a flank. [N m]"""

@@ -29,7 +29,7 @@ from engine.case.effect import StartEffects
 from engine.case.effects import EFFECTS, choice_of
 from engine.plan.decision import EffectDecision, Finding, decide, percent, quoted
 from engine.plan.effects import FINDINGS
-from engine.plan.evidence import Evidence, reversing, reversing_minima
+from engine.plan.evidence import Evidence, reversing_minima
 
 
 @dataclass(frozen=True)
@@ -102,20 +102,20 @@ def first_plan(case: CaseData, evidence: Evidence) -> Plan:
 def revised_plan(case: CaseData, plan: Plan, evidence: Evidence) -> Plan:
     """A new plan where a run has found the old one wrong; the same plan where it has not.
 
-    The evidence holds the start of that run as `event`. A new plan has every clearance of the old one and
-    those whose elements reversed.
+    The evidence holds the start of that run as `event`. A new plan has every clearance, if the old one had
+    or an element with one reversed.
     """
     if evidence.event is None:
         return plan
     modelled, reasons = plan.effects.clearances, []
     minima = reversing_minima(evidence.event, evidence.tolerance)
-    reversed_since = [m for m in minima if m.element not in modelled]
+    reversed_since = [] if modelled else minima
     if reversed_since and plan.decision("backlash").choice != "off":
         names = ", ".join(
             f"'{m.element}' ({m.lowest:.2g} of its largest torque)" for m in reversed_since
         )
         reasons.append(f"torque reversed without a modelled clearance: {names}")
-        modelled = (*modelled, *(m.element for m in reversed_since))
+        modelled = tuple(m.element for m in reversed_since)
     counting = plan.decision("cycle counting")
     if evidence.event.must_count and not counting.on and counting.choice == "auto":
         reasons.append("stresses rose above endurance, so cycles must be counted")
@@ -149,7 +149,7 @@ def with_times(plan: Plan, times: Mapping[str, float]) -> Plan:
 def _plan(
     case: CaseData, evidence: Evidence, number: int, reason: str, modelled: tuple[str, ...]
 ) -> Plan:
-    """Findings and choices together; `modelled` are the clearances of the plan before."""
+    """Findings and choices together; `modelled` are clearances known to part, or those of the plan before."""
     wall_time = evidence.linear.wall_time if evidence.linear is not None else None
     decisions, warnings, left_out = [], [], []
     for name, effect in EFFECTS.items():
@@ -164,12 +164,9 @@ def _plan(
             left_out.append(name)
         if warning:
             warnings.append(warning)
-    clearances: tuple[str, ...] = ()
     on = {decision.effect: decision.on for decision in decisions}
-    if on["backlash"]:
-        clearances = modelled or reversing(evidence)
-        if choice_of(case, "backlash") == "on":
-            clearances = evidence.clearances
+    # all of them: one whose teeth only come near parting limits its damping, too, and costs no time
+    clearances = evidence.clearances if on["backlash"] else ()
     flags = {effect.flag: on[name] for name, effect in EFFECTS.items() if effect.flag}
     law = case.contact_law or ContactLaw.LIMITED
     effects = StartEffects(clearances=clearances, contact_law=law, **flags)

@@ -90,7 +90,6 @@ class Results(AtSpeed):
     plans: tuple[Plan, ...]
     #: Torque reversals of meshes and geared couplings in the start that is reported. [SI]
     reversals: tuple[Reversal, ...]
-    settled: bool  #: False if the last plan, too, was found wrong by its run.
     #: Estimated error and time of each analysis, as calculated. [1, s]
     accuracy: tuple[AccuracyRow, ...] = ()
     verdicts: tuple[Verdict, ...] = ()  #: The checks at a glance.

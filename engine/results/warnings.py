@@ -26,8 +26,6 @@ from engine.start.start_fatigue import judged_shafts
 
 #: A first mode below this frequency, and a start longer than this, look like a wrong unit. [Hz, s]
 LOW_FREQUENCY, LONG_START = 1.0, 60.0
-#: Plans of one run: each new one adds a clearance, and more than these are never seen.
-MAX_PLANS = 5
 
 
 def warnings_of(results: Results) -> Iterator[str]:
@@ -82,7 +80,7 @@ def _start_warnings(results: Results) -> Iterator[str]:
             "Check inertias and torques."
         )
     yield from _unstable_feedback(results)
-    yield from _run_warnings(start, results.settled)
+    yield from _run_warnings(start)
     counted = {e.element for _, e in judged_shafts(case)}
     for e in case.elements:
         if e.stress_diameter and e.material and e.element not in counted:
@@ -165,7 +163,7 @@ def _pulling_teeth(results: Results) -> Iterator[str]:
             )
 
 
-def _run_warnings(start: Start, settled: bool) -> Iterator[str]:
+def _run_warnings(start: Start) -> Iterator[str]:
     """What the start itself left open."""
     if start.uncoupled_dampers:
         names = ", ".join(f"'{name}'" for name in start.uncoupled_dampers)
@@ -180,9 +178,4 @@ def _run_warnings(start: Start, settled: bool) -> Iterator[str]:
             f"{100.0 * start.repeatability.spread:.2g} % ({100.0 * CONFIDENCE:.0f} % interval from "
             f"{start.repeatability.runs} runs). The peaks are one sample of possible values; verdicts use "
             "the unfavourable end of their range."
-        )
-    if not settled:
-        yield (
-            f"After {MAX_PLANS} plans the torque still reverses at elements without a modelled "
-            "clearance; see table Plans. Force backlash on to model all clearances."
         )

@@ -20,9 +20,15 @@ def finding(case: CaseData, e: Evidence, modelled: tuple[str, ...]) -> Finding:
     depth = max((-m.lowest for m in minima if not m.tight), default=0.0)
     number, bound = worst.lowest, BACKLASH_GAIN * max(depth, 0.0)
     why = f"Lowest torque minus its error: {number:.3g} of the largest torque, at '{worst.element}'"
-    names = modelled or reversing(e)
+    names = reversing(e) or modelled
     if names:
         why += f"; teeth separate at {quoted(names)}."
+        return Finding(True, possible, number, limit, None, why)
+    if possible and moves_laterally(case, e):
+        why += (
+            "; teeth need not separate, but gears move on their bearings: that is simulated event by "
+            "event anyway, with every clearance."
+        )
         return Finding(True, possible, number, limit, None, why)
     if number >= 0.0:
         why += ": no reversal, so the linear solution holds whatever the clearance."
