@@ -29,7 +29,7 @@ class Answer:
     number : int
         Train. [1]
     element, kind : str
-        Where; ``peak``, ``starts``, or ``bound`` of an effect left out. [words]
+        Where; ``peak``, ``starts``, ``recontact`` speed, or ``bound`` of an effect left out. [words]
     tolerance, true : float
         Relative errors: wanted, found. [1]
     stated : float or None
@@ -113,9 +113,9 @@ class Study:
     ----------
     records : list of dict
         Everything of every train.
-    answers, independent, bounds : list of Answer
-        Against the hundredfold finer run with all effects, and against the independent integrator, without
-        trains that say they are sensitive; and bounds of effects left out.
+    answers, recontacts, independent, bounds : list of Answer
+        Against the hundredfold finer run with all effects (peaks and starts; recontact speeds), and against the
+        independent integrator, without trains that say they are sensitive; and bounds of effects left out.
     repeated : list of Repeated
         Answers of sensitive trains beside those of their repetitions.
     sensitive : list of int
@@ -129,6 +129,7 @@ class Study:
 
     records: list[Record]
     answers: list[Answer]
+    recontacts: list[Answer]
     independent: list[Answer]
     bounds: list[Answer]
     repeated: list[Repeated]
@@ -145,7 +146,7 @@ class Study:
 
 def summary_of(records: list[Record]) -> Study:
     """Judge the records."""
-    found = Study(records, [], [], [], [], [], [], [], [r for r in records if "failed" in r])
+    found = Study(records, [], [], [], [], [], [], [], [], [r for r in records if "failed" in r])
     for r in records:
         if "failed" in r:
             continue
@@ -161,6 +162,7 @@ def summary_of(records: list[Record]) -> Study:
             found.unfelt.append(r["number"])
         resolved = r["truth"]["step"] <= NO_FINER * r["asked"]["step"]
         found.answers.extend(replace(a, resolved=resolved) for a in _beside(r, r["truth"]))
+        found.recontacts.extend(replace(a, resolved=resolved) for a in _recontacts(r))
         for effect, (bound, change) in r.get("bounds", {}).items():
             found.bounds.append(Answer(r["number"], effect, "bound", bound, bound, change))
         if r.get("independent"):
@@ -229,6 +231,16 @@ def _beside(record: Record, truth: Record) -> list[Answer]:
     return found
 
 
+def _recontacts(record: Record) -> Iterator[Answer]:
+    """Largest recontact speed of each clearance beside that of the finer run."""
+    for element, (speed, error) in record["asked"]["recontacts"].items():
+        true = record["truth"]["recontacts"].get(element, (0.0, 0.0))[0]
+        if speed or true:
+            off = abs(true / speed - 1.0) if speed else math.inf
+            tolerance = record["tolerance"][0]
+            yield Answer(record["number"], element, "recontact", tolerance, error, off)
+
+
 def _repeated(record: Record) -> Iterator[Repeated]:
     """Each answer of a sensitive train beside each of its repetitions."""
     number, asked = record["number"], record["asked"]
@@ -285,11 +297,14 @@ def classes_of(found: Study) -> list[ClassSummary]:
     ):
         chosen = [a for a in found.answers if extra in by_number[a.number]["extras"]]
         rows.append(of(f"with {extra}", chosen))
+    chosen = [a for a in found.answers if by_number[a.number]["asked"]["modes_left_out"]]
+    rows.append(of("with modes left out", chosen))
     for tolerance in (1e-2, 1e-3, 1e-4):
         chosen = [a for a in found.answers if by_number[a.number]["tolerance"][0] == tolerance]
         rows.append(of(f"tolerance of peaks {tolerance:g}", chosen))
     for events, words in ((False, "linear"), (True, "with events")):
         chosen = [a for a in found.independent if by_number[a.number]["asked"]["events"] == events]
         rows.append(of(f"independent integrator, {words}", chosen))
+    rows.append(of("recontact speeds", found.recontacts))
     rows.append(of("bounds of effects left out", found.bounds))
     return rows

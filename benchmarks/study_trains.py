@@ -31,6 +31,9 @@ STARTS_TOLERANCE = {1e-3: 2e-2, 1e-2: 1e-1, 1e-4: 2e-3}
 APART = 10_000
 #: Clearances of one train, at the most.
 MOST_CLEARANCES = 2
+#: Share of the trains on bearings whose other meshes have a backlash, too, and that backlash: with none gears on
+#: bearings have no bound once their torque reverses. [1, m]
+SMALL_GAPS, SMALL_GAP = 0.9, (5e-5, 4e-4)
 #: Frequency at which the two ends of a clearance ring on its teeth, at the most. [Hz]
 TEETH = (300.0, 3000.0)
 #: Damping ratio of one element between its two ends alone. [1]
@@ -112,6 +115,8 @@ def _drawn(number: int, seed: int) -> tuple[Case | None, tuple[str, ...]]:
     if not independent and rng.random() < 0.2:
         case = with_shock(case, seed, float(rng.uniform(0.3, 2.0)))
         extras.append("breaker closing")
+    if "bearings" in extras and rng.random() < SMALL_GAPS:
+        case = _with_small_gaps(case, rng)
     case = _without_other_gaps(case)
     case = with_judged_shafts(case, seed, float(10.0 ** rng.uniform(-0.3, 0.4)))
     peak = {4: 1e-2, 5: 1e-2, 6: 1e-4, 7: 1e-4}.get(number % 20, 1e-3)
@@ -129,6 +134,17 @@ def _at_most(count: int, case: Case) -> Case:
         if m.element not in dropped or m.backlash
     ]
     return replace(case, meshes=tuple(closed))
+
+
+def _with_small_gaps(case: Case, rng: np.random.Generator) -> Case:
+    """Every mesh on bearings with a backlash."""
+    meshes = [
+        m
+        if m.backlash or m.angular_backlash or not m.bearing_stiffness_drive
+        else replace(m, backlash=float(rng.uniform(*SMALL_GAP)))
+        for m in case.meshes
+    ]
+    return replace(case, meshes=tuple(meshes))
 
 
 def _without_other_gaps(case: Case) -> Case:

@@ -36,13 +36,18 @@ from benchmarks.study_answers import (  # noqa: E402
     summary_of,
 )
 from benchmarks.study_trains import StudyTrain, gaps_of, study_train  # noqa: E402
+from engine.backlash.event_start import one_run
 from engine.case.case import Case
 from engine.case.data import EffectChoiceRow  # noqa: E402
 from engine.case.effects import EFFECTS  # noqa: E402
 from engine.errors import TorsionError  # noqa: E402
+from engine.fatigue.damage import starts_from_damage
 from engine.results.results import Results  # noqa: E402
-from engine.run import run  # noqa: E402
+from engine.run import calculate_start, run  # noqa: E402
+from engine.start.peaks import sections_of
+from engine.start.pieces import analysis_for_start
 from engine.start.start import Start
+from engine.start.start_fatigue import judged_shafts, largest_damage
 
 ROOT = Path(__file__).resolve().parents[1]
 KEPT = ROOT / "build" / "tolerance-study"
@@ -82,9 +87,10 @@ def record_of(number: int, nudges: int = SENSITIVE_NUDGES) -> Record:
         finer = replace(train.case, tolerance_peak=FINER * peak, tolerance_starts=FINER * starts)
         record["truth"] = _answers(run(_with(finer, ALL_EFFECTS)), time.perf_counter() - began)
         record["bounds"] = _bounds(finer, asked)
-    if record["asked"]["events"] and (sensitive or number % (2 * NUDGED) == 1):
-        times = nudges if sensitive else 1
-        record["nudged"] = [_answers(run(_nudged(train, k)), 0.0) for k in range(times)]
+    if sensitive:
+        record["nudged"] = [_repetition(train, asked, k) for k in range(nudges)]
+    elif record["asked"]["events"] and number % (2 * NUDGED) == 1:
+        record["nudged"] = [_answers(run(_nudged(train, 0)), 0.0)]
     if train.independent and not sensitive and asked.start is not None:
         record["independent"] = _independent(train, asked.start, asked)
     return record
@@ -128,6 +134,10 @@ def _answers(found: Results, wall: float) -> Record:
         "steps": start.trajectory.n_steps,
         "step": start.step,
         "impacts": sum(c.impacts for c in start.contacts),
+        "recontacts": {
+            c.element: [c.recontact_speed_angular, c.recontact_error] for c in start.contacts
+        },
+        "modes_left_out": max(found.modes.n_modes - start.kept_modes, 0),
         "sensitivity": None
         if start.repeatability is None
         else {"spread": start.repeatability.spread, "sensitive": start.is_sensitive},
@@ -137,6 +147,41 @@ def _answers(found: Results, wall: float) -> Record:
         },
         "starts": {
             s.element: [s.allowable_starts, s.left_out, s.starts_low, s.starts_high] for s in shafts
+        },
+    }
+
+
+def _repetition(train: StudyTrain, asked: Results, which: int) -> Record:
+    """Peaks and starts of one run at the step of a sensitive start, with other inertias by a billionth."""
+    case, plan = _nudged(train, which), asked.plans[-1]
+    assert asked.start is not None
+    analysis = analysis_for_start(case)
+    model = analysis.reported if plan.lateral else analysis.torsional
+    linear = calculate_start(case, model, replace(plan.effects, clearances=()), None)
+    single = one_run(case, model, plan.effects, linear, asked.start.step)
+    names, sections = model.train.elements, sections_of(single)
+    return {
+        "peaks": {
+            names[e]: [
+                float(single.turning[high][1].max()),
+                float(single.turning[low][1].min()),
+            ]
+            for e, (high, low, _) in sections.items()
+        },
+        "starts": {
+            str(row.element): [
+                starts_from_damage(
+                    largest_damage(
+                        case,
+                        row,
+                        [
+                            single.turning[int(i)][1]
+                            for i in np.flatnonzero(single.trajectory.output_element == e)
+                        ],
+                    )
+                )
+            ]
+            for e, row in judged_shafts(case)
         },
     }
 

@@ -699,6 +699,13 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 of_row=("TorqueReversals.Recontact speed",), of_case=START, format=shown.APPROACH,
                 error=ReportedError.PEAKS, pane=Pane.WORKBOOK,
             ),
+            number(
+                "Recontact error", "fraction", "Relative error of the recontact speeds.",
+                "Change of the three fastest recontacts from twice the step; where runs part the 99 % interval of an ensemble",
+                "docs/method.md, Errors of a start",
+                of_row=("TorqueReversals.Recontact speed",), of_case=("TolerancePeak", *START), format=shown.ERROR,
+                pane=Pane.WORKBOOK,
+            ),
             text(
                 "Model", "linear; clearance where the teeth can separate.",
                 "clearance where the plan models it, else linear", "docs/method.md, The plan",

@@ -8,14 +8,22 @@ import numpy as np
 
 from engine.arrays import Floats
 from engine.backlash.event_simulation import EventModel, EventRun
+from engine.case.defaults import LEAST_PEAK_ERROR
 from engine.model.train import Train
-from engine.start.event_results import BearingForce, ContactRecord
+from engine.start.event_results import BearingForce, ContactRecord, prediction_interval
 from engine.start.start import ForceHistories
 from engine.stepping import contact_loop as events
 
+#: Two runs may share their fastest recontact by chance; they hardly share so many.
+COMPARED_SPEEDS = 3
+
 
 def contact_records(
-    model: EventModel, run: EventRun, turning: Sequence[tuple[Floats, Floats]], end: float
+    model: EventModel,
+    run: EventRun,
+    turning: Sequence[tuple[Floats, Floats]],
+    end: float,
+    others: Sequence[EventRun] = (),
 ) -> tuple[ContactRecord, ...]:
     """What happened at each clearance.
 
@@ -29,6 +37,8 @@ def contact_records(
         Turning points of every output. [s, N m]
     end : float
         When it ended. [s]
+    others : sequence of EventRun, optional
+        The run at twice the step, or those of an ensemble: the errors are taken from them. [SI]
 
     Returns
     -------
@@ -41,7 +51,8 @@ def contact_records(
     for c, flank in enumerate(basis.flanks):
         log = run.log[run.log[:, 1] == c]
         met = log[log[:, 2] == events.FREE]
-        speed = float(np.max(met[:, 4], initial=0.0))
+        speeds = _recontact_speeds(run, c)
+        speed = float(speeds[0])
         rows = np.flatnonzero(run.trajectory.output_element == flank.element)
         torque = max(float(np.max(np.abs(turning[int(i)][1]), initial=0.0)) for i in rows)
         radius, factor = flank.base_radius, flank.normal_factor
@@ -55,9 +66,36 @@ def contact_records(
                 recontact_speed_angular=speed,
                 tooth_force=None if radius is None else torque / radius * factor,
                 tooth_torque=torque,
+                recontact_error=_recontact_error(
+                    speeds, [_recontact_speeds(other, c) for other in others]
+                ),
             )
         )
     return tuple(out)
+
+
+def _recontact_speeds(run: EventRun, clearance: int) -> Floats:
+    """The largest approach speeds at recontacts of one clearance, in falling order, zero where there are
+    fewer, shape (COMPARED_SPEEDS,). [rad/s]"""
+    met = run.log[(run.log[:, 1] == clearance) & (run.log[:, 2] == events.FREE), 4]
+    found = np.zeros(COMPARED_SPEEDS)
+    largest = np.sort(met)[::-1][:COMPARED_SPEEDS]
+    found[: len(largest)] = largest
+    return found
+
+
+def _recontact_error(speeds: Floats, others: Sequence[Floats]) -> float:
+    """Relative error of the largest speed: its change, and that of the next, to the run at twice the step; over
+    an ensemble the distance to the ends of its interval. [1]"""
+    largest = max(float(speeds[0]), max((float(o[0]) for o in others), default=0.0))
+    if largest <= 0.0 or not others:
+        return 0.0
+    if len(others) == 1:
+        off = float(np.max(np.abs(speeds - others[0])))
+    else:
+        low, high = prediction_interval(np.array([speeds[0], *(o[0] for o in others)]))
+        off = max(high - float(speeds[0]), float(speeds[0]) - max(low, 0.0))
+    return max(off / (float(speeds[0]) or largest), LEAST_PEAK_ERROR)
 
 
 def _time_unloaded(log: Floats, end: float) -> float:

@@ -135,23 +135,17 @@ def run_event_start(
     elif linear is None:
         linear = run_prescribed(case, modal)
     tolerance = case.tolerance_peak or DEFAULT_TOLERANCE_PEAK
-    if linear.runup is None:
-        setup = _prescribed(case, modal, effects, linear)
-    else:
-        setup = _start(case, modal, effects, linear, tolerance)
+    setup = _set_up(case, modal, effects, linear, tolerance)
     model, step = setup.model, setup.step
 
-    first, modelled = step, model.pieces.basis.flanks
+    modelled = model.pieces.basis.flanks
 
     def at(h: float, changed: EventModel = model) -> _Run:
-        # what is not followed shrinks with the step, so that the change from h to h/2 shows it
-        seen = replace(changed, visible=VISIBLE * tolerance * (h / first) ** 2)
-        run = simulate_events(seen, h, setup.script, settled=setup.settled)
-        single = SingleRun.until(run.trajectory, float(run.trajectory.time[-1]))
-        return _Run(**vars(single), events=replace(run, trajectory=single.trajectory))
+        return _simulated(replace(setup, model=changed), h, tolerance)
 
     coarse, fine = _light(at(step)), at(0.5 * step)
     halvings, repeatability, taken = 0, None, coarse.n_steps + fine.n_steps
+    runs: list[_Run] = []
     while True:
         same_until = _together_until(coarse.events, fine.events, TOGETHER * step)
         judged = judge_run(
@@ -209,7 +203,9 @@ def run_event_start(
         method=Method.EXPONENTIAL,
         met_tolerance=met,
         uncoupled_dampers=setup.uncoupled_dampers,
-        contacts=contact_records(model, run, fine.turning, fine.end),
+        contacts=contact_records(
+            model, run, fine.turning, fine.end, [r.events for r in runs[1:] or [coarse]]
+        ),
         bearing_forces=bearing_forces(train, run),
         pull_in=pull_in,
         repeatability=repeatability,
@@ -217,6 +213,22 @@ def run_event_start(
         forces=force_histories(train, run),
         load_angle=None if pull_in is None else 0.5 * run.phase[0],
     )
+
+
+def one_run(
+    case: CaseData, modal: ModalTrain, effects: StartEffects, linear: Start, step: float
+) -> SingleRun:
+    """One simulation of a start with events at a given step [s], without any estimate of its error."""
+    tolerance = case.tolerance_peak or DEFAULT_TOLERANCE_PEAK
+    return _simulated(_set_up(case, modal, effects, linear, tolerance), step, tolerance)
+
+
+def _simulated(setup: _Setup, step: float, tolerance: float) -> _Run:
+    # what is not followed shrinks with the step, so that the change from h to h/2 shows it
+    seen = replace(setup.model, visible=VISIBLE * tolerance * (step / setup.step) ** 2)
+    run = simulate_events(seen, step, setup.script, settled=setup.settled)
+    single = SingleRun.until(run.trajectory, float(run.trajectory.time[-1]))
+    return _Run(**vars(single), events=replace(run, trajectory=single.trajectory))
 
 
 @dataclass(frozen=True, eq=False)
@@ -230,6 +242,14 @@ class _Setup:
     drops_modes: bool
     settled: Settled | None
     uncoupled_dampers: tuple[str, ...]
+
+
+def _set_up(
+    case: CaseData, modal: ModalTrain, effects: StartEffects, linear: Start, tolerance: float
+) -> _Setup:
+    if linear.runup is None:
+        return _prescribed(case, modal, effects, linear)
+    return _start(case, modal, effects, linear, tolerance)
 
 
 def _start(
@@ -375,8 +395,10 @@ def _scale(train: Train, linear: Start) -> Floats:
 
 
 def _together_until(coarse: EventRun, fine: EventRun, apart: float) -> float:
-    """Until when two runs were together: the same changes of contact, at least one, no more than so
+    """Until when two runs were together: the same changes of contact, if any the first, no more than so
     much apart. [s]"""
+    if not len(coarse.log) and not len(fine.log):
+        return math.inf
     n = min(len(coarse.log), len(fine.log))
     a, b = coarse.log[:n], fine.log[:n]
     differing = np.any(a[:, 1:4] != b[:, 1:4], axis=1) | (np.abs(a[:, 0] - b[:, 0]) > apart)

@@ -26,6 +26,7 @@ class ContactRecord:
     recontact_speed_angular: float  #: The same as relative angular speed on the From side. [rad/s]
     tooth_force: float | None  #: Largest normal tooth force; None for a coupling. [N]
     tooth_torque: float  #: The same as torque on the From side. [N m]
+    recontact_error: float = 0.0  #: Relative error of the recontact speeds. [1]
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ from engine.start.trajectory import SingleRun, Trajectory, Turning
 #: Maxima, and minima, of two runs that are compared to estimate the error of the largest.
 COMPARED_EXTREMES = 6
 #: No element is taken to be more accurate than this share of the worst, nor than `LEAST_PEAK_ERROR`.
-SHARED_ERROR = 0.3
+SHARED_ERROR = 0.05
 
 
 @dataclass(frozen=True)

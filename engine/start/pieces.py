@@ -19,7 +19,6 @@ from engine.errors import ModelError
 from engine.model.modal_analysis import ModalAnalysis, analyse
 from engine.model.modal_train import ModalTrain
 from engine.model.subdivision import RICHARDSON, SUBDIVISION_SEGMENTS
-from engine.start.peaks import SHARED_ERROR
 from engine.start.prescribed import run_prescribed
 from engine.start.settings import has_start
 from engine.start.start import Start, prepared_start
@@ -28,6 +27,8 @@ from engine.start.start_model import usual_step
 
 #: Share of a tolerance that the pieces may take; steps and modes left out take the rest. [1]
 SHARE = 0.3
+#: No shaft is taken to be more accurate than this share of the worst. [1]
+SHARED_ERROR = 0.3
 #: Pieces are refined at most so often.
 MOST_REFINEMENTS = 3
 #: Tolerance of the simulations that are compared: both have nearly the same error of the step. [1]

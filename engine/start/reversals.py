@@ -66,6 +66,7 @@ class Reversal:
     verdict: Judgement  #: ``pass``, ``fail`` or ``not judged``.
     #: The approach speed as relative angular speed on the From side. [rad/s]
     recontact_speed_angular: float | None
+    recontact_error: float | None  #: Relative error of both. [1]
     model: str  #: ``clearance`` where the teeth may separate, else ``linear``.
     sentence: str  #: The result in words, with its numbers.
 
@@ -150,6 +151,7 @@ def _reversal(
         impacts=None if contact is None else contact.impacts,
         recontact_speed=None if contact is None else contact.recontact_speed,
         recontact_speed_angular=None if contact is None else contact.recontact_speed_angular,
+        recontact_error=None if contact is None else contact.recontact_error,
         tooth_force=None if contact is None else contact.tooth_force,
         sentence=sentence,
     )

@@ -36,7 +36,7 @@ from engine.start.outcome import StartOutcome
 from engine.start.peaks import sections_of
 from engine.start.settings import has_start
 from engine.start.start import PreparedStart, Start, prepared_start
-from engine.start.start_fatigue import COUNTED_STARTS, judged_shafts, sn_curve_of
+from engine.start.start_fatigue import COUNTED_STARTS, DAMAGE_SHARE, judged_shafts, sn_curve_of
 from engine.start.trajectory import SingleRun
 
 Turning = tuple[Floats, Floats]
@@ -159,7 +159,8 @@ def recipe_of(case: CaseData, results: Results) -> NearbyStartPlan:
     if start is not None:
         whole = plan.events or bool(start.uncoupled_dampers) or not has_start(case)
         kind = PLANNED if whole else LINEAR
-    errors = [e for _, e in results.starts_error if e is not None]
+    # at twice the step the whole change between the two is the error
+    errors = [e / DAMAGE_SHARE for _, e in results.starts_error if e is not None]
     meshes = {m.element: m for m in case.meshes}
     gaps = tuple(
         str(e.element)

@@ -156,7 +156,7 @@ def test_until_when_two_runs_were_together() -> None:
     ):
         assert _together_until(one, other, 0.02) == until
         assert _together_until(other, one, 0.02) == until
-    assert _together_until(log(), log(), 0.02) == -math.inf  # none at all says nothing
+    assert _together_until(log(), log(), 0.02) == math.inf  # nothing to part at
 
 
 def test_the_interval_for_one_more_run() -> None:

@@ -17,11 +17,14 @@ def record(**changes: object) -> dict[str, object]:
         "events": True,
         "step": 1e-3,
         "sensitivity": None,
+        "modes_left_out": 0,
+        "recontacts": {"A": [2.0, 1e-3]},
         "peaks": {"A": [1001.0, -10.0, 1.5, 0.5, 999.0, 1003.0]},
         "starts": {"A": [99.0, 0.0, 97.0, 101.0], "B": [None, 0.0, None, None]},
     }
     truth = {
         "step": 1e-4,
+        "recontacts": {"A": [2.001, 1e-5]},
         "peaks": {"A": [1000.0, -10.0, 0.0]},
         "starts": {"A": [100.0, 0.0], "B": [None, None]},
     }
@@ -44,9 +47,16 @@ def test_errors_are_relative_to_the_truth() -> None:
         assert answer.holds
 
 
+def test_recontact_speeds_are_judged_by_their_own_error() -> None:
+    (speed,) = summary_of([record()]).recontacts
+    assert (speed.true, speed.stated) == pytest.approx((5e-4, 1e-3))
+    assert speed.holds
+
+
 def test_finite_starts_that_should_be_unlimited_are_wrong() -> None:
     truth = {
         "step": 1e-4,
+        "recontacts": {},
         "peaks": {"A": [1000.0, -10.0, 0.0]},
         "starts": {"A": [None, None], "B": [None, None]},
     }

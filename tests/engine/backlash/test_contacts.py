@@ -51,6 +51,27 @@ def test_a_log_of_contacts_by_hand(back: int) -> None:
     assert found.tooth_force == pytest.approx(300.0 / 0.2 * 1.25)
 
 
+def error_of(fastest: list[float], *others: list[float]) -> float:
+    """Recontact error of a run with some approach speeds, and of others."""
+    logs = [[(1.0, 0, FREE, DRIVE, speed) for speed in speeds] for speeds in (fastest, *others)]
+    basis = SimpleNamespace(train=TRAIN, flanks=(MESH,))
+    model: Any = SimpleNamespace(pieces=SimpleNamespace(basis=basis))
+    turning = [(np.array([0.0, 1.0]), np.array([80.0, -300.0]))]
+    runs = [run_with(log) for log in logs]
+    return contact_records(model, runs[0], turning, 2.0, runs[1:])[0].recontact_error
+
+
+def test_the_error_of_recontact_speeds_is_that_of_the_fastest_three() -> None:
+    assert error_of([2.0, 1.0, 0.5, 0.1], [2.001, 1.0, 0.5, 0.9]) == pytest.approx(0.2)  # 0.4 / 2
+    assert error_of([2.0, 1.0, 0.5], [2.001, 1.0, 0.5]) == pytest.approx(5e-4)
+    assert error_of([2.0], [2.0]) == 1e-7
+
+
+def test_where_runs_part_the_error_of_recontact_speeds_is_that_of_an_ensemble() -> None:
+    """t(0.995; 2) = 9.9248; mean 2, s 0.1, so 2 ± 1.146."""
+    assert error_of([2.0], [1.9], [2.1]) == pytest.approx(9.9248 * 0.1 * np.sqrt(4 / 3) / 2.0, 1e-4)
+
+
 def test_the_history_of_a_tooth_force_is_normal_to_the_tooth() -> None:
     train: Any = TRAIN
     found = force_histories(train, run_with(np.empty((0, 5))))
