@@ -22,7 +22,12 @@ from engine.model.modes import (
 )
 from engine.operation.acceptance import judge, mode_parts
 from engine.operation.margins import interference, separation_margins
-from engine.operation.steady_state import steady_state, with_response_error
+from engine.operation.steady_state import (
+    only_within_error,
+    steady_state,
+    with_damping_range,
+    with_response_error,
+)
 from engine.plan.evidence import Evidence, collect_evidence, start_evidence
 from engine.plan.plan import (
     Plan,
@@ -155,9 +160,11 @@ def _at_speed(case: CaseData, stage: Stage) -> tuple[ModalAnalysis, AtSpeed]:
             steady = with_response_error(
                 steady, case, analysis.rough_reported, excitations, margins
             )
+        steady = with_damping_range(steady, case, analysis.reported, excitations, margins)
         parts = mode_parts(case, train, modes)
         error = analysis.subdivided.frequency_error
-        margins = judge(margins, steady.rows, parts, error)
+        unsure = only_within_error(steady, case)
+        margins = judge(margins, steady.rows, parts, error, unsure)
     return analysis, AtSpeed(
         case=case,
         case_sha256=case_digest(case),

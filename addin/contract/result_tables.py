@@ -249,13 +249,14 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 f"{STEADY}; {MIL}",
                 of_row=(
                     "SeparationMargins.Margin", "SeparationMargins.Required", "SteadyState.Verdict",
+                    "SteadyState.Error",
                 ),
             ),
             sentence(
                 "Not judged", "Elements without a limit that keep the margin from being accepted.",
                 "Elements of the mode that must be judged and have no limit, with their shares of strain energy and "
                 "modal torque",
-                f"{STEADY}; {MIL}", of_row=("SteadyState.Verdict",), of_case=MODAL, width=40.0,
+                f"{STEADY}; {MIL}", of_row=("SteadyState.Verdict", "SteadyState.Error"), of_case=MODAL, width=40.0,
             ),
         ),
         extra_columns=(
@@ -344,8 +345,9 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             ),
             number(
                 "Error", "fraction", "Estimated relative error of torque and stress.",
-                "What the last refinement of a sweep added, and the change from half as many pieces of shafts with Density",
-                "docs/method.md, Distributed shafts", of_case=MODAL, format=shown.ERROR, pane=Pane.MINOR,
+                "What the last refinement of a sweep added, the change from half as many pieces of shafts with Density, and "
+                "the rise at the low end of DampingRange",
+                "docs/method.md, Distributed shafts", of_case=("DampingRange", *MODAL), format=shown.ERROR, pane=Pane.MINOR,
                 error=ReportedError.ESTIMATE,
             ),
         ),

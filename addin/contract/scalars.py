@@ -74,6 +74,12 @@ _BY_GROUP: Mapping[str, tuple[Field, ...]] = {
             "fraction",
             "Damping of all elastic modes as a fraction of critical; table ModeDamping overrides it.",
         ),
+        number(
+            "DampingRange",
+            "fraction",
+            "Share by which stated damping may be smaller; forced response is judged down to there.",
+            blank="0 %",
+        ),
         choice(
             "MarginBasis",
             tuple(choices.MarginBasis),

@@ -59,7 +59,7 @@ from addin.xlsx.xml_part import main
 from engine.errors import Problem
 
 #: Names this product has beyond the contract; a workbook without them reads as blank there.
-_OPTIONAL = frozenset({"RainflowResidue", "Gear type", "ContactLaw"})
+_OPTIONAL = frozenset({"RainflowResidue", "Gear type", "ContactLaw", "DampingRange"})
 
 
 #: What a defined name of cells stands for: a sheet, in quotes where need be, and cells.

@@ -218,7 +218,26 @@ def run_event_start(
 def one_run(
     case: CaseData, modal: ModalTrain, effects: StartEffects, linear: Start, step: float
 ) -> SingleRun:
-    """One simulation of a start with events at a given step [s], without any estimate of its error."""
+    """One simulation of a start with events, without any estimate of its error.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+    modal : ModalTrain
+        Its train, all teeth in contact. [SI]
+    effects : StartEffects
+        What is simulated. [flags]
+    linear : Start
+        The linear start. [SI]
+    step : float
+        Longest step. [s]
+
+    Returns
+    -------
+    SingleRun
+        The run. [SI]
+    """
     tolerance = case.tolerance_peak or DEFAULT_TOLERANCE_PEAK
     return _simulated(_set_up(case, modal, effects, linear, tolerance), step, tolerance)
 

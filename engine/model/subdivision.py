@@ -130,7 +130,9 @@ def natural_modes(
         most = SUBDIVISION_SEGMENTS / sum(fine.values())
         if error <= tolerance or most < 1.1:
             reach = _accurate_up_to(errors, modes, tolerance)
-            return SubdividedModes(train, modes, tuple(fine.items()), error, reach, rough)
+            accurate = modes.elastic_frequency <= reach
+            told = max(error, float(np.max(errors[accurate], initial=0.0)))
+            return SubdividedModes(train, modes, tuple(fine.items()), told, reach, rough)
         density *= min(growth, most)
 
 

@@ -8,7 +8,7 @@ little energy, so elements count by their torque too.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -82,6 +82,7 @@ def judge(
     responses: Sequence[SteadyStateRow],
     parts: ModeParts,
     frequency_error: float = 0.0,
+    unsure: Set[tuple[str, str, int | None]] = frozenset(),
 ) -> SeparationMargins:
     """Margins with their final verdicts.
 
@@ -90,7 +91,7 @@ def judge(
     the resonance with this excitation these are judged and within their limits: elements that hold
     `ENERGY_JUDGED` of the strain energy, the one that holds most, and every one whose modal torque
     over its rated torque is `TORQUE_JUDGED` of the largest. ``not judged``: some are, and within their
-    limits, but not all of these. ``fail``: the rest.
+    limits, but not all of these, or not at the unfavourable end of their error. ``fail``: the rest.
 
     Parameters
     ----------
@@ -102,6 +103,8 @@ def judge(
         What the modes consist of. [1]
     frequency_error : float, optional
         Relative error of the natural frequencies. [1]
+    unsure : set of tuple, optional
+        Element, excitation and mode of rows that pass only within their error. [names, 1]
 
     Returns
     -------
@@ -111,7 +114,9 @@ def judge(
     verdicts: dict[tuple[int, str], dict[str, Judgement]] = {}
     for r in responses:
         if r.mode is not None:
-            verdicts.setdefault((r.mode, r.excitation), {})[r.element] = r.verdict
+            is_unsure = (r.element, r.excitation, r.mode) in unsure
+            verdict = Judgement.WITHIN_ERROR if is_unsure else r.verdict
+            verdicts.setdefault((r.mode, r.excitation), {})[r.element] = verdict
     rows = []
     for row in margins.rows:
         if row.verdict == Judgement.NOT_JUDGED:  # its frequency is not accurate
@@ -132,9 +137,14 @@ def _accepted(
 ) -> tuple[Judgement, str | None]:
     """Verdict of a margin that is not kept, and the elements that keep it from being accepted."""
     found = set(verdicts.values()) - {Judgement.NOT_JUDGED}
-    if found != {Judgement.PASS}:
+    if not found or found - {Judgement.PASS, Judgement.WITHIN_ERROR}:
         return Judgement.FAIL, None
-    open_ = _not_judged(row.mode - 1, verdicts, parts)
+    unsure = [
+        f"{name} (beyond its limit within the error of its torque)"
+        for name, verdict in verdicts.items()
+        if verdict == Judgement.WITHIN_ERROR
+    ]
+    open_ = unsure + _not_judged(row.mode - 1, verdicts, parts)
     return (Judgement.NOT_JUDGED if open_ else Judgement.ACCEPTED), "; ".join(open_) or None
 
 
@@ -155,5 +165,5 @@ def _not_judged(mode: int, verdicts: Mapping[str, Judgement], parts: ModeParts) 
         f"{parts.names[i]} ({energy[i]:.0%} of the strain energy, modal torque {torque[i]:.0%} of the "
         "largest)"
         for i in np.argsort(-energy, kind="stable").tolist()
-        if needed[i] and not is_judged[i]
+        if needed[i] and not is_judged[i] and verdicts.get(parts.names[i]) != Judgement.WITHIN_ERROR
     ]

@@ -381,7 +381,8 @@ class SteadyStateRow:
     torque_limit: float | None  #: Vibratory limit of the element, zero-to-peak. [N m]
     verdict: Judgement  #: ``pass``, ``fail``, ``unbounded`` or ``not judged``.
     #: Relative error of torque and stress: by how much a sweep may have missed the largest between its
-    #: frequencies, and from the pieces of distributed shafts; None where it is not known. [1]
+    #: frequencies, from the pieces of distributed shafts, and by how much torque rises where damping is at the
+    #: low end of its range; None where it is not known. [1]
     error: float | None = 0.0
 
 
@@ -533,6 +534,83 @@ def with_response_error(
         for row, change in zip(steady.rows, changes, strict=True)
     )
     return replace(steady, rows=rows_with)
+
+
+def with_damping_range(
+    steady: SteadyState,
+    case: CaseData,
+    modal: ModalTrain,
+    excitations: Sequence[Excitation],
+    margins: SeparationMargins,
+) -> SteadyState:
+    """Rows with the rise of their torque where stated damping is at the low end of `damping_range`.
+
+    Parameters
+    ----------
+    steady : SteadyState
+        Response at the damping that is stated. [N m, Pa]
+    case : CaseData
+        The case. [SI]
+    modal : ModalTrain
+        Its train and modes. [SI]
+    excitations : sequence of Excitation
+        What shakes it. [SI]
+    margins : SeparationMargins
+        Its margins. [1]
+
+    Returns
+    -------
+    SteadyState
+        The same rows; their error has the rise in it. [1]
+    """
+    if not case.damping_range:
+        return steady
+    share = 1.0 - case.damping_range
+    low = replace(
+        CaseData(**vars(case)),
+        damping_range=None,
+        damping_ratio=share * (case.damping_ratio or 0.0),
+        mode_damping=tuple(
+            replace(m, damping_ratio=share * (m.damping_ratio or 0.0)) for m in case.mode_damping
+        ),
+    )
+    of_low = steady_state(low, modal, excitations, margins)
+    torque = {(r.element, r.excitation, r.mode): r.torque for r in of_low.rows}
+    rows = []
+    for row in steady.rows:
+        other = torque.get((row.element, row.excitation, row.mode))
+        error = None
+        if row.error is not None and row.torque and other is not None:
+            error = row.error + max(other / row.torque - 1.0, 0.0)
+        rows.append(row if row.torque == 0.0 else replace(row, error=error))
+    return replace(steady, rows=tuple(rows))
+
+
+def only_within_error(
+    steady: SteadyState, case: CaseData
+) -> frozenset[tuple[str, str, int | None]]:
+    """Rows that pass, but not at the unfavourable end of their error.
+
+    Parameters
+    ----------
+    steady : SteadyState
+        Rows with all of their errors. [N m, Pa]
+    case : CaseData
+        Their case. [SI]
+
+    Returns
+    -------
+    frozenset of tuple
+        Element, excitation and mode of each. [names, 1]
+    """
+    limits = {str(e.element): _vibratory_limit(case, e) for e in case.elements}
+    return frozenset(
+        (row.element, row.excitation, row.mode)
+        for row in steady.rows
+        if row.verdict == Judgement.PASS
+        and limits[row.element].verdict((row.torque or 0.0) * (1.0 + (row.error or 0.0)))
+        != Judgement.PASS
+    )
 
 
 def _change(row: SteadyStateRow, other: float | None) -> float | None:

@@ -206,7 +206,14 @@ def _response(
         where = "" if open_ else f"all {what} are judged by their {instead}"
         yield Verdict(name, None, None, dimension, verdict, where, coverage, named)
         return
-    row, value, limit = max(judged, key=lambda one: one[1] / one[2])
+    # of those that fail the worst, else the nearest at the unfavourable end of its error
+    row, value, limit = max(
+        judged,
+        key=lambda one: (
+            one[1] > one[2] * (1.0 + STRESS_ROUNDING),
+            one[1] * (1.0 + (one[0].error or 0.0)) / one[2],
+        ),
+    )
     verdict = _within(value, limit * (1.0 + STRESS_ROUNDING), value * (row.error or 0.0))
     where = f"{row.element}, {row.excitation} at {row.frequency:.4g} Hz"
     yield Verdict(name, value, limit, dimension, _covered(verdict, named), where, coverage, named)

@@ -70,6 +70,12 @@ CHOICES: dict[str, type[StrEnum]] = {
 }
 SHARES = (
     Limit("DampingRatio", BELOW_ONE, "", "1 % to 3 % is usual for a geared train."),
+    Limit(
+        "DampingRange",
+        BELOW_ONE,
+        "",
+        "It is a share of the damping: 30 % of a ratio of 2 % is 30 %.",
+    ),
     Limit("MarginRequired", BELOW_ONE),
     Limit(
         "Voltage",

@@ -41,8 +41,11 @@ def margin(value: float) -> SeparationMargins:
     return SeparationMargins((row,), 0.2, None, ())
 
 
-def judged(responses, energy=(1.0, 0.0, 0.0), torque=(1.0, 0.0, 0.0), value=0.1, error=0.0):
-    (row,) = judge(margin(value), responses, parts(energy, torque), error).rows
+def judged(
+    responses, energy=(1.0, 0.0, 0.0), torque=(1.0, 0.0, 0.0), value=0.1, error=0.0, unsure=()
+):
+    keys = frozenset((name, "x", 1) for name in unsure)
+    (row,) = judge(margin(value), responses, parts(energy, torque), error, keys).rows
     return row
 
 
@@ -217,3 +220,44 @@ def test_bearings_follow_the_elements():
     assert found.energy.sum(axis=0) == pytest.approx(np.ones(found.energy.shape[1]), rel=1e-9)
     assert found.energy[-2:].max() > 0.1
     assert np.all(found.torque[-2:] == 0.0)
+
+
+def test_an_element_that_passes_only_at_the_favourable_end_of_its_error_accepts_nothing() -> None:
+    passing = [Judged("A", Judgement.PASS), Judged("B", Judgement.PASS)]
+    row = judged(passing, unsure="A")
+    assert row.verdict == Judgement.NOT_JUDGED
+    assert row.not_judged == "A (beyond its limit within the error of its torque)"
+    assert judged(passing, unsure="B").verdict == Judgement.NOT_JUDGED
+    assert judged([Judged("A", Judgement.FAIL), passing[1]], unsure="B").verdict == Judgement.FAIL
+
+
+def resonant(limit: float, damping_range: float | None) -> Case:
+    """Two discs that 10 N m at 25 Hz shakes near their mode of 26 Hz: 10 × 0.5 / 2ζ = 125 N m at 2 %."""
+    k = 0.5 * (2.0 * math.pi * 26.0) ** 2
+    return Case(
+        line_frequency=50.0, poles=4, damping_ratio=0.02, damping_range=damping_range,
+        stations=(StationRow("A", None, 1.0), StationRow("B", None, 1.0)),
+        elements=(ElementRow("S", "coupling", "A", "B", k, vibratory_limit=limit),),
+        excitations=(ExcitationRow("x", frequency=25.0, station="A", torque=10.0),),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("limit", "damping_range", "verdict"),
+    [
+        (150.0, None, Judgement.ACCEPTED),
+        (150.0, 0.1, Judgement.ACCEPTED),  # 139 N m
+        (150.0, 0.3, Judgement.NOT_JUDGED),  # 179 N m
+        (120.0, 0.3, Judgement.FAIL),
+    ],
+)
+def test_a_margin_is_accepted_over_the_whole_range_of_damping(
+    limit, damping_range, verdict
+) -> None:
+    found = at_speed(resonant(limit, damping_range))
+    margin_of_x = next(r for r in found.margins.rows if r.excitation == "x")
+    row = next(r for r in found.steady.rows if r.mode == 1)
+    assert row.torque == pytest.approx(125.0, rel=1e-3)
+    rise = 1.0 / (1.0 - (damping_range or 0.0)) - 1.0
+    assert row.error == pytest.approx(rise, rel=2e-3, abs=1e-12)
+    assert margin_of_x.verdict == verdict
