@@ -18,6 +18,8 @@ NO_FINER = 0.75
 ROUNDING = 1e-9
 #: Torque below this share of the train's largest is rounding.
 NOTHING = 1e-9
+#: A run that was stopped after so many steps says so, and has no answers to judge. [count]
+STOPPED = 5_000_000
 
 
 @dataclass(frozen=True)
@@ -123,6 +125,8 @@ class Study:
     felt, unfelt : list of int
         Of those the ones that a billionth did change by more than their tolerance; and trains that
         do not say so although it did. [numbers]
+    stopped : list of int
+        Trains whose run was stopped before its end and said so. [numbers]
     failed : list of dict
         Trains that raised.
     """
@@ -136,6 +140,7 @@ class Study:
     sensitive: list[int]
     felt: list[int]
     unfelt: list[int]
+    stopped: list[int]
     failed: list[Record]
 
     @property
@@ -146,9 +151,14 @@ class Study:
 
 def summary_of(records: list[Record]) -> Study:
     """Judge the records."""
-    found = Study(records, [], [], [], [], [], [], [], [], [r for r in records if "failed" in r])
+    found = Study(
+        records, [], [], [], [], [], [], [], [], [], [r for r in records if "failed" in r]
+    )
     for r in records:
         if "failed" in r:
+            continue
+        if r["asked"]["outcome"] == "time out" and r["asked"]["steps"] >= STOPPED:
+            found.stopped.append(r["number"])
             continue
         says = bool((r["asked"]["sensitivity"] or {}).get("sensitive", False))
         felt = change_under_nudges(r) > r["tolerance"][0]

@@ -15,6 +15,8 @@ def record(**changes: object) -> dict[str, object]:
     """A made-up record: peak wrong by 1 in 1000, starts by 1 in 100, both as stated."""
     asked = {
         "events": True,
+        "outcome": "reached",
+        "steps": 1000,
         "step": 1e-3,
         "sensitivity": None,
         "modes_left_out": 0,
@@ -73,6 +75,14 @@ def test_an_answer_without_a_bound_is_counted_apart() -> None:
     assert found.answers[0].stated is None
     everything = classes_of(found)[0]
     assert (everything.answers, everything.unbounded) == (1, 1)
+
+
+def test_a_run_that_was_stopped_has_no_answers() -> None:
+    made = record()
+    made["asked"] |= {"outcome": "time out", "steps": 5_000_003}  # type: ignore[operator]
+    found = summary_of([made])
+    assert found.stopped == [1]
+    assert not found.answers
 
 
 def test_a_bound_that_does_not_hold_is_a_miss() -> None:
