@@ -1,8 +1,13 @@
-"""Terminal, JSON, workbook, batch and worksheet functions give one verdict; --strict is 0 for two of them."""
+"""Terminal, JSON, batch and report give one verdict; --strict is 0 for two of them.
+
+Workbook: tests/workbook/test_banner.py. Server: tests/server/test_http.py.
+"""
 
 from __future__ import annotations
 
 import json
+import re
+import zipfile
 from pathlib import Path
 from typing import Any
 
@@ -37,6 +42,13 @@ def changed(folder: Path, change: str) -> Path:
     return path
 
 
+def first_page(report: Path) -> str:
+    """Text of a Word report up to its table of revisions, in small letters."""
+    with zipfile.ZipFile(report) as parts:
+        text = parts.read("word/document.xml").decode()
+    return re.sub(r"<[^>]+>", " ", text).casefold().split("revisions", 1)[0]
+
+
 def said(*words: object) -> tuple[int, str]:
     done = CliRunner().invoke(app, [str(word) for word in words], env={"COLUMNS": "250"})
     return done.exit_code, done.output
@@ -69,6 +81,9 @@ def test_every_front_of_the_command_line_gives_the_same_verdict(
     counted = f", {notes} note{'s' if notes > 1 else ''}" if notes else ""
     assert content["headline"] == headline + counted
     assert change in terminal
+    status, _ = said("report", source, "--docx", tmp_path / "r.docx")
+    assert status == 0
+    assert f"overall verdict: {change} " in first_page(tmp_path / "r.docx")
     status, _ = said("batch", source, "--out", tmp_path / "out", "--jobs", 1, "--strict")
     assert status == strict
     cell = pd.read_csv(tmp_path / "out" / "summary.csv", encoding="utf-8-sig")["Verdict"][0]

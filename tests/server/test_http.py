@@ -331,6 +331,11 @@ def test_a_workbook_comes_back_recalculated_and_nothing_is_kept(client, tmp_path
     there = table(book, "StartupPeaks")
     column = there[1].index(head[1].split(" [")[0])
     assert [row[1] for row in rows] == [row[column] for row in there[2 : 2 + len(rows)]]
+    head, *checks = registry.call("TV_VERDICTS", [handle])
+    _, titles, *written = table(book, "Verdicts")
+    here, at = head.index("Verdict"), titles.index("Verdict")
+    assert checks[0][here] == "fail"  # the overall verdict
+    assert [row[here] for row in checks] == [row[at] for row in written[: len(checks)]]
     assert list(tmp_path.iterdir()) == []
 
 
