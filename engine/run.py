@@ -12,6 +12,7 @@ from engine.backlash.event_start import run_event_start
 from engine.case.data import CaseData, case_digest
 from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, DEFAULT_TOLERANCE_STARTS
 from engine.case.effect import StartEffects
+from engine.case.result_words import Outcome
 from engine.fatigue.allowable_starts import AllowableStarts
 from engine.model.excitation import excitations_of
 from engine.model.modal_analysis import ModalAnalysis
@@ -254,10 +255,11 @@ def _with_all_effects(
     """A start with events and every effect that its plan leaves out, and how that changes the peaks.
 
     Bounds of effects hold for linear starts; what teeth make of a small change is measured. None where
-    they cannot be simulated, or runs part whatever is changed.
+    they cannot be simulated, or runs part whatever is changed, or the start was not followed to its end.
     """
     names = [name for name in plan.left_out if plan.decision(name).bound is not None]
-    if not names or start.repeatability is not None:
+    unfinished = start.outcome.outcome == Outcome.TIME_OUT
+    if not names or start.repeatability is not None or unfinished:
         return None, None
     lateral = plan.lateral or "bearings" in names
     model = (analysis.coupled if lateral else None) or analysis.torsional
@@ -332,7 +334,13 @@ def judged_starts(
     starts, errors = starts_of(case, start, planned.full, always_count=always)
     for _ in range(MAX_STARTS_REFINEMENTS):
         worst = max((e for _, e in errors if e is not None), default=0.0)
-        if worst <= tolerance or start.runup is None or start.repeatability is not None:
+        unfinished = start.outcome.outcome == Outcome.TIME_OUT
+        if (
+            worst <= tolerance
+            or start.runup is None
+            or start.repeatability is not None
+            or unfinished
+        ):
             break
         # Cycles may need a finer step than any peak: this is no tolerance that a user may type.
         finest = max(start.estimated_error / 16.0, 1e-9)

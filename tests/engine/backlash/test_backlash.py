@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from engine.backlash.event_simulation import EventRun, simulate_events
-from engine.backlash.event_start import clearances_of, run_event_start
+from engine.backlash.event_start import EVENT_WORK, clearances_of, run_event_start
 from engine.case.case import Case
 from engine.case.choices import ContactLaw
 from engine.case.data import (
@@ -268,7 +268,7 @@ def test_all_simulations_of_a_start_share_one_number_of_steps(
 
     def counted(model: Any, step: float, *rest: Any, **options: Any) -> EventRun:
         run = simulate_events(model, step, *rest, **options)
-        steps.setdefault(step, run.trajectory.n_steps)
+        steps.setdefault(step, run.trajectory.n_steps + EVENT_WORK * len(run.log))
         return run
 
     monkeypatch.setattr("engine.backlash.event_start.simulate_events", counted)
@@ -276,7 +276,7 @@ def test_all_simulations_of_a_start_share_one_number_of_steps(
     assert free.halvings >= 1
     assert free.met_tolerance
     *before, last = steps.values()
-    monkeypatch.setattr("engine.backlash.event_start.MOST_STEPS_IN_ALL", sum(before) + last // 2)
+    monkeypatch.setattr("engine.backlash.event_start.MOST_WORK", sum(before) + last // 2)
     short = run_event_start(case, prepared(case), StartEffects(clearances=("Mesh",)))
     assert short.halvings == free.halvings - 1
     assert not short.met_tolerance
