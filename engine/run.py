@@ -22,13 +22,8 @@ from engine.model.modes import (
     nodes_of,
 )
 from engine.operation.acceptance import judge, mode_parts
+from engine.operation.forced_response import forced_response, only_within_error
 from engine.operation.margins import interference, separation_margins
-from engine.operation.steady_state import (
-    only_within_error,
-    steady_state,
-    with_damping_range,
-    with_response_error,
-)
 from engine.plan.evidence import Evidence, collect_evidence, start_evidence
 from engine.plan.plan import (
     Plan,
@@ -156,12 +151,7 @@ def _at_speed(case: CaseData, stage: Stage) -> tuple[ModalAnalysis, AtSpeed]:
         margins = separation_margins(case, train, modes, excitations, reach)
         diagram = interference(case, modes, excitations)
     with stage("steady state"):
-        steady = steady_state(case, analysis.reported, excitations, margins)
-        if analysis.rough_reported is not None:
-            steady = with_response_error(
-                steady, case, analysis.rough_reported, excitations, margins
-            )
-        steady = with_damping_range(steady, case, analysis.reported, excitations, margins)
+        steady = forced_response(case, analysis, excitations, margins)
         parts = mode_parts(case, train, modes)
         error = analysis.subdivided.frequency_error
         unsure = only_within_error(steady, case)

@@ -7,6 +7,7 @@ module             responsibility
                    diagram
 `steady_state`     harmonic response of the train, and the vibratory torques and stresses of running
                    it
+`forced_response`  the same with its errors: pieces of distributed shafts, range of damping
 `acceptance`       margins that are not kept, and what a forced response at the resonance makes of
                    them
 `full_speed`       the train at full speed in a few numbers

@@ -63,8 +63,6 @@ SWEEP_POINTS = 31
 SWEEP_REFINEMENTS = 3
 #: Share of the largest torque from which another peak is looked at, too.
 NEARLY_LARGEST = 0.8
-#: No element is taken to be more accurate than this share of the worst under the same excitation.
-SHARED_CHANGE = 0.5
 #: Modes count as coupled by their dampers above this `ModalDamping.coupling`.
 COUPLED = 1e-3
 #: Largest number of matrix entries solved in one batch.
@@ -462,7 +460,7 @@ def steady_state(
         found = np.abs(response.element_torque)[:, :, back]
         return np.split(found, np.cumsum([len(f) for f in swept])[:-1], axis=2)
 
-    limits = tuple(_vibratory_limit(case, e) for e in case.elements)
+    limits = tuple(vibratory_limit(case, e) for e in case.elements)
     rows: list[SteadyStateRow] = []
     for sweep in _refined(tasks, places, stations, magnitudes):
         rows += _rows(train, sweep, places[sweep.excitation.name], limits)
@@ -475,147 +473,6 @@ def steady_state(
             for r in rows
         ]
     return SteadyState(tuple(rows), basis, tuple(warnings))
-
-
-def with_response_error(
-    steady: SteadyState,
-    case: CaseData,
-    rough: ModalTrain,
-    excitations: Sequence[Excitation],
-    margins: SeparationMargins,
-) -> SteadyState:
-    """Rows with their error from the pieces of shafts: the change from half as many.
-
-    All of the change, three times the error at second order, since a worst section or a resonance may
-    move; and not below a share of the largest of the same excitation, as two may agree by accident.
-
-    Parameters
-    ----------
-    steady : SteadyState
-        Response of the train. [N m, Pa]
-    case : CaseData
-        The case. [SI]
-    rough : ModalTrain
-        The train in half as many pieces; a resonance is at its own frequency. [SI]
-    excitations : sequence of Excitation
-        What shakes it. [SI]
-    margins : SeparationMargins
-        Margins of the train itself. [1]
-
-    Returns
-    -------
-    SteadyState
-        The same rows with their errors; None where the rough train has no such mode. [1]
-    """
-    own = rough.modes.elastic_frequency
-    rows = tuple(
-        replace(row, mode_frequency=float(own[row.mode - 1]))
-        for row in margins.rows
-        if row.mode <= len(own)
-    )
-    of_rough = steady_state(case, rough, excitations, replace(margins, rows=rows))
-    torque = {(r.element, r.excitation, r.mode): r.torque for r in of_rough.rows}
-
-    changes = [
-        _change(row, torque.get((row.element, row.excitation, row.mode))) for row in steady.rows
-    ]
-    largest: dict[tuple[str, int | None], float] = {}
-    for row, change in zip(steady.rows, changes, strict=True):
-        what = row.excitation, row.mode
-        largest[what] = max(largest.get(what, 0.0), change or 0.0)
-    rows_with = tuple(
-        replace(
-            row,
-            error=None
-            if change is None
-            else (row.error or 0.0)
-            + max(change, SHARED_CHANGE * largest[row.excitation, row.mode]),
-        )
-        for row, change in zip(steady.rows, changes, strict=True)
-    )
-    return replace(steady, rows=rows_with)
-
-
-def with_damping_range(
-    steady: SteadyState,
-    case: CaseData,
-    modal: ModalTrain,
-    excitations: Sequence[Excitation],
-    margins: SeparationMargins,
-) -> SteadyState:
-    """Rows with the rise of their torque where stated damping is at the low end of `damping_range`.
-
-    Parameters
-    ----------
-    steady : SteadyState
-        Response at the damping that is stated. [N m, Pa]
-    case : CaseData
-        The case. [SI]
-    modal : ModalTrain
-        Its train and modes. [SI]
-    excitations : sequence of Excitation
-        What shakes it. [SI]
-    margins : SeparationMargins
-        Its margins. [1]
-
-    Returns
-    -------
-    SteadyState
-        The same rows; their error has the rise in it. [1]
-    """
-    if not case.damping_range:
-        return steady
-    share = 1.0 - case.damping_range
-    low = replace(
-        CaseData(**vars(case)),
-        damping_range=None,
-        damping_ratio=share * (case.damping_ratio or 0.0),
-        mode_damping=tuple(
-            replace(m, damping_ratio=share * (m.damping_ratio or 0.0)) for m in case.mode_damping
-        ),
-    )
-    of_low = steady_state(low, modal, excitations, margins)
-    torque = {(r.element, r.excitation, r.mode): r.torque for r in of_low.rows}
-    rows = []
-    for row in steady.rows:
-        other = torque.get((row.element, row.excitation, row.mode))
-        error = None
-        if row.error is not None and row.torque and other is not None:
-            error = row.error + max(other / row.torque - 1.0, 0.0)
-        rows.append(row if row.torque == 0.0 else replace(row, error=error))
-    return replace(steady, rows=tuple(rows))
-
-
-def only_within_error(
-    steady: SteadyState, case: CaseData
-) -> frozenset[tuple[str, str, int | None]]:
-    """Rows that pass, but not at the unfavourable end of their error.
-
-    Parameters
-    ----------
-    steady : SteadyState
-        Rows with all of their errors. [N m, Pa]
-    case : CaseData
-        Their case. [SI]
-
-    Returns
-    -------
-    frozenset of tuple
-        Element, excitation and mode of each. [names, 1]
-    """
-    limits = {str(e.element): _vibratory_limit(case, e) for e in case.elements}
-    return frozenset(
-        (row.element, row.excitation, row.mode)
-        for row in steady.rows
-        if row.verdict == Judgement.PASS
-        and limits[row.element].verdict((row.torque or 0.0) * (1.0 + (row.error or 0.0)))
-        != Judgement.PASS
-    )
-
-
-def _change(row: SteadyStateRow, other: float | None) -> float | None:
-    """Relative change of a torque; None where one of the two is not known. [1]"""
-    return abs(other / row.torque - 1.0) if row.torque and other is not None else None
 
 
 def _pole_frequencies(modal: ModalTrain) -> Floats:
@@ -721,7 +578,7 @@ def _vertices(frequency: Floats, torque: Floats) -> Floats:
 
 
 def _rows(
-    train: Train, sweep: _Sweep, places: Sequence[Place], limits: Sequence[_Limit]
+    train: Train, sweep: _Sweep, places: Sequence[Place], limits: Sequence[VibratoryLimit]
 ) -> list[SteadyStateRow]:
     """One row an element: the worst of the places and frequencies."""
     excitation, mode, frequency = sweep.excitation, sweep.mode, sweep.frequency
@@ -755,13 +612,13 @@ def _rows(
 
 
 @dataclass(frozen=True)
-class _Limit:
-    """What an element's vibratory torque is judged by; stress_per_torque includes SCF."""
+class VibratoryLimit:
+    """What an element's vibratory torque is judged by."""
 
-    stress_per_torque: float | None
-    allowable: float | None
-    torque_limit: float | None
-    peaks: float  # stress compared with the allowable, over the zero-to-peak stress
+    stress_per_torque: float | None  #: With SCF; None without a stress diameter. [Pa/(N m)]
+    allowable: float | None  #: UTS/25. [Pa]
+    torque_limit: float | None  #: Vibratory limit, zero-to-peak. [N m]
+    peaks: float  #: Stress compared with the allowable, over the zero-to-peak stress. [1]
 
     def stress(self, torque: float) -> float | None:
         """Zero-to-peak stress with SCF. [Pa]"""
@@ -782,7 +639,7 @@ class _Limit:
         return Judgement.PASS if all(held) else Judgement.FAIL
 
 
-def _vibratory_limit(case: CaseData, element: ElementRow) -> _Limit:
+def vibratory_limit(case: CaseData, element: ElementRow) -> VibratoryLimit:
     """Limits of an element: UTS/25 for its stress, Vibratory limit for its torque, or both.
 
     The basis of the S-N data (torsion or bending) does not change UTS/25.
@@ -796,7 +653,7 @@ def _vibratory_limit(case: CaseData, element: ElementRow) -> _Limit:
 
     Returns
     -------
-    _Limit
+    VibratoryLimit
         Stress per torque, allowable stress and torque. [1/m³, Pa, N m]
     """
     per_torque = None
@@ -806,4 +663,4 @@ def _vibratory_limit(case: CaseData, element: ElementRow) -> _Limit:
     uts = next((m.uts for m in case.materials if m.material == element.material and m.uts), None)
     allowable = uts / STRESS_DIVISOR if uts and per_torque is not None else None
     peaks = 1.0 if case.stress_basis == StressBasis.ZERO_TO_PEAK else 2.0
-    return _Limit(per_torque, allowable, element.vibratory_limit, peaks)
+    return VibratoryLimit(per_torque, allowable, element.vibratory_limit, peaks)
