@@ -111,11 +111,14 @@ def _bounds(finer: Case, asked: Results) -> dict[str, list[float]]:
     known = {d.effect: d.bound for d in plan.decisions if d.effect in plan.left_out and d.bound}
     if not known:
         return {}
-    without = _answers(run(finer), 0.0)["peaks"]
-    return {
-        name: [bound, largest_change(without, _answers(run(_with(finer, [name])), 0.0)["peaks"])]
-        for name, bound in known.items()
-    }
+    without = _answers(run(finer), 0.0)
+    found = {}
+    for name, bound in known.items():
+        forced = _answers(run(_with(finer, [name])), 0.0)
+        change = largest_change(without["peaks"], forced["peaks"])
+        # both have errors of their own
+        found[name] = [bound, max(change - without["error"] - forced["error"], 0.0)]
+    return found
 
 
 def _answers(found: Results, wall: float) -> Record:

@@ -198,7 +198,7 @@ def planned_start(
         linear, wall = _timed(lambda: calculate_start(stepped, model, plain, None))
         linear = with_pieces_error(linear, pieces, tolerance)
     with stage("plan"):
-        evidence = replace(evidence, linear=start_evidence(case, model.train, linear, wall))
+        evidence = replace(evidence, linear=start_evidence(case, model, linear, wall))
         plans = [first_plan(case, evidence)]
     bound = plans[-1].left_out_bound
     if bound and not plans[-1].events and linear.met_tolerance:
@@ -219,7 +219,7 @@ def planned_start(
             start, wall = _timed(partial(calculate_start, stepped, model, effects, linear))
             start = with_pieces_error(start, pieces, tolerance)
         with stage("plan"):
-            evidence = replace(evidence, event=start_evidence(case, model.train, start, wall))
+            evidence = replace(evidence, event=start_evidence(case, model, start, wall))
             new = revised_plan(case, plans[-1], evidence)
         runs_as_before = new.effects == plans[-1].effects
         if new is not plans[-1]:

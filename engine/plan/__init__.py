@@ -1,12 +1,13 @@
 """Which effects a case calls for, and the numbers that decide it. All values in SI.
 
-==========  ======================================================================================
-module      responsibility
-==========  ======================================================================================
-`evidence`  cheap evidence for the plan: modes with and without bearings, damping, run-up, a
-            linear start
-`decision`  what the evidence says of one effect, and what is decided after the user's choice
-`effects`   what the evidence says, one file an effect
-`plan`      the plan: which effects a case calls for, each with the number that decided it
-==========  ======================================================================================
+=================  ===============================================================================
+module             responsibility
+=================  ===============================================================================
+`evidence`         cheap evidence for the plan: modes with and without bearings, damping, run-up,
+                   a linear start
+`contact_damping`  what the limit on contact damping does where teeth do not part
+`decision`         what the evidence says of one effect, and what is decided after the user's choice
+`effects`          what the evidence says, one file an effect
+`plan`             the plan: which effects a case calls for, each with the number that decided it
+=================  ===============================================================================
 """

@@ -19,6 +19,7 @@ from engine.model.modes import Modes
 from engine.model.motor import Motor, motors_of, voltage_factor
 from engine.model.rigid_runup import RigidRunup, rigid_runup
 from engine.model.train import Train
+from engine.plan.contact_damping import limit_of_contact_damping
 from engine.start.settings import NEGLIGIBLE, has_start, settings_of
 from engine.start.start import Start
 from engine.start.start_fatigue import judged_shafts, sn_slope, stress_over_endurance
@@ -71,6 +72,8 @@ class StartEvidence:
     wall_time: float  #: What it cost. [s]
     #: Modes of the train it was calculated with; None = as many as are integrated.
     n_modes: int | None = None
+    #: What the limit on contact damping may change though teeth do not part; 0 where it is simulated. [1]
+    damping_limit: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -235,7 +238,7 @@ def _coupling_number(modal: ModalTrain, motors: Sequence[Motor], synchronous: fl
     matrix += modes.shape.T @ (train.ground_damping[:, None] * modes.shape)
     off = np.abs(matrix - np.diag(np.diag(matrix)))
     off[off <= COUPLING_ROUNDING * float(np.max(np.abs(matrix), initial=0.0))] = 0.0
-    if not np.any(off) or not motors:
+    if not motors or not np.any(matrix):
         return 0.0
     stations = np.array([m.station for m in motors], dtype=np.int64)
     torque = np.array([_largest_torque(m) for m in motors])
@@ -251,9 +254,13 @@ def _coupling_number(modal: ModalTrain, motors: Sequence[Motor], synchronous: fl
         driven = np.where(elastic[:, None], off / square[:, None], 0.0)
         driven = driven * _rigid_speed(train, modes, synchronous)
     mixed = np.where(elastic[:, None] & elastic[None, :] & (off > 0.0), mixed, 0.0) + driven
-    position = torque_outputs(train, modes, stations).position
+    outputs = torque_outputs(train, modes, stations)
+    position = outputs.position
+    # rigid meshes and ends of shafts take their torque from equilibrium, in which dampers have a part of their own
+    whole = torque_outputs(train, modes, stations, damping=matrix).velocity
+    taken = np.abs(whole - outputs.velocity) @ (modes.omega * moved)
     own = np.abs(position @ static) + np.max(np.abs(position) * moved, axis=1, initial=0.0)
-    brought = np.abs(position) @ mixed.sum(axis=1)
+    brought = np.abs(position) @ mixed.sum(axis=1) + taken
     own = np.maximum(own, NEGLIGIBLE * float(np.max(own, initial=0.0)))
     return float(np.max(brought / np.where(own > 0.0, own, np.inf), initial=0.0))
 
@@ -307,14 +314,16 @@ def _after_rest(torques: Floats) -> float:
     return float((torques[1:] if len(torques) > 1 else torques).min())
 
 
-def start_evidence(case: CaseData, train: Train, start: Start, wall_time: float) -> StartEvidence:
+def start_evidence(
+    case: CaseData, model: ModalTrain, start: Start, wall_time: float
+) -> StartEvidence:
     """What a calculated start says: the linear one, or one with events.
 
     Parameters
     ----------
     case : CaseData
         The case. [SI]
-    train : Train
+    model : ModalTrain
         The train of that start. [SI]
     start : Start
         The start. [SI]
@@ -327,8 +336,9 @@ def start_evidence(case: CaseData, train: Train, start: Start, wall_time: float)
         For `Evidence.linear` or `Evidence.event`. [SI]
     """
     stress = stress_over_endurance(case, start)
+    is_linear = not start.contacts and start.repeatability is None
     return StartEvidence(
-        minima=_element_minima(case, train, start),
+        minima=_element_minima(case, model.train, start),
         truncation_error=start.truncation_error,
         kept_modes=start.kept_modes,
         time=start.outcome.time,
@@ -336,7 +346,8 @@ def start_evidence(case: CaseData, train: Train, start: Start, wall_time: float)
         stress_ratio=None if stress is None else stress[0],
         must_count=stress is not None and stress[1],
         wall_time=wall_time,
-        n_modes=train.n_dof,
+        n_modes=model.train.n_dof,
+        damping_limit=limit_of_contact_damping(case, model, start) if is_linear else 0.0,
     )
 
 

@@ -1,7 +1,7 @@
 """Does the torque reverse so far that teeth separate?"""
 
 from engine.case.data import CaseData
-from engine.plan.decision import Finding, quoted
+from engine.plan.decision import Finding, percent, quoted
 from engine.plan.evidence import BACKLASH_GAIN, Evidence, moves_laterally, reversing
 
 
@@ -24,6 +24,15 @@ def finding(case: CaseData, e: Evidence, modelled: tuple[str, ...]) -> Finding:
     if names:
         why += f"; teeth separate at {quoted(names)}."
         return Finding(True, possible, number, limit, None, why)
+    limited = e.linear.damping_limit
+    if possible and limited > e.tolerance:
+        why += (
+            f"; but near zero torque the limit on contact damping may change a torque by {percent(limited)}, "
+            f"more than the {percent(e.tolerance)} allowed."
+        )
+        return Finding(True, possible, number, limit, None, why)
+    if bound is not None:
+        bound += limited
     if possible and moves_laterally(case, e):
         why += (
             "; teeth need not separate, but gears move on their bearings: that is simulated event by "
@@ -32,6 +41,8 @@ def finding(case: CaseData, e: Evidence, modelled: tuple[str, ...]) -> Finding:
         return Finding(True, possible, number, limit, None, why)
     if number >= 0.0:
         why += ": no reversal, so the linear solution holds whatever the clearance."
+        if limited:
+            why += f" Near zero torque the limit on contact damping changes at most {percent(limited)}."
     elif number >= limit:
         why += f", not below the limit {limit:.2g}: any separation is too short to matter."
     else:
