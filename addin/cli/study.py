@@ -113,6 +113,7 @@ def _run(study: Study, file: Path, given: Mapping[str, Any]) -> None:
     destination, json_file = study_targets(
         file, study.command, given["out"], given["json"], given["in_place"]
     )
+    _refuse_one_file_twice(study, options, destination, json_file)
     if _asks_for_part(study, file, settings, options):
         return
     files = StudyFiles(destination, given["in_place"], json_file, given["ignore_lock"])
@@ -208,6 +209,26 @@ def _check_options(study: Study, file: Path, options: Mapping[str, Any]) -> None
             (refuse_no_folder if option.metavar == "FOLDER" else refuse_no_json)(value)
     if sentence := study.refusal(options):
         raise typer.BadParameter(sentence)
+
+
+def _refuse_one_file_twice(
+    study: Study, options: Mapping[str, Any], destination: Path | None, json_file: Path | None
+) -> None:
+    """Two outputs in one file would leave the second alone."""
+    targets = {"--out": destination, "--json": json_file}
+    for option in study.options:
+        path = options.get(f"{option.name}_file")
+        value = options[option.name]
+        if option.kind is Path and isinstance(value, Path) and option.metavar != "FOLDER":
+            path = value
+        targets[f"--{option.name}"] = path
+    seen: dict[Path, str] = {}
+    for name, path in targets.items():
+        if path is None:
+            continue
+        if other := seen.get(path.resolve()):
+            raise typer.BadParameter(f"{other} and {name} name the same file; give two.")
+        seen[path.resolve()] = name
 
 
 def _show(study: Study, result: StudyResult, options: Mapping[str, Any]) -> None:

@@ -77,7 +77,7 @@ _BY_GROUP: Mapping[str, tuple[Field, ...]] = {
         number(
             "DampingRange",
             "fraction",
-            "Share by which stated damping may be smaller; forced response is judged down to there.",
+            "Share by which all damping may be smaller; forced response is judged down to there.",
             blank="0 %",
         ),
         choice(

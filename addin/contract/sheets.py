@@ -232,7 +232,7 @@ SHEETS: tuple[Sheet, ...] = (
     Sheet(
         "Reversals",
         "result",
-        {"A": 1.5, "B": 22, "C": 10.4, "D:N": 9.2, "O": 11, "P": 10, "Q": 9.5, "R": 48, "S": 9},
+        {"A": 1.5, "B": 22, "C": 10.4, "D:N": 9.2, "O": 11, "P": 10, "Q:R": 9.5, "S": 48, "T": 9},
         {"TorqueReversals": "B5", "BearingForces": f"K{_BELOW_REVERSALS}"},
         (
             ChartAt("reversal", f"B{_BELOW_REVERSALS}", 660, 330),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
+from collections import Counter
 from functools import cache
 
 import addin.studies
@@ -74,12 +75,18 @@ def of_studies(read: CaseInput | Unreadable) -> tuple[CellProblem, ...]:
     Returns
     -------
     tuple of CellProblem
-        Of studies whose tables have rows; empty where the case itself is wrong.
+        Of studies whose tables have rows, those that no other study reads if there are such: scatter alone
+        asks for no calibration. Empty where the case itself is wrong.
     """
     if isinstance(read, Unreadable) or read.studies is None or read.problems:
         return ()
     inputs = read.studies.inputs
-    stated = [spec for spec in STUDIES if any(inputs.rows(name) for name in spec.input_names)]
+    readers = Counter(name for spec in STUDIES for name in spec.input_names)
+    stated = []
+    for spec in STUDIES:
+        own = [name for name in spec.input_names if readers[name] == 1] or spec.input_names
+        if any(inputs.rows(name) for name in own):
+            stated.append(spec)
     case = read.case()
     problems: list[Problem] = []
     for spec in stated:

@@ -478,7 +478,7 @@ def _repeatability(
     reported = runs[0]
     parted = min(_together_until(reported.events, r.events, apart) for r in runs[1:])
     element_of = reported.trajectory.output_element
-    sizes, spread = [], 0.0
+    sizes, lowest, spread = [], [], 0.0
     largest = max((p.size for p in judged.peaks), default=0.0)
     for element, peak in zip(
         np.flatnonzero(judged.output_of_element >= 0), judged.peaks, strict=True
@@ -497,11 +497,13 @@ def _repeatability(
             spread = max(spread, (high - extreme) / scale, (extreme - low) / scale)
             ends.append((low, high))
         sizes.append((max(low for low, _ in ends), max(high for _, high in ends)))
+        lowest.append(-ends[1][1])
     return Repeatability(
         spread,
         spread > tolerance,
         len(runs),
         tuple(sizes),
+        tuple(lowest),
         tuple(
             {i: run.turning[i] for i, e in enumerate(element_of.tolist()) if e in counted}
             for run in runs

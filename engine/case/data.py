@@ -257,7 +257,7 @@ class CaseData:
     minimum_speed: float | None = None
     maximum_speed: float | None = None  #: Likewise. [rad/s]
     damping_ratio: float | None = None  #: Fraction of critical damping of all elastic modes. [1]
-    damping_range: float | None = None  #: Damping may be smaller by this share; blank = 0. [1]
+    damping_range: float | None = None  #: All damping may be smaller by this share; blank = 0. [1]
     margin_basis: str | None = None  #: ``calculated`` (20 %) or ``measured`` (10 %).
     margin_required: float | None = None  #: Overrides the basis. [1]
     #: ``peak-to-peak`` (default) or ``zero-to-peak``: what is compared with UTS/25.

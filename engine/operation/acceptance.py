@@ -140,7 +140,7 @@ def _accepted(
     if not found or found - {Judgement.PASS, Judgement.WITHIN_ERROR}:
         return Judgement.FAIL, None
     unsure = [
-        f"{name} (beyond its limit within the error of its torque)"
+        f"{name} (beyond its limit at the unfavourable end: error of its torque, and DampingRange)"
         for name, verdict in verdicts.items()
         if verdict == Judgement.WITHIN_ERROR
     ]

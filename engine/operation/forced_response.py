@@ -174,7 +174,9 @@ def with_damping_range(
     excitations: Sequence[Excitation],
     margins: SeparationMargins,
 ) -> SteadyState:
-    """Rows with the rise of their torque where stated damping is at the low end of `damping_range`.
+    """Rows with the rise of their torque where all damping is at the low end of `damping_range`.
+
+    Stated damping, loss factors and dampers of elements, stations and bearings, all by the same share.
 
     Parameters
     ----------
@@ -205,7 +207,14 @@ def with_damping_range(
             replace(m, damping_ratio=share * (m.damping_ratio or 0.0)) for m in case.mode_damping
         ),
     )
-    of_low = steady_state(low, modal, excitations, _at_modes(margins, modal.modes))
+    train = replace(
+        modal.train,
+        loss_factor=share * modal.train.loss_factor,
+        viscous=share * modal.train.viscous,
+        node_damping=share * modal.train.node_damping,
+    )
+    less = ModalTrain.of(low, train, modal.modes)
+    of_low = steady_state(low, less, excitations, _at_modes(margins, modal.modes))
     torque = {(r.element, r.excitation, r.mode): r.torque for r in of_low.rows}
     rows = []
     for row in steady.rows:

@@ -68,7 +68,7 @@ def verdicts_of(results: Results) -> tuple[Verdict, ...]:
             _outcome(case, start, results.crossings),
             *_peak_torque(case, start, _unbounded(results)),
             *_yield(case, start, _unbounded(results)),
-            *_reversal(case, start, results.reversals),
+            *_reversal(case, start, results.reversals, _unbounded(results)),
             *_starts(results),
         ]
     if implausible := implausible_results(results):
@@ -359,9 +359,9 @@ def _yield(case: CaseData, start: Start | None, unbounded: str) -> Iterator[Verd
 
 
 def _reversal(
-    case: CaseData, start: Start | None, reversals: Sequence[Reversal]
+    case: CaseData, start: Start | None, reversals: Sequence[Reversal], unbounded: str
 ) -> Iterator[Verdict]:
-    """Gear meshes and geared couplings against their Reversal limit."""
+    """Gear meshes and geared couplings against their Reversal limit, on the unfavourable end of the range."""
     wanted, name = reversing_elements(case), "Torque reversal"
     if not wanted:
         return
@@ -372,19 +372,40 @@ def _reversal(
         yield Verdict(name, None, None, "torque", verdict, "", coverage, listed(names))
         return
 
+    lowest_of = _lowest(start)
+    judged = {
+        r.element: Judgement.WITHIN_ERROR
+        if r.verdict == Judgement.PASS and lowest_of[r.element] < -(r.limit or r.hysteresis)
+        else r.verdict
+        for r in reversals
+    }
+
     def badness(r: Reversal) -> tuple[int, float]:
-        return _WORST_FIRST.index(r.verdict), r.minimum_torque / (r.limit or 1.0)
+        return _WORST_FIRST.index(judged[r.element]), r.minimum_torque / (r.limit or 1.0)
 
     row = min(reversals, key=badness)
     open_ = [r.element for r in reversals if r.verdict == Judgement.NOT_JUDGED]
     lowest = None if row.limit is None else -row.limit
-    verdict = row.verdict
+    verdict = judged[row.element]
     if verdict == Judgement.NOT_JUDGED and len(open_) < len(reversals):
         verdict = Judgement.INCOMPLETE
     coverage = _share(reversals, open_, "meshes and geared couplings")
+    named = _and(listed(open_), unbounded)
+    if unbounded:
+        verdict = _covered(verdict, named)
     yield Verdict(
-        name, row.minimum_torque, lowest, "torque", verdict, row.sentence, coverage, listed(open_)
+        name, row.minimum_torque, lowest, "torque", verdict, row.sentence, coverage, named
     )
+
+
+def _lowest(start: Start) -> dict[str, float]:
+    """Torque of each element at the unfavourable end of the range of its minimum. [N m]"""
+    ensemble = start.repeatability
+    found = {}
+    for i, p in enumerate(start.peaks):
+        least = p.minimum if ensemble is None else min(p.minimum, ensemble.lowest[i])
+        found[p.element] = least - p.error - (p.left_out or 0.0)
+    return found
 
 
 def _starts(results: Results) -> Iterator[Verdict]:

@@ -76,6 +76,8 @@ class Repeatability:
     runs: int  #: Runs of the ensemble. [count]
     #: Interval of the larger magnitude of the extremes of each element with a peak. [N m]
     sizes: tuple[tuple[float, float], ...]
+    #: Lower end of the interval of the minimum of each, in the same order. [N m]
+    lowest: tuple[float, ...]
     #: Of each run the turning points of the outputs whose cycles are counted. [s, N m]
     histories: tuple[Mapping[int, Turning], ...]
 

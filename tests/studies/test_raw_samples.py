@@ -111,6 +111,9 @@ def test_what_cannot_be_written_is_refused_before_the_study(
 
 def test_samples_never_replace_the_input_or_a_workbook(case: Path, tmp_path: Path) -> None:
     assert "would overwrite the input" in said("tolerances", case, "--samples", case, code=2)
+    same = ("--samples", tmp_path / "same.csv", "--json", tmp_path / "same.csv")
+    assert "name the same file; give two" in said("tolerances", case, *same, code=2)
+    assert not (tmp_path / "same.csv").exists()
     taken = tmp_path / "taken.csv"
     taken.write_bytes(b"PK\3\4 mine")
     assert "is a workbook or a document" in said("tolerances", case, "--samples", taken, code=2)

@@ -74,7 +74,7 @@ SHARES = (
         "DampingRange",
         BELOW_ONE,
         "",
-        "It is a share of the damping: 30 % of a ratio of 2 % is 30 %.",
+        "It is a share of all damping: 30 % makes a damping ratio of 2 % one of 1.4 %.",
     ),
     Limit("MarginRequired", BELOW_ONE),
     Limit(

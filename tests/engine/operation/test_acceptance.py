@@ -226,18 +226,26 @@ def test_an_element_that_passes_only_at_the_favourable_end_of_its_error_accepts_
     passing = [Judged("A", Judgement.PASS), Judged("B", Judgement.PASS)]
     row = judged(passing, unsure="A")
     assert row.verdict == Judgement.NOT_JUDGED
-    assert row.not_judged == "A (beyond its limit within the error of its torque)"
+    assert row.not_judged == (
+        "A (beyond its limit at the unfavourable end: error of its torque, and DampingRange)"
+    )
     assert judged(passing, unsure="B").verdict == Judgement.NOT_JUDGED
     assert judged([Judged("A", Judgement.FAIL), passing[1]], unsure="B").verdict == Judgement.FAIL
 
 
-def resonant(limit: float, damping_range: float | None) -> Case:
+def resonant(limit: float, damping_range: float | None, how: str = "ratio") -> Case:
     """Two discs that 10 N m at 25 Hz shakes near their mode of 26 Hz: 10 × 0.5 / 2ζ = 125 N m at 2 %."""
-    k = 0.5 * (2.0 * math.pi * 26.0) ** 2
+    omega = 2.0 * math.pi * 26.0
+    k = 0.5 * omega**2
+    loss = 0.04 if how == "loss factor" else None
+    damping = 0.04 * k / omega if how == "damper" else None
+    ratio = 0.02 if how == "ratio" else None
     return Case(
-        line_frequency=50.0, poles=4, damping_ratio=0.02, damping_range=damping_range,
+        line_frequency=50.0, poles=4, damping_ratio=ratio, damping_range=damping_range,
         stations=(StationRow("A", None, 1.0), StationRow("B", None, 1.0)),
-        elements=(ElementRow("S", "coupling", "A", "B", k, vibratory_limit=limit),),
+        elements=(ElementRow(
+            "S", "coupling", "A", "B", k, damping=damping, loss_factor=loss, vibratory_limit=limit
+        ),),
         excitations=(ExcitationRow("x", frequency=25.0, station="A", torque=10.0),),
     )  # fmt: skip
 
@@ -261,3 +269,11 @@ def test_a_margin_is_accepted_over_the_whole_range_of_damping(
     rise = 1.0 / (1.0 - (damping_range or 0.0)) - 1.0
     assert row.error == pytest.approx(rise, rel=2e-3, abs=1e-12)
     assert margin_of_x.verdict == verdict
+
+
+@pytest.mark.parametrize("how", ["ratio", "loss factor", "damper"])
+def test_the_range_is_one_of_all_damping(how: str) -> None:
+    """Half of it makes twice the torque, whatever it comes from."""
+    row = next(r for r in at_speed(resonant(150.0, 0.5, how)).steady.rows if r.mode == 1)
+    assert row.torque == pytest.approx(125.0, rel=2e-3)
+    assert row.error == pytest.approx(1.0, rel=5e-3)

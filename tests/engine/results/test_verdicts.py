@@ -259,6 +259,37 @@ def test_starts_nearer_to_those_required_than_their_error_say_so(
     assert found.verdict == verdict
 
 
+@pytest.mark.parametrize(
+    ("error", "left_out", "verdict"),
+    [
+        (5.0, 4.0, Judgement.PASS),
+        (5.0, 6.0, Judgement.WITHIN_ERROR),
+        (5.0, None, Judgement.INCOMPLETE),
+    ],
+)
+def test_a_reversal_nearer_to_its_limit_than_error_and_what_is_left_out_says_so(
+    complete: Results, error: float, left_out: float | None, verdict: Judgement
+) -> None:
+    assert complete.start is not None
+    (mesh,) = complete.reversals
+    limit = 10.0 - mesh.minimum_torque  # 10 N m beyond the minimum
+    peaks = tuple(
+        replace(p, minimum=mesh.minimum_torque, error=error, left_out=left_out)
+        if p.element == mesh.element
+        else p
+        for p in complete.start.peaks
+    )
+    share = None if left_out is None else complete.start.left_out
+    near = replace(
+        complete,
+        start=replace(complete.start, peaks=peaks, left_out=share),
+        reversals=(replace(mesh, limit=limit, verdict=Judgement.PASS),),
+    )
+    found = check(near, "Torque reversal")
+    assert found.verdict == verdict
+    assert ("no bound on what is left out" in (found.not_judged or "")) == (left_out is None)
+
+
 def test_without_a_start_its_checks_are_there_and_not_judged() -> None:
     found = run(replace(with_limits(sample_case("modified")), motor_torque=())).verdicts
     open_ = {v.check: v.not_judged for v in found if v.verdict == Judgement.NOT_JUDGED}
