@@ -135,7 +135,7 @@ def _shaft(
     """Fatigue of the worst section of a shaft with its interval, and the relative error of its starts.
 
     The error is the change of the damage between the two steps, and by what pieces and modes left out may
-    do to every torque; where runs part, it reaches to the ends of the interval over the ensemble.
+    do to every torque; it reaches to the ends of the interval, of an ensemble where runs part.
     """
     start, full = starts
     material = next(m for m in case.materials if m.material == element.material)
@@ -181,9 +181,8 @@ def _shaft(
         other = largest_damage(case, element, [fine for fine, _ in _histories(full, index)])
         left_out = max(left_out, abs(other / damage - 1.0))
     shaft = _with_interval(shaft, (low, high), off, left_out)
-    if start.repeatability is not None:
-        off = max(off, 1.0 - damage / high, damage / low - 1.0 if low else 1.0)
-    return shaft, off
+    # near endurance the interval reaches further than the change of the damage
+    return shaft, max(off, 1.0 - damage / high, damage / low - 1.0 if low else 1.0)
 
 
 def _with_interval(
