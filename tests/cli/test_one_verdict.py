@@ -98,3 +98,15 @@ def test_check_names_what_will_not_be_judged(tmp_path: Path) -> None:
     (tmp_path / "whole").mkdir()
     status, terminal = said("check", changed(tmp_path / "whole", "pass"))
     assert "not judged" not in terminal
+
+
+def test_scatter_alone_asks_for_no_measurement(tmp_path: Path) -> None:
+    source = changed(tmp_path, "pass")
+    content = json.loads(source.read_text(encoding="utf-8"))
+    content["scatter"] = [{"quantity": "stiffness", "spread": 0.05}]
+    source.write_text(json.dumps(content), encoding="utf-8")
+    status, terminal = said("check", source)
+    assert (status, "nothing was measured" in terminal) == (0, False)
+    content["measured_frequencies"] = [{"frequency": -1.0}]
+    source.write_text(json.dumps(content), encoding="utf-8")
+    assert said("check", source)[0] == 1

@@ -17,6 +17,8 @@ ON_PURPOSE = {
     # a smaller tolerance than rounding can meet is refused
     ("Case", "TolerancePeak"): ("between 1e-9 and 0.5 (50 %)", "between 2e-07 and 0.5 (50 %)"),
 }
+#: Told on purpose no more, of an input with scatter alone: that nothing was measured.
+NOTHING_MEASURED = ["Measured", "MeasuredFrequencies", None, ""]
 
 
 def expected(name: str) -> list[list[object]]:
@@ -25,7 +27,7 @@ def expected(name: str) -> list[list[object]]:
     for *fields, allowed in RECORDED[name]:
         before, now = ON_PURPOSE.get((fields[1], fields[3]), (None, None))
         rows.append([*fields, now if allowed == before else allowed])
-    return rows
+    return [row for row in rows if row[:4] != NOTHING_MEASURED]
 
 
 def differences(kind: str, folder: Path, first: int = 0, step: int = 1) -> list[str]:
@@ -34,6 +36,7 @@ def differences(kind: str, folder: Path, first: int = 0, step: int = 1) -> list[
     for _, name, description in list(bad_inputs(kind))[first::step]:
         path = written(kind, description, folder)
         told = json.loads(json.dumps(fields_of(path)).replace(str(folder), "."))
+        told = [row for row in told if row[:4] != NOTHING_MEASURED]
         if told != expected(name):
             wrong.append(f"{name}: expected {expected(name)}, now {told}")
     return wrong
