@@ -223,38 +223,6 @@ def test_leaving_an_effect_out_holds_on_hundreds_of_trains(effect, first):
     assert left_out >= 5
 
 
-def check_partial(seeds: range) -> int:
-    """Only some clearances modelled, against all of them; in how many cases that was so."""
-    compared = 0
-    for seed in seeds:
-        case = clearances(seed)
-        if case is None:
-            continue
-        case = replace(case, tolerance_peak=TOLERANCE)
-        some = planned_start(case, analyse(case))
-        modelled = set(some.plan.effects.clearances)
-        if not modelled or modelled == set(some.evidence.clearances):
-            continue
-        every = planned_start(with_choices(case, backlash="on"), analyse(case))
-        assert set(every.plan.effects.clearances) == set(some.evidence.clearances)
-        if every.start.is_sensitive:
-            continue
-        compared += 1
-        assert peak_change(some, every) <= TOLERANCE, seed
-    return compared
-
-
-@pytest.mark.slow
-def test_a_plan_that_models_some_clearances_answers_as_one_that_models_all():
-    assert check_partial(range(16)) >= 2
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("first", range(2_000, 2_200, 50))
-def test_some_clearances_answer_as_all_on_hundreds_of_trains(first):
-    assert check_partial(range(first, first + 50)) >= 5
-
-
 # --- effects whose absence is exact ---------------------------------------------------------------
 
 

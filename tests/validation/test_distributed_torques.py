@@ -101,9 +101,9 @@ def test_stated_errors_hold_in_many_trains() -> None:
 
 
 def check_responses(seed: int) -> list[float]:
-    """True over stated error of each forced response."""
+    """True over stated error of each forced response; fewer pieces are no truth for errors below 0.1 %."""
     case = train(seed)
-    half, whole = (steady_torques(at_speed(explicit(case, n))) for n in (48, 96))
+    half, whole = (steady_torques(at_speed(explicit(case, n))) for n in (96, 192))
     ratios = []
     for row in at_speed(case).steady.rows:
         key = row.element, row.excitation, row.mode
