@@ -9,6 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from engine.backlash.event_simulation import MOST_STEPS
+
 Record = dict[str, Any]
 #: A run that says it is sensitive is repeated so often.
 SENSITIVE_NUDGES = 100
@@ -18,8 +20,6 @@ NO_FINER = 0.75
 ROUNDING = 1e-9
 #: Torque below this share of the train's largest is rounding.
 NOTHING = 1e-9
-#: A run that was stopped after so many steps says so, and has no answers to judge. [count]
-STOPPED = 5_000_000
 
 
 @dataclass(frozen=True)
@@ -157,7 +157,7 @@ def summary_of(records: list[Record]) -> Study:
     for r in records:
         if "failed" in r:
             continue
-        if r["asked"]["outcome"] == "time out" and r["asked"]["steps"] >= STOPPED:
+        if r["asked"]["outcome"] == "time out" and r["asked"]["steps"] >= MOST_STEPS:
             found.stopped.append(r["number"])
             continue
         says = bool((r["asked"]["sensitivity"] or {}).get("sensitive", False))

@@ -227,7 +227,9 @@ def _refuse_one_file_twice(
         if path is None:
             continue
         if other := seen.get(path.resolve()):
-            raise typer.BadParameter(f"{other} and {name} name the same file; give two.")
+            raise typer.BadParameter(
+                f"{other} and {name} would both be written to {path}: they name the same file; give two."
+            )
         seen[path.resolve()] = name
 
 

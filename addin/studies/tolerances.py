@@ -114,8 +114,6 @@ def _refusal(options: Mapping[str, Any]) -> str:
         )
     if case is not None and only is None:
         return "--case writes the case of one sample; say which with --only."
-    if path is not None and case is not None and path.resolve() == case.resolve():
-        return f"--samples and --case would both be written to {path}."
     return "" if path is None else samples_refusal(path)
 
 

@@ -291,7 +291,7 @@ class ContactSystems:
         return self._tables
 
     def _row(self, piece: ContactSystem) -> tuple[Floats, ...]:
-        """What the loop is told of one piece."""
+        """Values of one piece, in the order of the tables."""
         flank_rows = np.concatenate([self.basis.drive_rows, self.basis.back_rows])
         return (
             piece.stiffness,

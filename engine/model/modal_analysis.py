@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from engine.case.data import CaseData
@@ -11,6 +12,7 @@ from engine.model.build_train import build_train
 from engine.model.modal_train import ModalTrain
 from engine.model.subdivision import (
     COARSEST,
+    SUBDIVISION_SEGMENTS,
     SubdividedModes,
     natural_modes,
     wanted_frequency,
@@ -62,6 +64,32 @@ def analyse(
     if choice_of(case, "bearings") == "off":
         return ModalAnalysis(plain, torsional, torsional, coupled, plain_rough, plain_rough)
     return ModalAnalysis(modes, coupled, torsional, coupled, rough, plain_rough)
+
+
+def in_more_pieces(
+    case: CaseData, analysis: ModalAnalysis, error: float, wanted: float
+) -> ModalAnalysis | None:
+    """The train in so many pieces that an error of second order in their number comes within what is wanted.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+    analysis : ModalAnalysis
+        Its train in the pieces that have this error. [SI]
+    error, wanted : float
+        Error found, and the most it may be. [1]
+
+    Returns
+    -------
+    ModalAnalysis or None
+        None where it is small enough, or there may be no more pieces. [SI]
+    """
+    pieces = dict(analysis.subdivided.segments).values()
+    if error <= wanted or sum(pieces) >= 0.9 * SUBDIVISION_SEGMENTS:
+        return None
+    finer = min(8.0, 1.1 * math.sqrt(error / wanted))
+    return analyse(case, least_pieces=math.ceil(finer * max(pieces)))
 
 
 def _trains(case: CaseData, found: SubdividedModes) -> tuple[ModalTrain, ModalTrain | None]:

@@ -6,7 +6,6 @@ as many pieces of shafts with inertia of their own, and the rise of torque at th
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -14,10 +13,9 @@ from engine.case.data import CaseData
 from engine.case.defaults import DEFAULT_TOLERANCE_PEAK
 from engine.case.result_words import Judgement
 from engine.model.excitation import Excitation
-from engine.model.modal_analysis import ModalAnalysis, analyse
+from engine.model.modal_analysis import ModalAnalysis, in_more_pieces
 from engine.model.modal_train import ModalTrain
 from engine.model.modes import Modes
-from engine.model.subdivision import SUBDIVISION_SEGMENTS
 from engine.operation.margins import SeparationMargins
 from engine.operation.steady_state import (
     SteadyState,
@@ -64,12 +62,10 @@ def forced_response(
     tolerance = case.tolerance_peak or DEFAULT_TOLERANCE_PEAK
     steady = _with_errors(case, analysis, excitations, margins)
     for _ in range(MOST_REFINEMENTS if analysis.rough_reported is not None else 0):
-        pieces = dict(analysis.subdivided.segments)
-        worst = _worst(steady)
-        if worst <= tolerance or sum(pieces.values()) >= 0.9 * SUBDIVISION_SEGMENTS:
+        finer = in_more_pieces(case, analysis, _worst(steady), tolerance)
+        if finer is None:
             break
-        finer = min(8.0, 1.1 * math.sqrt(worst / tolerance))
-        analysis = analyse(case, least_pieces=math.ceil(finer * max(pieces.values())))
+        analysis = finer
         steady = _with_errors(case, analysis, excitations, margins)
     return with_damping_range(steady, case, analysis.reported, excitations, margins)
 

@@ -50,7 +50,8 @@ def limit_of_contact_damping(case: CaseData, model: ModalTrain, start: Start) ->
     elastic = modes.omega > 0.0
     omega = modes.omega[elastic]
     change = np.zeros(len(outputs.element))
-    at = {i: _times_of_extremes(turning) for i, turning in start.turning_of_element().items()}
+    turnings = start.turning_of_element()
+    at = {i: _times_of_extremes(turning) for i, turning in turnings.items()}
     for flank in damped:
         time, excess = _excess(start, flank)
         if not len(time):
@@ -68,9 +69,7 @@ def limit_of_contact_damping(case: CaseData, model: ModalTrain, start: Start) ->
                 largest = np.max(faded * excess[before], axis=1, initial=0.0)
                 reached = np.minimum(impulse / omega, 2.0 * largest / omega**2)
                 change[i] = max(change[i], float(shown @ (reach * reached)))
-    size = {
-        i: float(np.max(np.abs(turning[1]))) for i, turning in start.turning_of_element().items()
-    }
+    size = {i: float(np.max(np.abs(turning[1]))) for i, turning in turnings.items()}
     floor = NEGLIGIBLE * max(size.values(), default=0.0)
     return max(
         (

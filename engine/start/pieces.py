@@ -6,7 +6,6 @@ change falls with the square of their number, so a third of it is the error; see
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import replace
 
@@ -16,9 +15,9 @@ from engine.arrays import Floats
 from engine.case.data import CaseData
 from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, DEFAULT_TOLERANCE_STARTS
 from engine.errors import ModelError
-from engine.model.modal_analysis import ModalAnalysis, analyse
+from engine.model.modal_analysis import ModalAnalysis, analyse, in_more_pieces
 from engine.model.modal_train import ModalTrain
-from engine.model.subdivision import RICHARDSON, SUBDIVISION_SEGMENTS
+from engine.model.subdivision import RICHARDSON
 from engine.start.prescribed import run_prescribed
 from engine.start.settings import has_start
 from engine.start.start import Start, prepared_start
@@ -65,12 +64,10 @@ def _refined(case: CaseData, analysis: ModalAnalysis) -> ModalAnalysis:
     for _ in range(MOST_REFINEMENTS):
         errors = _errors(case, analysis)
         analysis = replace(analysis, pieces_error=tuple(errors.items()))
-        worst = max(errors.values(), default=0.0)
-        pieces = dict(analysis.subdivided.segments)
-        if worst <= wanted or sum(pieces.values()) >= 0.9 * SUBDIVISION_SEGMENTS:
+        finer = in_more_pieces(case, analysis, max(errors.values(), default=0.0), wanted)
+        if finer is None:
             return analysis
-        finer = min(8.0, 1.1 * math.sqrt(worst / wanted))
-        analysis = analyse(case, least_pieces=math.ceil(finer * max(pieces.values())))
+        analysis = finer
     return replace(analysis, pieces_error=tuple(_errors(case, analysis).items()))
 
 
