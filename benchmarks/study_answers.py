@@ -9,8 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from engine.backlash.event_simulation import MOST_STEPS
-
 Record = dict[str, Any]
 #: A run that says it is sensitive is repeated so often.
 SENSITIVE_NUDGES = 100
@@ -157,7 +155,7 @@ def summary_of(records: list[Record]) -> Study:
     for r in records:
         if "failed" in r:
             continue
-        if r["asked"]["outcome"] == "time out" and r["asked"]["steps"] >= MOST_STEPS:
+        if r["asked"]["stopped"]:
             found.stopped.append(r["number"])
             continue
         says = bool((r["asked"]["sensitivity"] or {}).get("sensitive", False))

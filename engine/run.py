@@ -222,8 +222,7 @@ def planned_start(
             evidence = replace(evidence, event=start_evidence(case, model, start, wall))
             new = revised_plan(case, plans[-1], evidence)
         runs_as_before = new.effects == plans[-1].effects
-        if new is not plans[-1]:
-            plans.append(new)
+        plans = [*plans, new] if new.number > plans[-1].number else [*plans[:-1], new]
         if runs_as_before:
             break
     if plans[-1].events and plans[-1].left_out:

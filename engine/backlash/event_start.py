@@ -11,7 +11,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence, Set
 from dataclasses import dataclass, fields, replace
-from itertools import islice
 
 import numpy as np
 
@@ -24,6 +23,7 @@ from engine.backlash.contact_systems import (
 )
 from engine.backlash.contacts import bearing_forces, contact_records, force_histories
 from engine.backlash.event_simulation import (
+    MOST_ALONE,
     EventModel,
     EventRun,
     EventSchedule,
@@ -87,16 +87,15 @@ SAME_CONTACTS_SHARE = 1.0 / 7.0
 TOGETHER = 0.1
 #: Halvings of the step before the answers are taken as they are.
 MAX_HALVINGS = 5
-#: Work of all simulations of one start together, in steps. A halving that would exceed it is not made: the
-#: answers stand as they are, their errors said. (Steps that follow ringing grow faster than 1/h.) A change of
-#: contact costs so many steps (measured: 52 µs beside 2.6 µs).
-MOST_WORK, EVENT_WORK = 6_000_000, 20
+#: Work of all simulations of one start together, in modes stepped once (10 s). What would exceed it is not
+#: made: the answers stand as they are, their errors said. (Steps that follow ringing grow faster than 1/h.)
+MOST_WORK = 50_000_000
+#: Share of it that the first, coarsest run may take: one twice as fine must still be possible.
+FIRST_SHARE = 1.0 / 3.0
 #: Runs of an ensemble, those that led to it included.
 ENSEMBLE = 12
 #: Change of all torques from one run of an ensemble to the next, and of the step. [1]
 TINY, STEP_CHANGE = 1e-9, 0.02
-#: Runs that are added to an ensemble at the least, however many steps they take.
-FEWEST_MORE = 3
 #: A billionth that changes a peak by this share of the tolerance is felt: no finer step can help.
 FELT = 1.0 / 3.0
 #: End of a coast-down, over synchronous speed, and the longest one followed. [1, s]
@@ -119,7 +118,7 @@ class _Run(SingleRun):
 
     @property
     def work(self) -> int:
-        return self.n_steps + EVENT_WORK * len(self.events.log)
+        return self.events.work
 
 
 def run_event_start(
@@ -145,11 +144,14 @@ def run_event_start(
 
     modelled = model.pieces.basis.flanks
 
-    def at(h: float, changed: EventModel = model) -> _Run:
-        return _simulated(replace(setup, model=changed), h, tolerance)
+    def at(h: float, most: float, times: int = 0) -> _Run:
+        changed = _changed(model, times) if times else model
+        return _simulated(replace(setup, model=changed), h, tolerance, most)
 
-    coarse, fine = _light(at(step)), at(0.5 * step)
-    halvings, repeatability, taken = 0, None, coarse.work + fine.work
+    coarse = _light(at(step, FIRST_SHARE * MOST_WORK))
+    fine = at(0.5 * step, MOST_WORK - coarse.work)
+    gave_up = coarse.events.gave_up or fine.events.gave_up
+    halvings, repeatability, taken, last = 0, None, coarse.work + fine.work, False
     runs: list[_Run] = []
     while True:
         same_until = _together_until(coarse.events, fine.events, TOGETHER * step)
@@ -163,33 +165,43 @@ def run_event_start(
             same_until=same_until,
         )
         error = judged.estimated_error
-        met = error <= tolerance and not fine.events.gave_up
+        met = error <= tolerance and not gave_up
         values = fine.n_steps * len(setup.truncation)
         next_work = fine.work * max(2.0, fine.work / coarse.work)
-        last = halvings >= MAX_HALVINGS or 2 * values > MAX_VALUES or taken + next_work > MOST_WORK
-        if fine.events.gave_up:
+        enough = 0.5 * (MOST_WORK - taken)  # the other half is for an ensemble
+        last |= halvings >= MAX_HALVINGS or 2 * values > MAX_VALUES or next_work > enough
+        if gave_up:
             break  # a finer run would only give up sooner
         contacts = len(coarse.events.log) + len(fine.events.log)
         if contacts and same_until < math.inf and (met or last or halvings):
-            other = at(0.5 * step, _changed(model, 1))
-            taken += other.work
-            felt = _spread(fine, other, judged.output_of_element) > FELT * tolerance
-            parted = _together_until(fine.events, other.events, TOGETHER * step) < math.inf
+            runs, felt, parted = [fine, coarse], False, False
+            if not last:
+                other = at(0.5 * step, MOST_WORK - taken, 1)
+                taken += other.work
+                runs.append(other)
+                felt = _spread(fine, other, judged.output_of_element) > FELT * tolerance
+                parted = _together_until(fine.events, other.events, TOGETHER * step) < math.inf
             if (met and parted) or last or felt:  # no step is fine enough to keep runs together
-                most = max((MOST_WORK - taken) // max(coarse.work, 1), FEWEST_MORE)
-                varied = islice(_variations(step), most)
-                more = (_light(at(h, _changed(model, k))) for k, h in varied)
-                runs = [fine, other, coarse, *(run for run in more if not run.events.gave_up)]
+                for k, h in _variations(step):
+                    if coarse.work > MOST_WORK - taken:
+                        break
+                    runs.append(_light(at(h, MOST_WORK - taken, k)))
+                    taken += runs[-1].work
+                runs = [run for run in runs if not run.events.gave_up]
                 counted = {index for index, _ in judged_shafts(case)}
                 repeatability = _repeatability(runs, TOGETHER * step, judged, tolerance, counted)
                 break
         if met or last:
             break
+        finer = at(0.25 * step, enough)
+        taken += finer.work
+        if finer.events.gave_up:  # it took more than was expected: the two before it stand
+            last = True
+            continue
         halvings += 1
         step *= 0.5
-        coarse, fine = _light(fine), at(0.5 * step)
-        taken += fine.work
-    run = fine.events
+        coarse, fine = _light(fine), finer
+    run = replace(fine.events, gave_up=gave_up)
     pull_in = _pull_in(run, case)
     if repeatability is not None:
         judged = judged.repeated_in(repeatability.sizes)
@@ -240,13 +252,14 @@ def one_run(
         The run. [SI]
     """
     tolerance = case.tolerance_peak or DEFAULT_TOLERANCE_PEAK
-    return _simulated(_set_up(case, modal, effects, linear, tolerance), step, tolerance)
+    setup = _set_up(case, modal, effects, linear, tolerance)
+    return _simulated(setup, step, tolerance, MOST_ALONE)
 
 
-def _simulated(setup: _Setup, step: float, tolerance: float) -> _Run:
+def _simulated(setup: _Setup, step: float, tolerance: float, most: float) -> _Run:
     # what is not followed shrinks with the step, so that the change from h to h/2 shows it
     seen = replace(setup.model, visible=VISIBLE * tolerance * (step / setup.step) ** 2)
-    run = simulate_events(seen, step, setup.script, settled=setup.settled)
+    run = simulate_events(seen, step, setup.script, settled=setup.settled, most_work=most)
     single = SingleRun.until(run.trajectory, float(run.trajectory.time[-1]))
     return _Run(**vars(single), events=replace(run, trajectory=single.trajectory))
 

@@ -100,7 +100,7 @@ def first_plan(case: CaseData, evidence: Evidence) -> Plan:
 
 
 def revised_plan(case: CaseData, plan: Plan, evidence: Evidence) -> Plan:
-    """A new plan where a run has found the old one wrong; the same plan where it has not.
+    """A new plan where a run has found the old one wrong; else the same, with the stresses of that run.
 
     The evidence holds the start of that run as `event`. A new plan has every clearance, if the old one had
     or an element with one reversed.
@@ -120,7 +120,12 @@ def revised_plan(case: CaseData, plan: Plan, evidence: Evidence) -> Plan:
     if evidence.event.must_count and not counting.on and counting.choice == "auto":
         reasons.append("stresses rose above endurance, so cycles must be counted")
     if not reasons:
-        return plan
+        finding = FINDINGS[counting.effect](case, evidence, modelled)
+        latest, _ = decide(EFFECTS[counting.effect], counting.choice, finding, None)
+        latest = replace(latest, time=counting.time)
+        return replace(
+            plan, decisions=tuple(latest if d is counting else d for d in plan.decisions)
+        )
     reason = f"In the run of plan {plan.number}: " + "; ".join(reasons) + "."
     return _plan(case, evidence, plan.number + 1, reason, modelled)
 

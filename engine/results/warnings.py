@@ -92,9 +92,15 @@ def _start_warnings(results: Results) -> Iterator[str]:
     if start.left_out is None and start.estimated_error <= wanted and not start.is_sensitive:
         plan = results.plans[-1]
         names = [name for name in plan.left_out if plan.decision(name).bound is None]
+        off = [name for name in names if plan.decision(name).choice == "off"]
         yield (
             f"Peaks and starts are those without {', '.join(names) or 'fast modes'}, and how far that "
-            "changes them is not known: they pass no check. See sheet Effects for the data that are missing."
+            "changes them is not known: they pass no check. "
+            + (
+                f"Take 'off' away from {', '.join(off)} in table EffectChoices."
+                if off
+                else "See sheet Effects for the data that are missing."
+            )
         )
     elif not start.met_tolerance:
         yield (

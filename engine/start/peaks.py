@@ -170,15 +170,18 @@ class JudgedRun:
     sections: Mapping[int, tuple[tuple[Turning, Turning], ...]]
 
     def repeated_in(self, sizes: Sequence[tuple[float, float]]) -> Self:
-        """The same with the intervals of the peaks over an ensemble of runs.
+        """The same with the intervals of the peaks over an ensemble of runs, to whose ends their errors reach.
 
         Parameters
         ----------
         sizes : sequence of (float, float)
             One a peak. [N m]
         """
-        peaks = tuple(replace(p, repeated=s) for p, s in zip(self.peaks, sizes, strict=True))
-        return replace(self, peaks=peaks)
+        peaks = tuple(
+            replace(p, repeated=(low, high), error=max(p.error, high - p.size, p.size - low))
+            for p, (low, high) in zip(self.peaks, sizes, strict=True)
+        )
+        return replace(self, peaks=peaks, estimated_error=_largest_relative_error(peaks))
 
 
 def judge_run(
@@ -258,17 +261,23 @@ def judge_run(
             )
         )
     scale = np.where(floor > 0.0, floor, np.inf)
-    errors = np.array([p.error for p in peaks])
     return JudgedRun(
         tuple(peaks),
         trajectory,
         tuple(turning[i] for _, i in judged),
         tuple(coarse.turning[i] for _, i in judged),
         output,
-        float(np.max(errors / scale, initial=0.0)),
+        _largest_relative_error(peaks),
         float(np.max(bound / scale, initial=0.0)),
         _by_section(fine, coarse),
     )
+
+
+def _largest_relative_error(peaks: Sequence[ElementPeak]) -> float:
+    """Largest error over the size of its peak, or over a negligible share of the largest one. [1]"""
+    floor = NEGLIGIBLE * max((p.size for p in peaks), default=0.0)
+    sizes = [max(p.size, floor) for p in peaks]
+    return max((p.error / size for p, size in zip(peaks, sizes, strict=True) if size), default=0.0)
 
 
 def _by_section(

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from engine.backlash.event_simulation import EventRun, simulate_events
-from engine.backlash.event_start import EVENT_WORK, clearances_of, run_event_start
+from engine.backlash.event_start import clearances_of, run_event_start
 from engine.case.case import Case
 from engine.case.choices import ContactLaw
 from engine.case.data import (
@@ -254,29 +254,29 @@ def test_a_graze_is_no_catastrophe() -> None:
 # --- how long it may take -------------------------------------------------------------------------
 
 
-def test_all_simulations_of_a_start_share_one_number_of_steps(
+def test_all_simulations_of_a_start_share_one_budget_of_work(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """A halving that would exceed it is not made; what stands is said to be less accurate.
 
-    The first step is taken too coarse on purpose, so that at least one halving is needed; the limit
-    then lies in the middle of the last one.
+    The first step is taken too coarse on purpose, so that at least one halving is needed. As much work as the
+    last one takes is kept for an ensemble; the limit then lies in the middle of that.
     """
     case = with_teeth(backlash=2e-4)
     monkeypatch.setattr("engine.backlash.event_start.COARSEST_EVENT_ANGLE", 1.6)
-    steps: dict[float, int] = {}
+    work: dict[float, int] = {}
 
     def counted(model: Any, step: float, *rest: Any, **options: Any) -> EventRun:
         run = simulate_events(model, step, *rest, **options)
-        steps.setdefault(step, run.trajectory.n_steps + EVENT_WORK * len(run.log))
+        work.setdefault(step, run.work)
         return run
 
     monkeypatch.setattr("engine.backlash.event_start.simulate_events", counted)
     free = run_event_start(case, prepared(case), StartEffects(clearances=("Mesh",)))
     assert free.halvings >= 1
     assert free.met_tolerance
-    *before, last = steps.values()
-    monkeypatch.setattr("engine.backlash.event_start.MOST_WORK", sum(before) + last // 2)
+    *before, last = work.values()
+    monkeypatch.setattr("engine.backlash.event_start.MOST_WORK", sum(before) + 3 * last // 2)
     short = run_event_start(case, prepared(case), StartEffects(clearances=("Mesh",)))
     assert short.halvings == free.halvings - 1
     assert not short.met_tolerance
@@ -309,7 +309,7 @@ def test_a_start_that_takes_too_many_steps_is_given_up_once(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     case = with_teeth(backlash=2e-4)
-    monkeypatch.setattr("engine.backlash.event_simulation.MOST_STEPS", 2500)
+    monkeypatch.setattr("engine.backlash.event_start.MOST_WORK", 60_000)
     start = run_event_start(case, prepared(case), StartEffects(clearances=("Mesh",)))
     assert start.outcome.outcome == "time out"
     assert "steps" in start.outcome.sentence

@@ -456,7 +456,7 @@ def test_a_run_that_finds_a_plan_wrong_makes_a_new_one():
     assert "plan 1" in new.reason
     assert old.effects.clearances == ()  # never altered
     again = replace(e, event=told((minimum("Mesh", -0.8), minimum("Other", -0.3))))
-    assert revised_plan(CASE, new, again) is new
+    assert revised_plan(CASE, new, again) == new
 
 
 def test_stress_that_rises_above_endurance_with_clearances_is_counted_after_all():
