@@ -114,7 +114,15 @@ def _run(study: Study, file: Path, given: Mapping[str, Any]) -> None:
         file, study.command, given["out"], given["json"], given["in_place"]
     )
     _refuse_one_file_twice(study, options, destination, json_file)
-    if _asks_for_part(study, file, settings, options):
+    asked = [f"--{name}" for name in study.part_options if options[name] is not None]
+    if asked:
+        useless = [f"--{o.replace('_', '-')}" for o in ("out", "json", "in_place") if given[o]]
+        if useless:
+            raise typer.BadParameter(
+                f"{asked[0]} calculates a part, not the study that {' and '.join(useless)} would write: leave "
+                "out the one or the other."
+            )
+        _only_part(study, file, settings, options)
         return
     files = StudyFiles(destination, given["in_place"], json_file, given["ignore_lock"])
     stop = Stop()
@@ -156,12 +164,10 @@ def _run(study: Study, file: Path, given: Mapping[str, Any]) -> None:
         raise typer.Exit(INTERRUPTED)
 
 
-def _asks_for_part(
+def _only_part(
     study: Study, file: Path, settings: Mapping[str, Any], options: Mapping[str, Any]
-) -> bool:
-    """Whether one part alone was asked for; it has then been calculated, shown and written."""
-    if not any(options[name] is not None for name in study.part_options):
-        return False
+) -> None:
+    """Calculate, show and write the one part that was asked for."""
     part, problems = part_of_study(study, file, serial_map(), settings, options)
     if part is None:
         list_problems(file, problems, False)
@@ -173,7 +179,6 @@ def _asks_for_part(
     except OSError as wrong:
         place = Path(wrong.filename) if isinstance(wrong.filename, str) else file
         raise failed(file_problem(place, wrong).message) from wrong
-    return True
 
 
 def _number_and_file(option: Option, words: Sequence[str]) -> dict[str, Any]:

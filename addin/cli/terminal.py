@@ -69,6 +69,19 @@ def refuse_no_json(target: Path, ending: str = ".json") -> None:
     refuse_no_place(target)
     if target.is_file() and _is_office_file(target):
         raise typer.BadParameter(f"{target} is a workbook or a document. Choose another name.")
+    if ending == ".json" and target.is_file() and not _may_be_json(target):
+        raise typer.BadParameter(
+            f"{target} is there and is no JSON: it is not replaced. Choose another name."
+        )
+
+
+def _may_be_json(path: Path) -> bool:
+    """Whether it begins as a JSON object or list does, or is empty."""
+    try:
+        with open(path, "rb") as file:
+            return file.read(200).removeprefix(b"\xef\xbb\xbf").lstrip()[:1] in (b"{", b"[", b"")
+    except OSError:
+        return True  # said when it is written
 
 
 def _is_office_file(path: Path) -> bool:

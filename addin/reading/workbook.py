@@ -58,7 +58,8 @@ from addin.xlsx.references import Rect, cell_name, parse_cell, whole_number
 from addin.xlsx.xml_part import main
 from engine.errors import Problem
 
-#: Names this product has beyond the contract; a workbook without them reads as blank there.
+#: Names this product has beyond the contract; a workbook without them, and without a value beside their label,
+#: reads as blank there.
 _OPTIONAL = frozenset({"RainflowResidue", "Gear type", "ContactLaw", "DampingRange"})
 
 
@@ -66,6 +67,8 @@ _OPTIONAL = frozenset({"RainflowResidue", "Gear type", "ContactLaw", "DampingRan
 _TO_CELLS = re.compile(
     r"(?:'((?:[^'\[\]]|'')+)'|([^'!\[\]#]+))!\$?[A-Z]{1,3}\$?\d+(?::\$?[A-Z]{1,3}\$?\d+)?"
 )
+#: Rows over and under a scalar in which the words of the next ones are looked for. [count]
+_NEAR = 6
 #: Names that are listed of a sheet that is not there. [count]
 _LISTED = 12
 
@@ -282,7 +285,7 @@ class _Reading:
             lost = "" if name is None else self._lost_sheet(name)
             if lost:
                 self.lost.setdefault(lost, []).append(spec.name)
-            elif spec.name not in _OPTIONAL:
+            elif spec.name not in _OPTIONAL or self._value_beside_label(spec):
                 self._note_missing_name(spec, broken=name is not None)
             return
         sheet, top, left = name.sheet, name.rect.top, name.rect.left
@@ -300,6 +303,15 @@ class _Reading:
                 entry = scaled and self._typed(number, *scaled, cell, place)
         if entry is not None:
             self.typed.scalars[spec.name] = entry
+
+    def _value_beside_label(self, spec: Field) -> bool:
+        """Whether a value stands beside a scalar's words, under or over those of the scalars read before it."""
+        for sheet, cell in set(self.locations.scalars.values()):
+            part, (row, column) = self.workbook.sheet_part(sheet), parse_cell(cell)
+            for near in range(max(row - _NEAR, 1), row + _NEAR + 1):
+                if column > 1 and part.constant(near, column - 1) == spec.name_in_words:
+                    return part.constant(near, column) is not None
+        return False
 
     def _lost_sheet(self, name: DefinedName) -> str:
         """The sheet that a name leads to, where the workbook has none of it; else empty."""

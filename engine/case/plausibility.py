@@ -124,6 +124,12 @@ USUAL: tuple[tuple[UsualRange, Callable[[CaseData], Values]], ...] = (
         lambda case: [(None, case.damping_ratio or None)],
     ),
     (
+        UsualRange(
+            "Case", "DampingRange", 0.02, 0.9, *_PERCENT, "20 % to 50 %: damping is hardly known better", _SIGN
+        ),
+        lambda case: [(None, case.damping_range or None)],
+    ),
+    (
         UsualRange("ModeDamping", "Damping ratio", *_RATIO_OF_DAMPING),
         lambda case: [(f"mode {m.mode}", m.damping_ratio or None) for m in case.mode_damping],
     ),

@@ -80,9 +80,9 @@ class Plan:
         return bool(e.clearances) or e.pull_in or e.aborted_start or self.lateral
 
 
-#: Effects whose bound is no part of `Plan.left_out`: modes left out are in the error, and what a run
-#: does not go on to is not left out of it.
-NOT_LEFT_OUT = frozenset({"fast modes", "run length"})
+#: Effects whose bound is no part of `Plan.left_out`: modes left out are in the error, what a run does not go on
+#: to is not left out of it, and counting changes no torque (without it there are no starts at all).
+NOT_LEFT_OUT = frozenset({"fast modes", "run length", "cycle counting"})
 
 # --- plans ----------------------------------------------------------------------------------------
 

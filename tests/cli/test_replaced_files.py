@@ -48,6 +48,17 @@ def test_a_workbook_is_known_by_its_content(tmp_path: Path, name: str) -> None:
     assert (tmp_path / name).read_bytes() == PROPOSED.read_bytes()
 
 
+def test_a_text_that_is_no_json_is_not_replaced(tmp_path: Path) -> None:
+    notes, old = tmp_path / "notes.txt", tmp_path / "old.json"
+    notes.write_text("mine", encoding="utf-8")
+    old.write_text(' {"a": 1}', encoding="utf-8")
+    done = torsionbook("export", MODIFIED, notes.name, cwd=tmp_path)
+    assert done.returncode == 2
+    assert "is there and is no JSON" in " ".join(done.stderr.split())
+    assert notes.read_text(encoding="utf-8") == "mine"
+    assert torsionbook("export", MODIFIED, old.name, cwd=tmp_path).returncode == 0
+
+
 def test_a_file_that_is_replaced_keeps_its_mode_and_a_device_is_refused(tmp_path: Path) -> None:
     private = tmp_path / "private.json"
     private.touch(mode=0o600)

@@ -8,12 +8,14 @@ import time
 import zipfile
 from pathlib import Path
 
+import openpyxl
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from small_workbook import TABLE_ROWS, Calculated, Formatted, SmallWorkbook
 from strategies import example_count
 
+from addin.contract.shipped import template_path
 from addin.contract.tables import INPUT_TABLES, SCALARS
 from addin.reading.workbook import read_workbook
 from addin.xlsx.errors import WorkbookRefused
@@ -187,6 +189,19 @@ def test_names_beyond_the_contract_may_be_missing(workbook, read):
     found = read(workbook)
     assert found.problems == ()
     assert found.warnings == ()
+
+
+@pytest.mark.parametrize("value", [30.0, None])
+def test_a_value_beside_the_words_of_a_deleted_name_is_not_ignored(
+    tmp_path: Path, value: float | None
+) -> None:
+    book = openpyxl.load_workbook(template_path("example_proposed.xlsx"))
+    cell = book.defined_names["DampingRange"].attr_text.split("!")[1].replace("$", "")
+    del book.defined_names["DampingRange"]
+    book["Case"][cell] = value
+    book.save(tmp_path / "train.xlsx")
+    problems = read_workbook(tmp_path / "train.xlsx").problems
+    assert [p.column for p in problems] == (["DampingRange"] if value else [])
 
 
 # --- one wrong cell, one sentence -----------------------------------------------------------------

@@ -97,6 +97,8 @@ def test_samples_of_the_command_and_one_of_them_again(case: Path, tmp_path: Path
         (("--samples", "5"), "must be a whole number from 30"),
         (("--samples", "40", "--only", "41"), "Give a number from 1 to 40"),
         (("--case", "one.json"), "say which with --only"),
+        (("--only", "3", "--json", "one.json"), "not the study that --json would write"),
+        (("--only", "3", "--in-place"), "not the study that --in-place would write"),
         (("--only", "3", "--samples", "one.csv", "--case", "one.csv"), "would both be written to"),
         (("--samples", "case.json/a.csv"), "is a file"),
     ],

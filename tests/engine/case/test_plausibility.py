@@ -22,6 +22,7 @@ def test_the_examples_are_plausible():
     [
         ({"damping_ratio": 0.20}, "DampingRatio: 20 %"),
         ({"damping_ratio": 0.0002}, "DampingRatio: 0.02 %"),
+        ({"damping_range": 0.003}, "DampingRange: 0.3 %"),
         ({"damping_ratio": None}, "No damping is stated"),
         ({"load_torque": ()}, "the start runs without load"),
     ],
