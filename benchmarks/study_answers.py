@@ -178,6 +178,26 @@ def summary_of(records: list[Record]) -> Study:
     return found
 
 
+def sensitive_answers(records: Sequence[Record], kind: str) -> tuple[int, int]:
+    """Answers (``peaks`` or ``starts``) of starts with events whose range reaches beyond the tolerance, of how many.
+
+    A start is sensitive where one answer is: others of it may be told to within the tolerance.
+    """
+    beyond = count = 0
+    for r in records:
+        if "failed" in r or not r["asked"]["events"]:
+            continue
+        tolerance = r["tolerance"][0 if kind == "peaks" else 1]
+        says = bool((r["asked"]["sensitivity"] or {}).get("sensitive", False))
+        for high, low, *_, least, most in r["asked"][kind].values():
+            count += 1
+            told = max(abs(high), abs(low)) if kind == "peaks" else high
+            if says and told and least is not None:
+                reach = math.inf if most is None else max(most - told, told - least)
+                beyond += reach > tolerance * told
+    return beyond, count
+
+
 def change_under_nudges(record: Record) -> float:
     """Largest relative change of a peak under a billionth."""
     before = record["asked"]["peaks"]

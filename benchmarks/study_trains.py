@@ -30,6 +30,9 @@ __all__ = ["StudyTrain", "gaps_of", "study_train"]
 
 #: Tolerance of peaks → of starts. The first is the default.
 STARTS_TOLERANCE = {1e-3: 2e-2, 1e-2: 1e-1, 1e-4: 2e-3}
+#: Numbers modulo 20 of trains that the independent integrator can calculate, and of those of other
+#: tolerances of peaks.
+INDEPENDENT, OTHER_TOLERANCE = (0, 1), {4: 1e-2, 5: 1e-2, 6: 1e-4, 7: 1e-4}
 #: Numbers of one generator are so far apart that two trains share none.
 APART = 10_000
 #: Clearances of one train, at the most.
@@ -87,7 +90,7 @@ def study_train(number: int) -> StudyTrain:
         seed = number + attempt * APART
         case, extras = _drawn(number, seed)
         if case is not None and (number < LEAVES_MODES or _leaves_modes(case)):
-            return StudyTrain(number, seed, case, extras, number % 20 < 2)
+            return StudyTrain(number, seed, case, extras, number % 20 in INDEPENDENT)
     raise ValueError(f"no seed gives train number {number} what it should have")
 
 
@@ -102,7 +105,7 @@ def _drawn(number: int, seed: int) -> tuple[Case | None, tuple[str, ...]]:
     """One draw; None if it lacks what it should have."""
     rng = np.random.default_rng((seed, 20))
     case, extras = random_start(seed), []
-    independent = number % 20 < 2
+    independent = number % 20 in INDEPENDENT
     if independent:
         stiffest = max(e.stiffness or 1e6 for e in case.elements)
         elastic = [replace(e, stiffness=e.stiffness or stiffest) for e in case.elements]
@@ -131,7 +134,7 @@ def _drawn(number: int, seed: int) -> tuple[Case | None, tuple[str, ...]]:
         case = _with_small_gaps(case, rng)
     case = _without_other_gaps(case)
     case = with_judged_shafts(case, seed, float(10.0 ** rng.uniform(-0.3, 0.4)))
-    peak = {4: 1e-2, 5: 1e-2, 6: 1e-4, 7: 1e-4}.get(number % 20, 1e-3)
+    peak = OTHER_TOLERANCE.get(number % 20, 1e-3)
     case = replace(case, tolerance_peak=peak, tolerance_starts=STARTS_TOLERANCE[peak])
     return case, tuple(extras)
 

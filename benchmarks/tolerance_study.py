@@ -1,4 +1,4 @@
-"""Does what a start says of itself hold? Eleven hundred random trains: `python -m benchmarks.tolerance_study`.
+"""Does what a start says of itself hold? 1,320 random trains: `python -m benchmarks.tolerance_study`.
 
 Every train is run as a user runs it, and again at a hundredth of its tolerances with every effect on
 that it has data for: that is the truth. Each effect left out is also forced on by itself. A run that says
@@ -37,7 +37,9 @@ from benchmarks.study_answers import (  # noqa: E402
     summary_of,
 )
 from benchmarks.study_trains import (  # noqa: E402
+    INDEPENDENT,
     LEAVES_MODES,
+    OTHER_TOLERANCE,
     StudyTrain,
     gaps_of,
     study_train,
@@ -59,6 +61,9 @@ ROOT = Path(__file__).resolve().parents[1]
 KEPT = ROOT / "build" / "tolerance-study"
 #: Trains of any kind, and of those that leave modes out; of any kind in the short study.
 FULL, LEAVING_MODES, QUICK = 1000, 100, 20
+#: Up to these numbers those of other tolerances, and those of the independent integrator, are trains of the
+#: study, too: each class has a hundred.
+OTHER_TOLERANCES, INTEGRATED = 1500, 2200
 #: Steps of one mode in all repetitions of one sensitive start together, and repetitions at the least.
 REPEATED_WORK, FEWEST_NUDGES = 50_000_000, 20
 #: Work of all simulations of one start together where it is the truth (that of `event_start.MOST_WORK`).
@@ -272,6 +277,14 @@ def study(
     return [done[n] for n in sorted(done)]
 
 
+def trains_of_study() -> tuple[int, ...]:
+    """Numbers of the trains of the whole study."""
+    tolerances = [n for n in range(FULL, OTHER_TOLERANCES) if n % 20 in OTHER_TOLERANCE]
+    integrated = [n for n in range(FULL, INTEGRATED) if n % 20 in INDEPENDENT]
+    leaving = range(LEAVES_MODES, LEAVES_MODES + LEAVING_MODES)
+    return (*range(FULL), *tolerances, *integrated, *leaving)
+
+
 def _at_hand(folder: Path, numbers: Set[int]) -> Iterator[tuple[int, Record]]:
     for path in folder.glob("*.json"):
         record = json.loads(path.read_text(encoding="utf-8"))
@@ -320,8 +333,7 @@ def main() -> None:
     )
     args = parser.parse_args()
     few = args.trains or (QUICK if args.quick else 0)
-    leaving = () if few else range(LEAVES_MODES, LEAVES_MODES + LEAVING_MODES)
-    numbers = (*range(few or FULL), *leaving)
+    numbers = range(few) if few else trains_of_study()
     found = summary_of(study(numbers, args.jobs, nudges=args.nudges))
     sections = study_pages.study_sections(found)
     report.show(sections)
