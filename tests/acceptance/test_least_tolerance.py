@@ -67,6 +67,7 @@ def test_studies_refuse_the_case(tmp_path: Path, command: str) -> None:
     assert "TolerancePeak" in done.output
 
 
+@pytest.mark.slow
 def test_a_row_of_a_programme_is_refused(tmp_path: Path) -> None:
     base, table = tmp_path / "base.json", tmp_path / "table.csv"
     base.write_text(json.dumps(case_to_json(read_workbook(SOURCE).data)))

@@ -474,6 +474,7 @@ def test_a_crash_is_recorded_with_what_to_do(pair, tmp_path):
     assert "SIGKILL" in record.sentence
 
 
+@pytest.mark.slow
 def test_two_batches_on_one_folder(few, tmp_path):
     with OutFolder(tmp_path / "out"):
         said = torsionbook_process("batch", few, "--out", "out", cwd=tmp_path)

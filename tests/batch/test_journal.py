@@ -39,6 +39,7 @@ def test_the_last_record_of_a_file_counts(tmp_path):
     assert read_journal(tmp_path / "j")["a"].seconds == 2.0
 
 
+@pytest.mark.slow
 def test_cut_off_at_any_byte_whole_records_stay_and_writing_goes_on(tmp_path):
     path = tmp_path / "journal"
     with closing(Journal(path, keep=False)) as journal:

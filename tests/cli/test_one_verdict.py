@@ -58,7 +58,12 @@ def said(*words: object) -> tuple[int, str]:
     ("change", "headline", "strict"),
     [
         pytest.param("pass", "PASS: all 8 checks", 0, marks=pytest.mark.slow),
-        ("accepted by forced response", "ACCEPTED (margin by forced response): all 8 checks", 0),
+        pytest.param(
+            "accepted by forced response",
+            "ACCEPTED (margin by forced response): all 8 checks",
+            0,
+            marks=pytest.mark.slow,
+        ),
         ("incomplete", "INCOMPLETE: 1 of 8 checks not judged, or only in part", 1),
         pytest.param(
             "check the inputs",

@@ -219,6 +219,7 @@ def test_what_is_absent_is_said_in_words(tmp_path, undrawn):
             assert title in text
 
 
+@pytest.mark.slow
 def test_a_stalled_start_is_said_and_nothing_is_unlimited(tmp_path):
     """Data are complete: what is not judged is so because the start ends at half speed."""
     curve = ((0.0, 1.0), (0.5, 0.6), (1.0, 0.0))

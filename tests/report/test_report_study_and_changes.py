@@ -124,6 +124,7 @@ def test_changes_since_an_earlier_revision(tmp_path):
         assert "No other design is compared here" not in text
 
 
+@pytest.mark.slow
 def test_an_earlier_revision_is_compared_in_words_and_tables(tmp_path, undrawn):
     """The stiffnesses and frequencies of the paper's two systems, in one form of the report."""
     report(MODIFIED, docx=tmp_path / "a.docx", against=PROPOSED)

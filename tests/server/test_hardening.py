@@ -416,6 +416,7 @@ def test_a_call_that_was_never_begun_is_told_that_it_waited(monkeypatch):
     assert all("took longer than 0.3 s" in one["error"]["message"] for (one,) in took)
 
 
+@pytest.mark.slow
 def test_large_trains_are_calculated_in_the_pool(client, monkeypatch):
     monkeypatch.setattr(server_calls, "LARGE_TRAIN", 5)
     monkeypatch.setattr("addin.worksheet.answers.speed_results", None)  # would raise
@@ -437,6 +438,7 @@ def test_large_trains_are_calculated_in_the_pool(client, monkeypatch):
     assert [one["value"] for one in answers] == [registry.call(n, given) for n, *given in calls]
 
 
+@pytest.mark.slow
 def test_results_dropped_for_want_of_memory_reach_whoever_waited(client, monkeypatch):
     """Each is dropped as the next one comes; none is calculated in the server's own process."""
     monkeypatch.setattr("addin.calculation.calculation.calculate", None)  # would raise

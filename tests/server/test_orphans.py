@@ -31,6 +31,7 @@ def runs(pid: int) -> bool:
         return False
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not Path("/proc").is_dir(), reason="looks for processes in /proc")
 def test_processes_end_when_the_server_is_killed(tmp_path):
     (tmp_path / "script.py").write_text(SCRIPT)

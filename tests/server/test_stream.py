@@ -139,6 +139,7 @@ def test_cancel_ends_the_calculation_and_short_calls_do_not_wait(served):
     assert time.monotonic() - began < 30.0
 
 
+@pytest.mark.slow
 def test_a_client_that_is_gone_leaves_nothing_running(served):
     (model,) = ask(served, ["TV_MODEL", *slow_case()])
     with stream_of(served) as line:
@@ -283,7 +284,7 @@ def test_https_beyond_this_machine_with_certificate_and_keys(tmp_path, key_file,
         assert Client(address, key=KEY).call("TV_CONVERT", 1, "m", "mm") == [[1000.0]]
 
 
-@pytest.mark.first_ones(2)
+@pytest.mark.first_ones(1)
 @pytest.mark.parametrize(
     ("swapped", "by_the_command"), [(True, True), (False, False), (False, True)]
 )
@@ -366,6 +367,7 @@ def pool():
     work.close()
 
 
+@pytest.mark.slow
 def test_the_queue_is_bounded_and_tasks_may_be_given_up(pool):
     first = pool.submit("wait", 30.0)
     while first.stage != "waiting":
@@ -379,6 +381,7 @@ def test_the_queue_is_bounded_and_tasks_may_be_given_up(pool):
     assert first.future.exception(5.0) is not None
 
 
+@pytest.mark.slow
 def test_what_takes_too_long_is_stopped():
     work = Work(processes=1, waiting=2, time_limit=0.5)
     try:

@@ -42,6 +42,7 @@ def test_a_study_is_that_of_the_command_line(served, tmp_path, command, settings
     jsonschema.validate(last["value"], study_schema(study.spec))
 
 
+@pytest.mark.slow
 def test_a_study_that_is_cancelled_frees_its_process(served):
     with stream_of(served) as line:
         asked = {"study": "tolerances", "case": CASE, "settings": {"samples": 100_000}}

@@ -139,6 +139,7 @@ def test_too_few_samples_are_no_result(tmp_path: Path) -> None:
 # --- tune, starts ---------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_combinations_that_were_not_reached_are_named(tmp_path: Path) -> None:
     row = {"element": "High-speed shaft", "quantity": "stiffness", "unit": "%", "from": 50, "to": 150,
            "steps": 21}  # fmt: skip

@@ -92,6 +92,7 @@ def test_the_starts_factor_is_in_the_probability_and_in_the_ledger(folder: Path)
     assert ledger["remaining_years"] == pytest.approx((0.5 - 40.0 * damage["weak"]) / yearly)
 
 
+@pytest.mark.slow
 def test_another_duty_makes_the_start_matrix_out_of_date(
     folder: Path, cells: dict[str, list[dict[str, Any]]], tmp_path: Path, undrawn: None
 ) -> None:

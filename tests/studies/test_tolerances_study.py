@@ -175,6 +175,7 @@ def test_a_workbook_without_the_sheets_says_how_to_get_them(tmp_path: Path) -> N
     assert "--studies" in told.output
 
 
+@pytest.mark.slow
 def test_sensitivities_of_a_train_without_a_start(content: dict[str, Any], tmp_path: Path) -> None:
     """Frequencies alone: quick, and the shifts beside them are live."""
     still = {k: v for k, v in content.items() if k not in ("motor_torque", "load_torque")}

@@ -178,6 +178,7 @@ def test_the_terminal_lists_the_best_and_the_case_as_it_stands(
     assert "written: " in output
 
 
+@pytest.mark.slow
 def test_formulas_of_a_workbook_with_studies_keep_their_values(
     folder: Path, tmp_path: Path
 ) -> None:

@@ -291,6 +291,7 @@ def test_modes_are_accurate_up_to_the_highest_excitation_and_a_quarter_more() ->
     assert judged == set(range(1, accurate + 1))
 
 
+@pytest.mark.slow
 def test_what_the_limit_of_pieces_leaves_inaccurate_is_not_judged() -> None:
     """400 pieces are too few for 20 kHz: those modes are named, and the margin is incomplete."""
     rows = (ExcitationRow("whine", frequency=20_000.0),)

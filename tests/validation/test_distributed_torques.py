@@ -79,6 +79,7 @@ def check(seed: int, pieces: int) -> tuple[list[float], list[bool]]:
     return ratios, inside
 
 
+@pytest.mark.first_ones(1)
 @pytest.mark.parametrize("seed", range(3))
 def test_peaks_and_starts_hold_against_explicit_pieces(seed: int) -> None:
     """Stated errors and intervals, and the tolerance that is said to be met."""

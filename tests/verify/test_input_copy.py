@@ -28,6 +28,7 @@ def write(table, row, column, value):
     return edit
 
 
+@pytest.mark.first_ones(2)
 @pytest.mark.parametrize(
     ("edit", "says"),
     [

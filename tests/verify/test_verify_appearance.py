@@ -137,6 +137,7 @@ def test_number_formats_that_show_another_number_are_found(restyled, places):
     assert {one.table for one in found} == {"StartupPeaks"}
 
 
+@pytest.mark.slow
 def test_more_or_fewer_digits_are_no_finding(restyled, places):
     assert restyled([a_format(code) for code in HONEST], places) == []
 
@@ -235,7 +236,7 @@ def merged(book, cell):
     cell.parent.merged_cells.add(f"{cell.offset(-1, 0).coordinate}:{cell.coordinate}")
 
 
-@pytest.mark.first_ones(3)
+@pytest.mark.first_ones(1)
 @pytest.mark.parametrize(
     "edit",
     [hidden_row, hidden_column, very_hidden_sheet, flat_row, narrow_column, hidden_sheet],
@@ -275,6 +276,7 @@ _TEXT = "<xdr:txBody><a:bodyPr/><a:p><a:r><a:t>1,234</a:t></a:r></a:p></xdr:txBo
 _WHITE = "<a:solidFill><a:srgbClr val='FFFFFF'/></a:solidFill>"
 
 
+@pytest.mark.first_ones(2)
 @pytest.mark.parametrize(
     ("ground", "text", "covers"),
     [(_WHITE, "", True), ("<a:noFill/>", _TEXT, True), ("<a:noFill/>", "", False)],
@@ -313,6 +315,7 @@ def test_hidden_inputs_are_a_note(train, tmp_path):
     assert not any(one.fails for one in hidden)
 
 
+@pytest.mark.slow
 def test_an_input_that_shows_another_number_is_found(restyled, train):
     workbook = open_workbook(train, read_only=True)
     place = cell_of(workbook, "Stations", 1, "Inertia")

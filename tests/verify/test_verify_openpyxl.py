@@ -64,6 +64,7 @@ def copies(path: Path, table: str) -> Iterator[str]:
                     yield drawn.points[0]
 
 
+@pytest.mark.slow
 def test_an_input_typed_by_openpyxl_stands_in_the_charts_after_recalculation(tmp_path):
     book = openpyxl.load_workbook(template_path("example_proposed.xlsx"))
     sheet, table, _ = table_of(book, "MotorTorque")

@@ -85,6 +85,7 @@ def test_studies_of_another_case_are_out_of_date(book: Path) -> None:
     assert sum("out of date" in line for line in notes(book, 1)) == 3
 
 
+@pytest.mark.slow
 def test_rows_in_another_unit_are_the_same_rows(book: Path) -> None:
     opened = open_workbook(book, ignore_lock=True)
     there = opened.table("Tuning")

@@ -166,6 +166,7 @@ def test_every_input_that_is_edited_turns_the_banner(calculated: Path, calc: Any
     assert wrong(expected, seen) == []
 
 
+@pytest.mark.slow
 def test_a_unit_exchanged_with_its_values_is_no_change(calculated: Path, calc: Any) -> None:
     steps: list[tuple[object, ...]] = [("open", calculated)]
     expected = []
@@ -201,6 +202,7 @@ def test_a_unit_exchanged_with_its_values_is_no_change(calculated: Path, calc: A
     assert wrong(expected, calc(steps)) == []
 
 
+@pytest.mark.slow
 def test_rows_added_and_deleted_are_a_change(calculated: Path, calc: Any) -> None:
     steps: list[tuple[object, ...]] = [("open", calculated)]
     expected = []
@@ -343,6 +345,7 @@ def with_other_names(path: Path, names: bytes) -> None:
             new.writestr(entry, data)
 
 
+@pytest.mark.slow
 def test_lines_of_a_study_say_when_its_inputs_have_changed(
     studied: Path, calc: Any, tmp_path: Path
 ) -> None:

@@ -88,6 +88,7 @@ def test_the_spread_of_two_runs_is_that_of_either_extreme(sign: float) -> None:
     assert _spread(of(-30.0), of(-33.0), np.array([0])) == pytest.approx(0.05)
 
 
+@pytest.mark.slow
 def test_damping_beyond_double_precision_is_named_and_no_traceback() -> None:
     """C12: a bearing damping of 1e14 N s/m, 1e8 times critical, makes a divisor zero in the compiled loop."""
     case = read_workbook(template_path("example_backlash.xlsx")).case()

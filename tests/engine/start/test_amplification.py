@@ -43,7 +43,9 @@ def by_itself(results: Results, crossing: Crossing, damping: float) -> float:
     return float(abs(found.y[0][largest])) / torque(found.t[largest])
 
 
-@pytest.fixture(scope="module", params=["proposed", "modified"])
+@pytest.fixture(
+    scope="module", params=["proposed", pytest.param("modified", marks=pytest.mark.slow)]
+)
 def results(request: pytest.FixtureRequest) -> Results:
     return run(sample_case(request.param))
 

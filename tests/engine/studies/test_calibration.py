@@ -716,6 +716,7 @@ def test_quantiles_of_weighted_samples() -> None:
 # --- a sample of the study of coverage (make calibration-study) ------------------------------------
 
 
+@pytest.mark.first_ones(1)
 @pytest.mark.parametrize("name", CLASSES)
 def test_intervals_hold_the_truth_in_a_sample_of_the_study(name: str) -> None:
     """The record has 1,000 trials of each class; of these few the share may err by 6 points."""
