@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import pytest
 
-from benchmarks.study_answers import classes_of, summary_of
+from benchmarks.study_answers import classes_of, sensitive_answers, summary_of
 from benchmarks.study_trains import gaps_of, study_train
 from benchmarks.tolerance_study import QUICK, study
 
@@ -48,6 +49,18 @@ def test_errors_are_relative_to_the_truth() -> None:
     for answer in (peak, starts):
         assert answer.within
         assert answer.holds
+
+
+def test_sensitive_answers_are_those_told_less_closely_than_wanted() -> None:
+    """One of two peaks, two of three starts; an answer of a start that is not sensitive is none."""
+    made = record()
+    asked: Any = made["asked"]
+    asked["peaks"]["B"] = [100.0, 0.0, 0.0, 0.0, 99.95, 100.05]
+    asked["starts"]["C"] = [99.0, 0.0, 98.0, None]
+    assert sensitive_answers([made], "peaks") == (0, 2)
+    asked["sensitivity"] = {"spread": 1.0, "sensitive": True}
+    assert sensitive_answers([made], "peaks") == (1, 2)
+    assert sensitive_answers([made], "starts") == (2, 3)
 
 
 def test_recontact_speeds_are_judged_by_their_own_error() -> None:

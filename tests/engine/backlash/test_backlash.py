@@ -188,6 +188,9 @@ def test_chatter_is_sensitive_and_a_calm_start_is_not() -> None:
     assert found.contacts[0].impacts > 50
     assert found.repeatability is not None
     assert found.repeatability.sensitive
+    for peak in found.peaks:  # the error is no smaller than the range that it stands beside
+        assert peak.high - peak.size <= peak.error * (1.0 + 1e-12) + (peak.left_out or 0.0)
+        assert peak.size - peak.low <= peak.error * (1.0 + 1e-12) + (peak.left_out or 0.0)
     assert found.repeatability.spread > wild.tolerance_peak
 
 

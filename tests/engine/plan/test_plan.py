@@ -116,6 +116,7 @@ def test_counting_forced_off_is_warned_of():
     assert (counting.on, counting.bound, results.starts) == (False, None, None)
     assert counting.why.startswith("Forced off although required: ")
     assert any("'cycle counting' is forced off" in w for w in results.warnings)
+    assert "cycle counting" not in results.plans[-1].left_out  # counting changes no torque
     assert not any("No shaft has stress diameter" in w for w in results.warnings)
 
 
@@ -469,6 +470,27 @@ def test_stress_that_rises_above_endurance_with_clearances_is_counted_after_all(
     assert (new.number, new.cycle_counting) == (2, True)
     assert new.effects == old.effects
     assert new.decision("cycle counting").deciding_number == 1.7
+
+
+def test_the_stresses_that_are_told_are_those_of_the_last_run():
+    """A note on the linear start's stresses would be read as one on those reported."""
+    judged = with_judged_shafts(CASE, 1, 0.5)
+    e = replace(EVIDENCE, judged=1, linear=told((minimum("Mesh", -0.3),)))
+    old = first_plan(judged, e)
+    higher = replace(told((minimum("Mesh", -0.8),)), stress_ratio=0.9)
+    told_now = revised_plan(judged, old, replace(e, event=higher))
+    assert (told_now.number, told_now.effects) == (1, old.effects)
+    assert old.decision("cycle counting").deciding_number == 0.5
+    assert told_now.decision("cycle counting").deciding_number == 0.9
+    assert "0.9 of endurance" in told_now.decision("cycle counting").why
+
+
+def test_an_effect_without_bound_that_is_forced_off_is_not_said_to_lack_data():
+    results = run(chosen(with_clearance(geared()), backlash="off"))
+    assert results.start.left_out is None
+    note = next(w for w in results.warnings if "they pass no check" in w)
+    assert "Take 'off' away from backlash in table EffectChoices." in note
+    assert "data that are missing" not in note
 
 
 def test_measured_times_change_nothing_else():
