@@ -7,7 +7,7 @@ judged. The first row is the worst of all.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from engine.case.coverage import (
@@ -319,12 +319,8 @@ def _peak_torque(case: CaseData, start: Start | None, unbounded: str) -> Iterato
     if start is None or not limits:
         yield Verdict(name, None, None, "torque", Judgement.NOT_JUDGED, "", coverage, named)
         return
-    worst = max(limits, key=lambda e: (peaks[e].high or peaks[e].size) / limits[e])
-    size = peaks[worst].size
-    verdict, named = _within_range(size, limits[worst], peaks[worst]), _and(named, unbounded)
-    yield Verdict(
-        name, size, limits[worst], "torque", _covered(verdict, named), worst, coverage, named
-    )
+    sizes = {e: (peaks[e].size, limit) for e, limit in limits.items()}
+    yield _worst_peak(name, "torque", sizes, peaks, coverage, _and(named, unbounded))
 
 
 def _yield(case: CaseData, start: Start | None, unbounded: str) -> Iterator[Verdict]:
@@ -347,15 +343,33 @@ def _yield(case: CaseData, start: Start | None, unbounded: str) -> Iterator[Verd
         where = "every shaft is judged by its Peak torque limit" if verdict == "pass" else ""
         yield Verdict(name, None, None, "pressure", verdict, where, coverage, named)
         return
-    stress = {e: per_torque * peaks[e].size for e, (per_torque, _) in judged.items()}
-    worst = max(
-        stress, key=lambda e: judged[e][0] * (peaks[e].high or peaks[e].size) / judged[e][1]
-    )
-    named = _and(named, unbounded)
-    verdict = _covered(_within_range(stress[worst], judged[worst][1], peaks[worst]), named)
-    yield Verdict(
-        name, stress[worst], judged[worst][1], "pressure", verdict, worst, coverage, named
-    )
+    sizes = {e: (per_torque * peaks[e].size, most) for e, (per_torque, most) in judged.items()}
+    yield _worst_peak(name, "pressure", sizes, peaks, coverage, _and(named, unbounded))
+
+
+def _worst_peak(
+    name: str,
+    dimension: str,
+    sizes: Mapping[str, tuple[float, float]],
+    peaks: Mapping[str, ElementPeak],
+    coverage: str,
+    named: str,
+) -> Verdict:
+    """The element of the worst verdict, of these the nearest to its limit at the unfavourable end of its range.
+
+    `sizes` has the peak and its limit of each element, in torque or stress.
+    """
+    found = {e: _within_range(size, limit, peaks[e]) for e, (size, limit) in sizes.items()}
+
+    def badness(e: str) -> tuple[int, float]:
+        size, limit = sizes[e]
+        reach = (peaks[e].high or peaks[e].size) / (peaks[e].size or 1.0)
+        return -_WORST_FIRST.index(found[e]), reach * size / limit
+
+    worst = max(found, key=badness)
+    size, limit = sizes[worst]
+    verdict = _covered(found[worst], named)
+    return Verdict(name, size, limit, dimension, verdict, worst, coverage, named)
 
 
 def _reversal(
@@ -403,8 +417,14 @@ def _lowest(start: Start) -> dict[str, float]:
     ensemble = start.repeatability
     found = {}
     for i, p in enumerate(start.peaks):
-        least = p.minimum if ensemble is None else min(p.minimum, ensemble.lowest[i])
-        found[p.element] = least - p.error - (p.left_out or 0.0)
+        least, error = p.minimum, p.error
+        if (
+            ensemble is not None
+        ):  # its lowest end is in that of the minimum itself, not in the error
+            low, high = p.repeated or (p.size, p.size)
+            least = min(p.minimum, ensemble.lowest[i])
+            error = max(p.error - max(high - p.size, p.size - low), 0.0)
+        found[p.element] = least - error - (p.left_out or 0.0)
     return found
 
 

@@ -15,6 +15,7 @@ from engine.results.tables import result_tables
 from engine.results.times import accuracy_of
 from engine.results.verdicts import overall_verdict, verdicts_of
 from engine.run import run
+from engine.start.event_results import Repeatability
 from tests.sample_case import sample_case, with_limits
 
 MPA = 1e6
@@ -243,6 +244,22 @@ def test_a_peak_nearer_to_its_limit_than_its_error_says_so(
     assert verdicts_of(changed_results)[0].verdict == overall
 
 
+def test_a_peak_that_fails_is_not_hidden_by_a_wider_range_that_does_not(complete: Results) -> None:
+    """90 of 100 N m with a range up to 300 is within its error; 105 of 100 fails."""
+    assert complete.start is not None
+    case = changed(complete.case, peak_torque_limit={FIRST: 100.0, SECOND: 100.0})
+    size = {FIRST: (90.0, (80.0, 300.0)), SECOND: (105.0, (105.0, 105.0))}
+    peaks = tuple(
+        replace(p, maximum=size[p.element][0], minimum=0.0, error=0.0, repeated=size[p.element][1])
+        if p.element in size
+        else p
+        for p in complete.start.peaks
+    )
+    start = replace(complete.start, peaks=peaks)
+    found = check(replace(complete, case=case, start=start), "Peak torque")
+    assert (found.result, found.where, found.verdict) == (105.0, SECOND, Judgement.FAIL)
+
+
 @pytest.mark.parametrize(
     ("error", "verdict"), [(0.049, Judgement.PASS), (0.051, Judgement.WITHIN_ERROR)]
 )
@@ -288,6 +305,35 @@ def test_a_reversal_nearer_to_its_limit_than_error_and_what_is_left_out_says_so(
     found = check(near, "Torque reversal")
     assert found.verdict == verdict
     assert ("no bound on what is left out" in (found.not_judged or "")) == (left_out is None)
+
+
+@pytest.mark.parametrize(
+    ("lower", "verdict"), [(9.0, Judgement.PASS), (11.0, Judgement.WITHIN_ERROR)]
+)
+def test_a_reversal_is_judged_by_the_range_of_the_minimum_not_by_that_of_the_peak(
+    complete: Results, lower: float, verdict: Judgement
+) -> None:
+    """Runs part: the peak is told to 50 N m, the minimum to `lower`; the limit is 10 N m beyond it."""
+    assert complete.start is not None
+    (mesh,) = complete.reversals
+    peaks = tuple(
+        replace(p, minimum=mesh.minimum_torque, error=50.0, repeated=(p.size - 20.0, p.size + 50.0))
+        if p.element == mesh.element
+        else p
+        for p in complete.start.peaks
+    )
+    lowest = tuple(mesh.minimum_torque - lower for _ in peaks)
+    sizes = tuple((p.size, p.size) for p in peaks)
+    near = replace(
+        complete,
+        start=replace(
+            complete.start,
+            peaks=peaks,
+            repeatability=Repeatability(1.0, True, 12, sizes, lowest, ()),
+        ),
+        reversals=(replace(mesh, limit=10.0 - mesh.minimum_torque, verdict=Judgement.PASS),),
+    )
+    assert check(near, "Torque reversal").verdict == verdict
 
 
 def test_without_a_start_its_checks_are_there_and_not_judged() -> None:
