@@ -172,16 +172,18 @@ def run_event_start(
         last |= halvings >= MAX_HALVINGS or 2 * values > MAX_VALUES or next_work > enough
         if gave_up:
             break  # a finer run would only give up sooner
-        contacts = len(coarse.events.log) + len(fine.events.log)
-        if contacts and same_until < math.inf and (met or last or halvings):
-            runs, felt, parted = [fine, coarse], False, False
+        parted = (
+            same_until < math.inf
+        )  # h and h/2 may agree by chance: only runs together have an order
+        if parted and (met or last or halvings):
+            runs, felt, hopeless = [fine, coarse], False, False
             if not last:
                 other = at(0.5 * step, MOST_WORK - taken, 1)
                 taken += other.work
                 runs.append(other)
                 felt = _spread(fine, other, judged.output_of_element) > FELT * tolerance
-                parted = _together_until(fine.events, other.events, TOGETHER * step) < math.inf
-            if (met and parted) or last or felt:  # no step is fine enough to keep runs together
+                hopeless = _together_until(fine.events, other.events, TOGETHER * step) < math.inf
+            if (met and hopeless) or last or felt:  # no step is fine enough to keep runs together
                 for k, h in _variations(step):
                     if coarse.work > MOST_WORK - taken:
                         break
@@ -191,7 +193,7 @@ def run_event_start(
                 counted = {index for index, _ in judged_shafts(case)}
                 repeatability = _repeatability(runs, TOGETHER * step, judged, tolerance, counted)
                 break
-        if met or last:
+        if last or (met and not parted):
             break
         finer = at(0.25 * step, enough)
         taken += finer.work
