@@ -10,6 +10,8 @@ LEAST_PEAK_ERROR = 1e-7
 #: Least `tolerance_peak` that can be met: room for that error and for the tenth of the tolerance that
 #: is left to modes not simulated. Asked for less, a start takes every step it may, for nothing. [1]
 LEAST_TOLERANCE_PEAK = 2.0 * LEAST_PEAK_ERROR
+#: Least `tolerance_starts`: damage goes with a power of the torque (20 at the most), which has that error. [1]
+LEAST_TOLERANCE_STARTS = 1e-5
 #: Accuracy of peak torques where the case leaves it blank. [1]
 DEFAULT_TOLERANCE_PEAK = 1e-3
 #: Longest start simulated where MaximumTime is blank. [s]

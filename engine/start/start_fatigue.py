@@ -15,6 +15,7 @@ import numpy as np
 from engine.arrays import Floats
 from engine.case.choices import RainflowResidue
 from engine.case.data import CaseData, ElementRow
+from engine.case.defaults import LEAST_PEAK_ERROR
 from engine.case.result_words import Outcome
 from engine.fatigue.allowable_starts import (
     AllowableStarts,
@@ -170,7 +171,9 @@ def _shaft(
         """Of the damage, where every torque is larger by a share."""
         return abs(of((1.0 + relative) * fine).damage / damage - 1.0) if relative else 0.0
 
+    # no torque is known better than to `LEAST_PEAK_ERROR`, and damage goes with its power
     stepped = DAMAGE_SHARE * abs(of(coarse).damage / damage - 1.0)
+    stepped = max(stepped, sn_slope(case) * LEAST_PEAK_ERROR)
     off = stepped + change(pieces + start.truncation_error)
     low, high = shaft.damage_low, shaft.damage_high
     if start.repeatability is not None:

@@ -27,7 +27,12 @@ from engine.case.choices import (
     StressBasis,
 )
 from engine.case.data import CaseData, value_of
-from engine.case.defaults import DEFAULT_END_SPEED, LEAST_PEAK_ERROR, LEAST_TOLERANCE_PEAK
+from engine.case.defaults import (
+    DEFAULT_END_SPEED,
+    LEAST_PEAK_ERROR,
+    LEAST_TOLERANCE_PEAK,
+    LEAST_TOLERANCE_STARTS,
+)
 from engine.errors import Problem
 
 #: Line frequency, speed and poles, or power, speed and torque, must agree to this share.
@@ -97,7 +102,13 @@ SHARES = (
         "Correct the cell or leave it blank for 0.1 %. Peak torques are calculated to "
         f"{LEAST_PEAK_ERROR:g} at best; a smaller tolerance cannot be met.",
     ),
-    Limit("ToleranceStarts", Allowed(lambda v: 1e-9 <= v <= 0.5, "between 1e-9 and 0.5 (50 %)")),
+    Limit(
+        "ToleranceStarts",
+        Allowed(
+            lambda v: LEAST_TOLERANCE_STARTS <= v <= 0.5,
+            f"between {LEAST_TOLERANCE_STARTS:g} and 0.5 (50 %)",
+        ),
+    ),
 )
 
 

@@ -210,7 +210,7 @@ SCALARS = [
         "TolerancePeak",
         ["found 1e-07", "blank for 0.1 %", "cannot be met"],
     ),
-    (good(tolerance_starts=1e-10), "ToleranceStarts", ["between 1e-9 and 0.5"]),
+    (good(tolerance_starts=1e-6), "ToleranceStarts", ["between 1e-05 and 0.5"]),
     (good(tolerance_starts=0.9), "ToleranceStarts", ["between"]),
     (good(starts_required=0.0), "StartsRequired", ["positive"]),
     (good(starts_factor=-2.0), "StartsFactor", ["positive"]),

@@ -565,9 +565,9 @@ def test_starts_that_miss_their_accuracy_are_told(monkeypatch):
     assert quiet.starts is not None
     assert not any("accuracy of allowable starts" in w for w in quiet.warnings)
     monkeypatch.setattr(conductor, "MAX_STARTS_REFINEMENTS", 0)
-    rough = run(replace(case, tolerance_starts=1e-9))
+    rough = run(replace(case, tolerance_starts=1e-5))
     worst = max((e for _, e in rough.starts_error if e is not None), default=0.0)
-    assert worst > 1e-9
+    assert worst > 1e-5
     assert any("accuracy of allowable starts" in w for w in rough.warnings)
 
 
