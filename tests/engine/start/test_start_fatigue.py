@@ -102,7 +102,7 @@ def test_a_third_of_the_change_of_the_damaging_ranges_is_the_error_of_every_turn
 def test_effects_left_out_widen_the_interval_and_one_without_a_bound_leaves_none(
     start: Start,
 ) -> None:
-    """On a line of slope 5 a bound of 1 % on every torque is 1.01⁵ − 1 on the damage."""
+    """On a line of slope 5 a bound of 1 % on every torque is 1.01⁵ − 1 on the damage, and 1e-7 of a torque 5e-7."""
     case = with_line(1e9, 1e8, "same slope")
     exact = with_coarse(replace(start, truncation_error=0.0), 1.0)
     known, _ = starts_of(case, replace(exact, left_out=0.01))
@@ -110,9 +110,10 @@ def test_effects_left_out_widen_the_interval_and_one_without_a_bound_leaves_none
     assert known is not None
     assert unknown is not None
     (shaft,), (other,) = known.shafts, unknown.shafts
+    least = 1.0 + 5e-7
     assert shaft.left_out == pytest.approx(1.01**5 - 1.0, rel=1e-9)
-    assert shaft.starts_low == pytest.approx(shaft.allowable_starts / 1.01**5, rel=1e-9)
-    assert shaft.starts_high == pytest.approx(shaft.allowable_starts * 1.01**5, rel=1e-9)
+    assert shaft.starts_low == pytest.approx(shaft.allowable_starts / 1.01**5 / least, rel=1e-9)
+    assert shaft.starts_high == pytest.approx(shaft.allowable_starts * 1.01**5 * least, rel=1e-9)
     assert known.bounded
     assert not unknown.bounded
     assert (other.starts_low, other.starts_high, other.left_out) == (None, None, None)
