@@ -172,9 +172,8 @@ def run_event_start(
         last |= halvings >= MAX_HALVINGS or 2 * values > MAX_VALUES or next_work > enough
         if gave_up:
             break  # a finer run would only give up sooner
-        parted = (
-            same_until < math.inf
-        )  # h and h/2 may agree by chance: only runs together have an order
+        # h and h/2 may agree by chance where they part: only runs that are together have an order
+        parted = same_until < math.inf
         if parted and (met or last or halvings):
             runs, felt, hopeless = [fine, coarse], False, False
             if not last:

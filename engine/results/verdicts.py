@@ -418,9 +418,8 @@ def _lowest(start: Start) -> dict[str, float]:
     found = {}
     for i, p in enumerate(start.peaks):
         least, error = p.minimum, p.error
-        if (
-            ensemble is not None
-        ):  # its lowest end is in that of the minimum itself, not in the error
+        if ensemble is not None:
+            # the error reaches to the ends of the peak's range; the minimum has a range of its own
             low, high = p.repeated or (p.size, p.size)
             least = min(p.minimum, ensemble.lowest[i])
             error = max(p.error - max(high - p.size, p.size - low), 0.0)

@@ -313,7 +313,7 @@ def test_a_reversal_nearer_to_its_limit_than_error_and_what_is_left_out_says_so(
 def test_a_reversal_is_judged_by_the_range_of_the_minimum_not_by_that_of_the_peak(
     complete: Results, lower: float, verdict: Judgement
 ) -> None:
-    """Runs part: the peak is told to 50 N m, the minimum to `lower`; the limit is 10 N m beyond it."""
+    """Runs part: the peak is known to 50 N m, the minimum to `lower`; the limit is 10 N m beyond it."""
     assert complete.start is not None
     (mesh,) = complete.reversals
     peaks = tuple(
