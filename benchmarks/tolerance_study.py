@@ -115,12 +115,12 @@ def record_of(number: int, nudges: int = SENSITIVE_NUDGES) -> Record:
     return record
 
 
-def _with(case: Case, names: Iterable[str]) -> Case:
-    """The case with some effects forced on where it has their data, besides those that it forces."""
+def _with(case: Case, names: Iterable[str], choice: str = "on") -> Case:
+    """The case with some effects forced on (or off) where it has their data, besides those that it forces."""
     forced = {row.effect for row in case.effect_choices}
     inputs = {name: EFFECTS[name].inputs for name in names if name not in forced}
     on = [name for name, needed in inputs.items() if needed is None or needed.given(case)]
-    choices = tuple(EffectChoiceRow(name, "on") for name in on)
+    choices = tuple(EffectChoiceRow(name, choice) for name in on)
     return replace(case, effect_choices=(*case.effect_choices, *choices))
 
 
@@ -130,9 +130,9 @@ def _bounds(finer: Case, asked: Results) -> dict[str, list[float]]:
     known = {d.effect: d.bound for d in plan.decisions if d.effect in plan.left_out and d.bound}
     if not known:
         return {}
-    without = _answers(run(finer), 0.0)
     found = {}
     for name, bound in known.items():
+        without = _answers(run(_with(finer, [name], "off")), 0.0)
         forced = _answers(run(_with(finer, [name])), 0.0)
         change = largest_change(without["peaks"], forced["peaks"])
         # both have errors of their own

@@ -24,6 +24,7 @@ from engine.model.modes import (
 from engine.operation.acceptance import judge, mode_parts
 from engine.operation.forced_response import forced_response, only_within_error
 from engine.operation.margins import interference, separation_margins
+from engine.plan.contact_damping import LIMIT_GAIN, without_excess_damping
 from engine.plan.evidence import Evidence, collect_evidence, start_evidence
 from engine.plan.plan import (
     Plan,
@@ -38,10 +39,11 @@ from engine.results.times import COMPILING_EVENTS, accuracy_of, measured_times
 from engine.results.verdicts import verdicts_of
 from engine.results.warnings import warnings_of
 from engine.start.crossings import Crossing, crossings_of
+from engine.start.peaks import change_of_peaks
 from engine.start.pieces import analysis_for_start, with_pieces_error
 from engine.start.prescribed import run_prescribed
 from engine.start.reversals import Reversal, torque_reversals
-from engine.start.settings import NEGLIGIBLE, has_start
+from engine.start.settings import has_start
 from engine.start.start import Start, run_start, with_left_out
 from engine.start.start_fatigue import starts_of
 from engine.start.warm_up import load_routines
@@ -196,9 +198,13 @@ def planned_start(
     plain = replace(plan.effects, clearances=())
     with stage("start"):
         linear, wall = _timed(lambda: calculate_start(stepped, model, plain, None))
+        changed, limit = without_excess_damping(stepped, model.train, linear), 0.0
+        if changed is not None:
+            other = calculate_start(changed, model, plain, None)
+            limit = LIMIT_GAIN * change_of_peaks(linear.peaks, other.peaks)
         linear = with_pieces_error(linear, pieces, tolerance)
     with stage("plan"):
-        evidence = replace(evidence, linear=start_evidence(case, model, linear, wall))
+        evidence = replace(evidence, linear=start_evidence(case, model, linear, wall, limit))
         plans = [first_plan(case, evidence)]
     bound = plans[-1].left_out_bound
     if bound and not plans[-1].events and linear.met_tolerance:
@@ -253,20 +259,7 @@ def _with_all_effects(
     lateral = plan.lateral or "bearings" in names
     model = (analysis.coupled if lateral else None) or analysis.torsional
     full = calculate_start(case, model, effects_with(plan, evidence, names), None)
-    return full, _change(start, full)
-
-
-def _change(start: Start, other: Start) -> float:
-    """Largest relative change of an extreme of the torque of any element. [1]"""
-    before = {p.element: p for p in start.peaks}
-    largest = max((p.size for p in other.peaks), default=0.0)
-    changes = [
-        max(abs(p.maximum - before[p.element].maximum), abs(p.minimum - before[p.element].minimum))
-        / max(p.size, NEGLIGIBLE * largest, 1e-300)
-        for p in other.peaks
-        if p.element in before
-    ]
-    return max(changes, default=0.0)
+    return full, change_of_peaks(start.peaks, full.peaks)
 
 
 def _timed(calculate: Callable[[], Start]) -> tuple[Start, float]:

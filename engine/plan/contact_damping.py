@@ -2,11 +2,15 @@
 
 Contact damping never exceeds the spring force (`ContactLaw.LIMITED`). A linear start has no such limit. It acts
 where the torque of an element with a clearance rises from near zero faster than its spring takes it up: at
-the very beginning, or after a dip. There the linear start has too much torque; what is too much, applied to
-the modes as a force of its own, bounds what it may have changed.
+the very beginning, or after a dip. There the linear start has too much torque. The same start with what is too
+much taken off, as a pair of torques against time at the ends of the element, tells what the limit changes:
+ringing, and the instant at which the train comes to each speed.
 """
 
 from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
@@ -14,81 +18,74 @@ from scipy.signal import lfilter
 
 from engine.arrays import Floats
 from engine.case.choices import ContactLaw
-from engine.case.data import CaseData
-from engine.model.modal_train import ModalTrain
-from engine.model.train import Flank
+from engine.case.data import CaseData, TorqueTimeRow
+from engine.model.train import Flank, Train
 from engine.start.settings import NEGLIGIBLE
 from engine.start.start import Start
-from engine.start.torque_outputs import torque_outputs
 
+#: The limit changes what it acts on; so often its change of the first order is taken for a bound.
+LIMIT_GAIN = 2.0
 #: Samples of the torque of one contact, at the most; else four in the time c/k.
 MOST_SAMPLES, SAMPLES = 1_000_000, 4.0
+#: Rows of one torque against time, at the most.
+MOST_ROWS = 2_000
+#: A torque that jumps at a time rises to it within this time. [s]
+JUMP = 1e-9
 
 
-def limit_of_contact_damping(case: CaseData, model: ModalTrain, start: Start) -> float:
-    """Bound on the change of any extreme torque by the limit on contact damping, while teeth do not part.
+def without_excess_damping(case: CaseData, train: Train, start: Start) -> CaseData | None:
+    """The case with torques that take off what contact damping has above the spring force.
 
     Parameters
     ----------
     case : CaseData
         The case. [SI]
-    model : ModalTrain
-        Its train, modes and damping. [SI]
+    train : Train
+        Its train. [SI]
     start : Start
         Its linear start. [SI]
 
     Returns
     -------
-    float
-        Relative to the larger extreme of the element; zero where no contact is damped. [1]
+    CaseData or None
+        None where there is nothing to take off. [SI]
     """
-    train, modes, _ = model
-    damped = [f for f in train.flanks if f.gap and f.viscous > 0.0]
-    if not damped or (case.contact_law or ContactLaw.LIMITED) != ContactLaw.LIMITED:
-        return 0.0
-    outputs = torque_outputs(train, modes, np.zeros(0, dtype=np.int64))
-    elastic = modes.omega > 0.0
-    omega = modes.omega[elastic]
-    change = np.zeros(len(outputs.element))
-    turnings = start.turning_of_element()
-    at = {i: _times_of_extremes(turning) for i, turning in turnings.items()}
-    for flank in damped:
-        time, excess = _excess(start, flank)
-        if not len(time):
+    if (case.contact_law or ContactLaw.LIMITED) != ContactLaw.LIMITED:
+        return None
+    tables: dict[str | None, list[tuple[Floats, Floats]]] = {}
+    for flank in train.flanks:
+        if not flank.gap or flank.viscous <= 0.0:
             continue
-        reach = np.abs(modes.row_twist[flank.drive_row, elastic])
-        step = float(time[1] - time[0]) if len(time) > 1 else 0.0
-        for i, element in enumerate(outputs.element.tolist()):
-            shown = np.abs(outputs.position[i, elastic])
-            for instant in at.get(element, ()):
-                before = time <= instant
-                faded = np.exp(
-                    -np.outer(model.damping.ratio[elastic] * omega, instant - time[before])
-                )
-                impulse = faded @ excess[before] * step
-                largest = np.max(faded * excess[before], axis=1, initial=0.0)
-                reached = np.minimum(impulse / omega, 2.0 * largest / omega**2)
-                change[i] = max(change[i], float(shown @ (reach * reached)))
-    size = {i: float(np.max(np.abs(turning[1]))) for i, turning in turnings.items()}
-    floor = NEGLIGIBLE * max(size.values(), default=0.0)
-    return max(
-        (
-            c / max(size[e], floor, 1e-300)
-            for c, e in zip(change.tolist(), outputs.element.tolist(), strict=True)
-            if e in size
-        ),
-        default=0.0,
-    )
+        time, excess = _excess(start, flank)
+        if np.any(excess):
+            element = case.elements[flank.element]
+            i, j = (train.stations.index(str(s)) for s in (element.from_, element.to))
+            share = float(train.speed_ratio[i] / train.speed_ratio[j])
+            for station, torque in ((element.from_, excess), (element.to, -share * excess)):
+                tables.setdefault(station, []).append((time, torque))
+    if not tables:
+        return None
+    kept = [row for row in case.torque_time if row.station not in tables]
+    changed = [row for s, pairs in tables.items() for row in _rows(case, s, pairs)]
+    return replace(CaseData(**vars(case)), torque_time=(*kept, *changed))
 
 
-def _times_of_extremes(turning: tuple[Floats, Floats]) -> tuple[float, float]:
-    """When the highest and the lowest torque occur. [s]"""
-    when, value = turning
-    return float(when[int(np.argmax(value))]), float(when[int(np.argmin(value))])
+def _rows(
+    case: CaseData, station: str | None, pairs: list[tuple[Floats, Floats]]
+) -> Iterator[TorqueTimeRow]:
+    """Torques against time of one station and those that it has already, summed."""
+    own = [row for row in case.torque_time if row.station == station]
+    if own:
+        pairs = [*pairs, (np.array([r.time for r in own]), np.array([r.torque for r in own]))]
+    begins = [float(t[0]) - JUMP for t, y in pairs if y[0] and t[0] > JUMP]
+    times = np.unique(np.concatenate([begins, *(t for t, _ in pairs)]))
+    torque = sum(np.interp(times, t, y, left=0.0) for t, y in pairs)
+    for at, value in zip(times.tolist(), np.asarray(torque).tolist(), strict=True):
+        yield TorqueTimeRow(station, at, value)
 
 
 def _excess(start: Start, flank: Flank) -> tuple[Floats, Floats]:
-    """Equal times, those where contact damping exceeds the spring force, and by how much. [s, N m]
+    """Times, and what contact damping has above the spring force then, zero at both ends. [s, N m]
 
     The torque is T = S + D, D = (c/k) dS/dt: S is T after a lag of c/k, and D − S = T − 2 S.
     """
@@ -111,5 +108,12 @@ def _excess(start: Start, flank: Flank) -> tuple[Floats, Floats]:
     spring = lfilter([1.0 - share, share - fade], [1.0, -fade], whole)
     spring -= (1.0 - share) * whole[0] * fade ** np.arange(n)  # untwisted at the beginning
     excess = np.maximum(whole - 2.0 * spring, 0.0)
-    some = excess > NEGLIGIBLE * float(np.max(np.abs(whole)))
-    return at[some], excess[some]
+    excess[excess <= NEGLIGIBLE * float(np.max(np.abs(whole)))] = 0.0
+    excess[-1] = 0.0
+    some = excess > 0.0
+    some[1:] |= some[:-1].copy()  # and the zeros beside them
+    some[:-1] |= some[1:].copy()
+    at, excess = at[some], excess[some]
+    every = -(-len(at) // MOST_ROWS) or 1
+    thin = (np.arange(len(at)) % every == 0) | (excess == 0.0)
+    return at[thin], excess[thin]

@@ -19,7 +19,6 @@ from engine.model.modes import Modes
 from engine.model.motor import Motor, motors_of, voltage_factor
 from engine.model.rigid_runup import RigidRunup, rigid_runup
 from engine.model.train import Train
-from engine.plan.contact_damping import limit_of_contact_damping
 from engine.start.settings import NEGLIGIBLE, has_start, settings_of
 from engine.start.start import Start
 from engine.start.start_fatigue import judged_shafts, sn_slope, stress_over_endurance
@@ -315,7 +314,7 @@ def _after_rest(torques: Floats) -> float:
 
 
 def start_evidence(
-    case: CaseData, model: ModalTrain, start: Start, wall_time: float
+    case: CaseData, model: ModalTrain, start: Start, wall_time: float, damping_limit: float = 0.0
 ) -> StartEvidence:
     """What a calculated start says: the linear one, or one with events.
 
@@ -329,6 +328,8 @@ def start_evidence(
         The start. [SI]
     wall_time : float
         What it cost. [s]
+    damping_limit : float, optional
+        Bound on what the limit on contact damping changes of a linear start. [1]
 
     Returns
     -------
@@ -336,7 +337,6 @@ def start_evidence(
         For `Evidence.linear` or `Evidence.event`. [SI]
     """
     stress = stress_over_endurance(case, start)
-    is_linear = not start.contacts and start.repeatability is None
     return StartEvidence(
         minima=_element_minima(case, model.train, start),
         truncation_error=start.truncation_error,
@@ -347,7 +347,7 @@ def start_evidence(
         must_count=stress is not None and stress[1],
         wall_time=wall_time,
         n_modes=model.train.n_dof,
-        damping_limit=limit_of_contact_damping(case, model, start) if is_linear else 0.0,
+        damping_limit=damping_limit,
     )
 
 

@@ -150,6 +150,30 @@ def _distance(values: Floats, others: Floats) -> float:
     return float(np.max(np.min(np.abs(values[:, None] - others[None, :]), axis=1)))
 
 
+def change_of_peaks(peaks: Sequence[ElementPeak], others: Sequence[ElementPeak]) -> float:
+    """Largest relative change of an extreme of any element.
+
+    Parameters
+    ----------
+    peaks, others : sequence of ElementPeak
+        Of two starts; sizes are those of the others, and not below a negligible one. [N m]
+
+    Returns
+    -------
+    float
+        The change. [1]
+    """
+    before = {p.element: p for p in peaks}
+    floor = max(NEGLIGIBLE * max((p.size for p in others), default=0.0), 1e-300)
+    changes = [
+        max(abs(p.maximum - before[p.element].maximum), abs(p.minimum - before[p.element].minimum))
+        / max(p.size, floor)
+        for p in others
+        if p.element in before
+    ]
+    return max(changes, default=0.0)
+
+
 @dataclass(frozen=True, eq=False)
 class JudgedRun:
     """What a start answers: the finer of two simulations, judged by the coarser."""

@@ -51,8 +51,6 @@ SWITCHED_SHARE = 0.25
 DAMPER_STEP = 0.5
 #: Dampers that would need a step below this share of the usual one stay on each mode for itself.
 FINEST_DAMPER_STEP = 0.05
-#: A damper beside a spring is idle where its torque stays below this share of the tolerance.
-IDLE_DAMPER = 0.1
 #: Largest amplification of a mode when the force of a damper across it is estimated: what sweeping
 #: through a resonance leaves of it in practice.
 LARGEST_AMPLIFICATION = 20.0
@@ -155,7 +153,7 @@ def start_model(
     line_omega = motors[0].pole_pairs * motors[0].synchronous_speed
     fastest = 2.0 * line_omega
     shock = _shock(case, effects)
-    dampers = _candidate_dampers(train, effects, tolerance, fastest)
+    dampers = _candidate_dampers(train, effects)
     uncoupled: list[str] = []
     while True:
         forces = np.concatenate([index, dampers.nodes])  # stations first, then dampers to ground
@@ -280,16 +278,12 @@ class _Dampers:
         )
 
 
-def _candidate_dampers(
-    train: Train, effects: StartEffects, tolerance: float, fastest: float
-) -> _Dampers:
+def _candidate_dampers(train: Train, effects: StartEffects) -> _Dampers:
     """Dampers without a spring; where coupling is asked for all dampers."""
     loose = (train.stiffness == 0.0) & (train.viscous > 0.0)
     rows, nodes = np.flatnonzero(loose), np.zeros(0, dtype=np.int64)
     if effects.coupled_damping:
-        # a damper beside a spring so stiff that it takes no share of the torque couples nothing
-        idle = FAR_ABOVE * fastest * train.viscous < IDLE_DAMPER * tolerance * train.stiffness
-        rows = np.flatnonzero((train.viscous > 0.0) & ~idle)
+        rows = np.flatnonzero(train.viscous > 0.0)
         nodes = np.flatnonzero(train.node_damping > 0.0)
     names = [
         f"{train.stations[i]} (to ground)" if i < train.n_stations else f"node {i} (to ground)"

@@ -890,6 +890,8 @@ def _advance(
             return rows, events, SPEED if which > -4 else ANGLE
         if not lost:
             continue  # the cubic saw a touch that the exact step does not have
+        if kind_of == 1 and x1 <= 0.0:
+            continue  # it has left meanwhile, and is damped already before it touches: kind 0 watches
         before_contact = contact_of[which]
         if kind_of == 0 or kind_of == 1:
             start_limited = kind_of == 0 and limited and dampings[which] > 0.0

@@ -223,6 +223,25 @@ def test_flank_with_a_damper_far_above_critical_recovers(share: float) -> None:
     assert abs(total) < 1e-12
 
 
+@pytest.mark.parametrize("step", [1e-4, 1e-3, 2e-2])
+def test_a_flank_that_leaves_and_comes_back_within_a_step_touches_again(step: float) -> None:
+    """Parted while compressed, it flies freely: its damper does not act before it touches.
+
+    x = x₀ + v t + a t² / 2 from k x₀ + c v = 0, until x = 0 again.
+    """
+    damping, push = 120.0, 100.0
+    steady = linear(0, np.array([0.0, 1.0]), np.array([push, push]))
+    found = final_state(
+        two_masses(damping, 1.0), step, end=0.06, initial_speed=SPEED, torques=(steady,)
+    )
+    parted = int(np.argmax(found.log[:, 3] == FREE))
+    speed, acceleration = float(found.log[parted, 4]), push / 2.0
+    left = -damping * speed / STIFFNESS
+    flight = (-speed + math.sqrt(speed**2 - 2.0 * acceleration * left)) / acceleration
+    assert found.log[parted + 1, 2] == FREE  # not still compressed
+    assert found.log[parted + 1, 0] - found.log[parted, 0] == pytest.approx(flight, rel=1e-9)
+
+
 def test_strong_dampers_converge_with_forces_that_change() -> None:
     """Far above critical, from a fast to a slow motion: stable at every step, and convergent."""
     case = two_masses(1e7, 1e-2)

@@ -37,7 +37,7 @@ def test_what_exceeds_the_spring_force_of_a_ramp_in_closed_form() -> None:
     start: Any = SimpleNamespace(trajectory=trajectory)
     flank: Any = SimpleNamespace(element=0, viscous=lag * 1e6, stiffness=1e6)
     at, excess = _excess(start, flank)
-    exact = at - 2.0 * (at - lag * (1.0 - np.exp(-at / lag)))
+    exact = np.maximum(at - 2.0 * (at - lag * (1.0 - np.exp(-at / lag))), 0.0)
     np.testing.assert_allclose(excess, exact, atol=1e-12)
     assert at[-1] == pytest.approx(1.5936 * lag, abs=(at[1] - at[0]))
 
@@ -68,6 +68,22 @@ def test_a_limit_that_does_not_matter_is_bounded() -> None:
     assert 1e-4 < true < decision.bound < 1e-3
     free = run(replace(case, contact_law=ContactLaw.NO_ADHESION)).plans[-1].decision("backlash")
     assert free.bound == pytest.approx(0.0, abs=1e-20)  # no limit, no change
+
+
+@pytest.mark.parametrize("number", [251, 1121])
+def test_a_limit_that_acts_at_the_beginning_shifts_the_start(number: int) -> None:
+    """Its ringing has long faded at the peak; the train comes to each speed some microseconds later."""
+    case = study_train(number).case
+    decision = run(case).plans[-1].decision("backlash")
+    finer = replace(case, tolerance_peak=0.01 * (case.tolerance_peak or 1e-3))
+    off, on = (
+        run(replace(finer, effect_choices=(*case.effect_choices, EffectChoiceRow("backlash", how))))
+        for how in ("off", "on")
+    )
+    true = max(changes(off, on).values())
+    assert not decision.on
+    assert decision.bound is not None
+    assert 1e-5 < true < decision.bound < 10.0 * true
 
 
 def test_dampers_enter_the_torque_of_a_rigid_mesh_though_they_couple_no_modes() -> None:
