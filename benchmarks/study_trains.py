@@ -94,10 +94,8 @@ class StudyTrain:
 
 def study_train(number: int) -> StudyTrain:
     """A train of the study; of the seeds that belong to its number the first that will do."""
-    draws = range(DRAWS)
-    if number >= LEAVES_MODES:
-        draws = range(at := DRAW_THAT_LEAVES_MODES[number - LEAVES_MODES], at + 1)
-    for attempt in draws:
+    at = number - LEAVES_MODES
+    for attempt in range(DRAWS) if at < 0 else (DRAW_THAT_LEAVES_MODES[at],):
         seed = number + attempt * APART
         case, extras = _drawn(number, seed)
         if case is not None:

@@ -119,8 +119,8 @@ def _with(case: Case, names: Iterable[str], choice: str = "on") -> Case:
     """The case with some effects forced on (or off) where it has their data, besides those that it forces."""
     forced = {row.effect for row in case.effect_choices}
     inputs = {name: EFFECTS[name].inputs for name in names if name not in forced}
-    on = [name for name, needed in inputs.items() if needed is None or needed.given(case)]
-    choices = tuple(EffectChoiceRow(name, choice) for name in on)
+    given = [name for name, needed in inputs.items() if needed is None or needed.given(case)]
+    choices = tuple(EffectChoiceRow(name, choice) for name in given)
     return replace(case, effect_choices=(*case.effect_choices, *choices))
 
 

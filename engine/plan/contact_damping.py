@@ -27,7 +27,7 @@ from engine.start.start import Start
 LIMIT_GAIN = 2.0
 #: Samples of the torque of one contact, at the most; else four in the time c/k.
 MOST_SAMPLES, SAMPLES = 1_000_000, 4.0
-#: Rows of one torque against time, at the most.
+#: Rows of one torque against time, at the most, besides those where it begins and ends.
 MOST_ROWS = 2_000
 #: A torque that jumps at a time rises to it within this time. [s]
 JUMP = 1e-9

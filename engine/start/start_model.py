@@ -52,8 +52,8 @@ DAMPER_STEP = 0.5
 #: Dampers that would need a step below this share of the usual one stay on each mode for itself.
 FINEST_DAMPER_STEP = 0.05
 #: A damper beside a spring is idle where its share of the torque at `FAR_ABOVE` is less. Left on each mode for itself it
-#: changes a peak by a fifth of that (train 1465 of the study: 2e-4 at 1e-3); as a force it would ask for steps as
-#: short as the period of its spring: rigid links of 1e15 N m/rad and more.
+#: changes a peak by a fifth of that (train 1465 of the study: 2e-4 at 1e-3). As forces the dampers of rigid links from
+#: 1e15 N m/rad on do not converge.
 IDLE_DAMPER = 1e-5
 #: Largest amplification of a mode when the force of a damper across it is estimated: what sweeping
 #: through a resonance leaves of it in practice.
