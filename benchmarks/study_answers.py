@@ -178,6 +178,13 @@ def summary_of(records: list[Record]) -> Study:
     return found
 
 
+def all_hold(record: Record) -> bool:
+    """Whether every statement of one record holds, beside the truths that it has. [flag]"""
+    found = summary_of([record])
+    every = (*found.answers, *found.recontacts, *found.independent, *found.bounds)
+    return not found.unfelt and all(a.holds for a in every if a.stated is not None)
+
+
 def sensitive_answers(records: Sequence[Record], kind: str) -> tuple[int, int]:
     """Answers (``peaks`` or ``starts``) of starts with events whose range reaches beyond the tolerance, of how many.
 

@@ -69,12 +69,17 @@ def study_sections(found: Study) -> list[Section]:
 def _what(found: Study) -> str:
     n = len(found.records)
     own = len({a.number for a in found.independent})
+    earlier = sum(r.get("earlier", False) for r in found.records)
+    older = (
+        f" The truths of {earlier} trains are those of an earlier engine (`--truths`): they stand where every "
+        "statement beside them holds; all others are calculated by this one."
+    )
     return (
         f"Made by `python -m benchmarks.tolerance_study --write-docs`. {n} random trains, each from "
         f"its number alone; {found.events} of their starts have events (teeth that separate). Tolerance "
         "of peaks 1e-3 and of starts 2e-2, in every tenth train 1e-2 and 1e-1, in another tenth "
         f"1e-4 and 2e-3. {own} trains are also integrated by a Runge-Kutta method of order eight "
-        "in twists and speeds that shares no code with the engine."
+        "in twists and speeds that shares no code with the engine." + older * bool(earlier)
     )
 
 

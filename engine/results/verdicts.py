@@ -117,6 +117,11 @@ def _within(value: float, limit: float, error: float = 0.0) -> Judgement:
 # --- continuous operation -------------------------------------------------------------------------
 
 
+def _badness(verdict: Judgement, reach: float) -> tuple[int, float]:
+    """Orders answers: by the worst verdict, then by the unfavourable end over the limit."""
+    return -_WORST_FIRST.index(verdict), reach
+
+
 def _margin(margins: SeparationMargins) -> Verdict:
     name, open_ = "Separation margin", " ".join(margins.warnings)
     if not margins.rows:
@@ -206,17 +211,21 @@ def _response(
         where = "" if open_ else f"all {what} are judged by their {instead}"
         yield Verdict(name, None, None, dimension, verdict, where, coverage, named)
         return
-    # of those that fail the worst, else the nearest at the unfavourable end of its error
-    row, value, limit = max(
-        judged,
-        key=lambda one: (
-            one[1] > one[2] * (1.0 + STRESS_ROUNDING),
-            one[1] * (1.0 + (one[0].error or 0.0)) / one[2],
-        ),
-    )
-    verdict = _within(value, limit * (1.0 + STRESS_ROUNDING), value * (row.error or 0.0))
+
+    def badness(one: tuple[SteadyStateRow, float, float]) -> tuple[int, float]:
+        row, value, limit = one
+        return _badness(_of_response(*one), value * (1.0 + (row.error or 0.0)) / limit)
+
+    worst = max(judged, key=badness)
+    row, value, limit = worst
+    verdict = _of_response(*worst)
     where = f"{row.element}, {row.excitation} at {row.frequency:.4g} Hz"
     yield Verdict(name, value, limit, dimension, _covered(verdict, named), where, coverage, named)
+
+
+def _of_response(row: SteadyStateRow, value: float, limit: float) -> Judgement:
+    """One response beside its limit."""
+    return _within(value, limit * (1.0 + STRESS_ROUNDING), value * (row.error or 0.0))
 
 
 # --- start ----------------------------------------------------------------------------------------
@@ -364,7 +373,7 @@ def _worst_peak(
     def badness(e: str) -> tuple[int, float]:
         size, limit = sizes[e]
         reach = (peaks[e].high or peaks[e].size) / (peaks[e].size or 1.0)
-        return -_WORST_FIRST.index(found[e]), reach * size / limit
+        return _badness(found[e], reach * size / limit)
 
     worst = max(found, key=badness)
     size, limit = sizes[worst]
