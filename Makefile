@@ -8,6 +8,8 @@ RUN_READY := $(VENV)/.ready-run
 DEV_READY := $(VENV)/.ready-dev
 # A checkout that was moved or copied together with its .venv gets a new one.
 MOVED := $(shell [ ! -e $(VENV)/.checkout ] || [ "$$(cat $(VENV)/.checkout)" = "$$(pwd -P)" ] || echo moved)
+# The loops in C: compiled again where their sources are newer.
+LOOPS := engine/stepping/kernels/_declarations.py
 SETUP := pyproject.toml scripts/make_venv.sh $(MOVED)
 
 # Test processes: one a core, four at most (make test JOBS=1 for a debugger). Each begins with a
@@ -27,6 +29,7 @@ LOCK :=
 TRIALS :=
 
 .DELETE_ON_ERROR:
+.NOTPARALLEL:
 .PHONY: help demo test test-machines explore check format bench calibration-study sensitivity-study mutations generated templates wheel smoke lock clean distclean moved
 
 help:
@@ -46,7 +49,7 @@ help:
 	@echo "make lock           lock the dependencies anew (LOCK=--upgrade for newer versions)"
 	@echo "make clean          remove what was built; make distclean removes .venv as well"
 
-demo: $(RUN_READY)
+demo: $(RUN_READY) $(LOOPS)
 	@mkdir -p build/demo
 	$(TORSIONBOOK) recalc templates/example_proposed.xlsx templates/example_modified.xlsx --out build/demo
 	@echo
@@ -54,43 +57,43 @@ demo: $(RUN_READY)
 	@ls build/demo/*.xlsx
 	@echo "Open the Summary sheet first. The inputs are the files of the same names in templates/."
 
-test: $(DEV_READY)
+test: $(DEV_READY) $(LOOPS)
 	$(PYTEST_PY) -m pytest $(PROCESSES) $(ARGS)
 
-test-machines: $(DEV_READY)
+test-machines: $(DEV_READY) $(LOOPS)
 	$(PYTEST_PY) scripts/other_machines.py $(PROCESSES) $(ARGS)
 
-explore: $(DEV_READY)
+explore: $(DEV_READY) $(LOOPS)
 	$(PYTEST_PY) scripts/explore.py $(MINUTES) $(PROCESSES) $(ARGS)
 
-check: $(DEV_READY)
+check: $(DEV_READY) $(LOOPS)
 	$(PY) -m ruff check .
 	$(PY) -m ruff format --check .
 	$(PY) -m mypy
 
-format: $(DEV_READY)
+format: $(DEV_READY) $(LOOPS)
 	$(PY) -m ruff check --fix .
 	$(PY) -m ruff format .
 
-bench: $(DEV_READY)
+bench: $(DEV_READY) $(LOOPS)
 	$(PY) -m benchmarks
 
-calibration-study: $(DEV_READY)
+calibration-study: $(DEV_READY) $(LOOPS)
 	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(PY) -m benchmarks.calibration_coverage $(TRIALS:%=--cases %)
 
-sensitivity-study: $(DEV_READY)
+sensitivity-study: $(DEV_READY) $(LOOPS)
 	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(PY) -m benchmarks.sensitivity_errors $(TRIALS:%=--trains %)
 
-mutations: $(DEV_READY)
+mutations: $(DEV_READY) $(LOOPS)
 	$(PY) -m benchmarks.mutated_cases $(CASES:%=--cases %)
 
-generated: $(RUN_READY)
+generated: $(RUN_READY) $(LOOPS)
 	$(PY) scripts/generated.py
 
-templates: $(RUN_READY)
+templates: $(RUN_READY) $(LOOPS)
 	$(PY) -m addin.template.build templates
 
-wheel: $(RUN_READY)
+wheel: $(RUN_READY) $(LOOPS)
 	@rm -rf build/dist
 	$(PY) -m pip wheel --quiet --disable-pip-version-check --no-deps --no-build-isolation --wheel-dir build/dist .
 	@ls build/dist/*.whl
@@ -98,7 +101,7 @@ wheel: $(RUN_READY)
 smoke: wheel
 	scripts/smoke_wheel.sh $(PY) build/dist/*.whl
 
-lock: $(RUN_READY)
+lock: $(RUN_READY) $(LOOPS)
 	$(PY) -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements/lock.txt
 	scripts/lock.sh $(PY) $(LOCK)
 
@@ -117,6 +120,9 @@ $(RUN_READY): requirements/run.txt $(SETUP)
 $(DEV_READY): requirements/dev.txt $(SETUP)
 	@scripts/make_venv.sh requirements/dev.txt
 	@touch $@ $(RUN_READY)
+
+$(LOOPS): hatch_build.py $(wildcard engine/stepping/kernels/*.c engine/stepping/kernels/*.h)
+	@$(PY) hatch_build.py
 
 moved:
 	@echo "This checkout has moved since $(VENV) was made."

@@ -21,7 +21,7 @@ from scipy.linalg import expm
 
 from benchmarks.problems import Chain, Sweep
 from engine.model.train import Train
-from engine.stepping.linear_loop import start_forces
+from engine.stepping.linear_loop import drive_struct, start_forces, system_struct
 
 __all__ = ["Curves", "exact_frequencies", "exact_response", "exact_start"]
 
@@ -157,9 +157,12 @@ def exact_start(
     A, G = _twist_matrices(train.inertia, train.stiffness, B, damping)
     n_rows = train.n_rows
     G = np.ascontiguousarray(G @ pick.T)
-    law = (
-        model.curves, model.motors, model.loads, model.timed, model.dampers, model.electrical,
-    )  # fmt: skip
+    reach = np.empty((len(stations), 0))
+    none = np.zeros(0)
+    structs = (
+        drive_struct(model.curves, model.motors, model.loads, model.timed, model.electrical),
+        system_struct(none, none, reach, none, model.dampers),
+    )
     start = np.concatenate([np.zeros(len(A)), model.phase])
     largest = np.concatenate(
         [
@@ -169,7 +172,7 @@ def exact_start(
         ]
     )
     solved = solve_ivp(
-        lambda t, y: _start_slope(t, y, A, G, pick, n_rows, *law),
+        lambda t, y: _start_slope(t, y, (A, G, pick), n_rows, model.motors, structs),
         (0.0, time[-1]),
         start,
         method="DOP853",
@@ -182,21 +185,19 @@ def exact_start(
     return Curves(time, elastic + train.viscous[:, None] * (B @ speed), elastic)
 
 
-@njit(cache=False)
 def _start_slope(
-    t: float, y: Floats, A: Floats, G: Floats, pick: Floats, n_rows: int,
-    curves: Any, motors: Any, loads: Any, timed: Any, dampers: Any, electrical: Any,
-) -> Floats:  # fmt: skip
+    t: float,
+    y: Floats,
+    matrices: tuple[Floats, Floats, Floats],
+    n_rows: int,
+    motors: Any,
+    structs: tuple[Any, Any],
+) -> Floats:
     """Rate of change of (twists, speeds, phases of the pulsations)."""
-    n, nf = len(A), len(pick)
-    out = np.empty(len(y))
+    A, G, pick = matrices
+    n = len(A)
     speed = pick @ y[n_rows:n]
-    force, rate = np.zeros(nf), np.zeros(nf)
-    start_forces(
-        t, t, y[n:], speed, np.zeros(nf), curves, motors, loads, timed, dampers, electrical,
-        force, rate,
-    )  # fmt: skip
-    out[:n] = A @ y[:n] + G @ force
-    for m in range(len(y) - n):
-        out[n + m] = 2.0 * (motors[5] - motors[4][m] * speed[motors[0][m]])
-    return out
+    phase = np.ascontiguousarray(y[n:])
+    force, _ = start_forces(t, t, phase, speed, np.zeros(len(pick)), *structs)
+    turning = 2.0 * (motors[5] - motors[4] * speed[motors[0]])
+    return np.concatenate([A @ y[:n] + G @ force, turning])

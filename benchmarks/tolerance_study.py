@@ -259,6 +259,7 @@ def engine_print() -> str:
     digest = hashlib.sha256()
     sources = [
         *(ROOT / "engine").rglob("*.py"),
+        *(ROOT / "engine").rglob("kernels/*.[ch]"),
         Path(__file__),
         ROOT / "benchmarks/study_trains.py",
     ]

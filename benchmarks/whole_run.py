@@ -102,7 +102,7 @@ def _as_found() -> dict[str, str]:
     return {k: v for k, v in os.environ.items() if k not in single_threaded()}
 
 
-def program_runs(repeats: int, *, first_ever: bool) -> Iterator[ProgramRun]:
+def program_runs(repeats: int) -> Iterator[ProgramRun]:
     """The command line as a user starts it, with the threads a user has."""
     env = _as_found()
     with tempfile.TemporaryDirectory() as folder:
@@ -112,11 +112,8 @@ def program_runs(repeats: int, *, first_ever: bool) -> Iterator[ProgramRun]:
             "Python itself": ["-c", "pass"],
             "torsionbook --help": [*PROGRAM, "--help"],
             "torsionbook check": [*PROGRAM, "check", str(source)],
-            "torsionbook recalc, kernels cached": recalc,
+            "torsionbook recalc": recalc,
         }
-        if first_ever:
-            empty = env | {"NUMBA_CACHE_DIR": str(Path(folder) / "kernels")}
-            yield ProgramRun("torsionbook recalc, the very first", _run(recalc, empty), 1)
         times: dict[str, list[float]] = {label: [] for label in commands}
         for repeat in range(repeats + 1):
             for label, command in commands.items():

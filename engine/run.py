@@ -35,7 +35,7 @@ from engine.plan.plan import (
     with_times,
 )
 from engine.results.results import AtSpeed, Results
-from engine.results.times import COMPILING_EVENTS, accuracy_of, measured_times
+from engine.results.times import accuracy_of, measured_times
 from engine.results.verdicts import verdicts_of
 from engine.results.warnings import warnings_of
 from engine.start.crossings import Crossing, crossings_of
@@ -46,9 +46,6 @@ from engine.start.reversals import Reversal, torque_reversals
 from engine.start.settings import has_start
 from engine.start.start import Start, run_start, with_left_out
 from engine.start.start_fatigue import starts_of
-from engine.start.warm_up import load_routines
-from engine.stepping.compiling import is_compiled
-from engine.stepping.contact_loop import advance_pieces
 
 #: How often the start is repeated at half the step where the starts are not accurate enough.
 MAX_STARTS_REFINEMENTS = 3
@@ -189,7 +186,6 @@ def planned_start(
         evidence = collect_evidence(case, analysis.torsional, analysis.coupled)
         plan = first_plan(case, evidence)
     model = analysis.reported if plan.lateral else analysis.torsional
-    load_routines()
     pieces = dict(analysis.pieces_error)
     tolerance = case.tolerance_peak or DEFAULT_TOLERANCE_PEAK
     # steps and modes left out take what the pieces of shafts leave of the tolerance
@@ -218,9 +214,6 @@ def planned_start(
     start, full = linear, None
     while plans[-1].events:
         effects = plans[-1].effects
-        if not is_compiled(advance_pieces):
-            with stage(COMPILING_EVENTS):
-                calculate_start(stepped, model, effects, linear)
         with stage("start with events"):
             start, wall = _timed(partial(calculate_start, stepped, model, effects, linear))
             start = with_pieces_error(start, pieces, tolerance)

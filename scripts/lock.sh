@@ -29,5 +29,6 @@ group() { echo "--group pyproject.toml:$1"; }
         $(group report) $(group cluster) $(group dev) -c requirements/run.txt \
         -c requirements/parquet.txt -c requirements/excel.txt -c requirements/server.txt \
         -c requirements/report.txt -c requirements/cluster.txt -o requirements/dev.txt
+    compile "$@" $(group compiler) -o requirements/build.txt
     compile "$@" $(group lock) -o requirements/lock.txt
 }

@@ -57,6 +57,11 @@ find_python() {
         "make PYTHON=/path/to/python3.12 ..."
 }
 
+has_compiler() {
+    [ -n "${CC:-}" ] || command -v cc >/dev/null || command -v clang >/dev/null ||
+        command -v gcc >/dev/null
+}
+
 # An environment is kept when its Python still runs, is supported and was made for this checkout.
 usable() {
     [ -x "$venv/bin/python" ] && supported "$venv/bin/python" &&
@@ -77,6 +82,14 @@ echo "Installing the packages locked in $requirements."
     --require-hashes -r "$requirements" ||
     sorry "The packages of $requirements could not be installed; what pip said stands above." \
         "The first run needs the network; a download that broke off is worth a second try."
+# The loops are compiled here: with the compiler of the machine, else with one from the package index.
+if ! has_compiler; then
+    echo "No C compiler is here: installing the one locked in requirements/build.txt."
+    "$venv/bin/python" -m pip install --quiet --disable-pip-version-check --no-input \
+        --require-hashes -r requirements/build.txt ||
+        sorry "The C compiler of requirements/build.txt could not be installed; what pip said" \
+            "stands above. Any other does: on Debian and Ubuntu apt-get install gcc."
+fi
 "$venv/bin/python" -m pip install --quiet --disable-pip-version-check --no-input \
     --no-deps --no-build-isolation --editable . ||
     sorry "The checkout could not be installed into $venv; what pip said stands above."

@@ -1,10 +1,8 @@
 """Repeat the numerical tests as other machines would calculate them: `other_machines.py [words for pytest...]`.
 
-OpenBLAS chooses its routines by the processor, numpy by the vector instructions it finds, numba
-compiles for the processor it runs on. Each choice rounds differently. The tests must not depend on
-it: they run once for each processor whose routines this one can run, once without any of numpy's
-vector instructions, once with loops compiled for no processor in particular. What was loaded is
-printed, and must be what was asked for. Exit status 1 when a test failed or a choice had no effect.
+OpenBLAS chooses its routines by the processor, numpy by the vector instructions it finds. Each choice
+rounds differently. The tests must not depend on it: they run once for each processor whose routines
+this one can run, and once without any of numpy's vector instructions. What was loaded is printed, and must be what was asked for. Exit status 1 when a test failed or a choice had no effect.
 """
 
 from __future__ import annotations
@@ -43,18 +41,16 @@ class Machine:
 
 
 def loaded() -> dict[str, object]:
-    """What numpy, scipy and numba of this process calculate with."""
+    """What numpy and scipy of this process calculate with."""
     import numpy
     import numpy._core._multiarray_umath as umath
     import scipy.linalg
-    from numba.core.registry import cpu_target
 
     features = umath.__cpu_features__
     return {
         "numpy's OpenBLAS": _openblas_core(Path(numpy.__file__).parent),
         "scipy's OpenBLAS": _openblas_core(Path(scipy.__file__).parent),
         "numpy's vector instructions": [n for n in umath.__cpu_dispatch__ if features[n]],
-        "numba's processor": cpu_target.target_context.codegen().magic_tuple()[1],
         "instructions": [name for name, has in features.items() if has],
     }
 
@@ -86,8 +82,6 @@ def machines(here: dict[str, object]) -> list[Machine]:
         environment = {"NPY_DISABLE_CPU_FEATURES": " ".join(vectors)}
         wanted = {"numpy's vector instructions": []}
         made.append(Machine("numpy without vector instructions", environment, wanted))
-    environment = {"NUMBA_CPU_NAME": "generic"}
-    made.append(Machine("loops for any processor", environment, {"numba's processor": "generic"}))
     return made
 
 
@@ -105,7 +99,7 @@ def probe(environment: dict[str, str]) -> dict[str, object]:
 
 def main(words: list[str]) -> int:
     """The tests on each machine, and a list of what failed."""
-    for name in ("OPENBLAS_CORETYPE", "NPY_DISABLE_CPU_FEATURES", "NUMBA_CPU_NAME"):
+    for name in ("OPENBLAS_CORETYPE", "NPY_DISABLE_CPU_FEATURES"):
         os.environ.pop(name, None)
     if not any(word.startswith("tests") for word in words):
         words = [*NUMERICAL, *words]
@@ -117,7 +111,7 @@ def main(words: list[str]) -> int:
         choice = " ".join(f'{name}="{value}"' for name, value in machine.environment.items())
         print(f"\n--- {machine.name}: {choice}")
         found = probe(machine.environment)
-        for name in list(found)[:4]:
+        for name in list(found)[:3]:
             print(f"{name}: {found[name]}")
         sys.stdout.flush()
         wrong = {k: found[k] for k, wanted in machine.loaded.items() if found[k] != wanted}

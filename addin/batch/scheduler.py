@@ -31,7 +31,6 @@ from addin.batch.records import (
     outcome_of,
 )
 from addin.batch.work import Calculated, Examine, Work, calculate, examine
-from addin.calculation.stages import COMPILING
 from addin.contract.problems import CellProblem
 from addin.contract.version import product_version
 from addin.reading.one_file import file_problem
@@ -84,7 +83,6 @@ class Batch:
     def __enter__(self) -> Batch:
         self._version = product_version()
         self._numbers = 0
-        self._told = False  # that the first calculation compiles
         self._retried: set[str] = set()
         self._earlier, self.refused = self.folder.records(self.json)
         if self.resume:
@@ -148,9 +146,6 @@ class Batch:
             elif answer.record is not None:
                 self._settle(answer.record)
             else:
-                if answer.compiles and not self._told and self.workers.here:
-                    self._told = True
-                    self.listener.note(f"{COMPILING} …")
                 groups.setdefault(answer.case_sha256, []).append(task.tag)
             self.listener.advance(None)
         order = {file.name: i for i, file in enumerate(todo)}

@@ -32,11 +32,9 @@ from addin.batch.summary import guarded
 from addin.batch.vary_columns import TableRefused, Varied, read_columns
 from addin.batch.vary_rows import Chunk, calculate_rows
 from addin.batch.vary_table import ROWS, CsvForm, VariedTable
-from addin.batch.work import compiles
-from addin.calculation.stages import COMPILING
 from addin.contract.version import product_version
 from addin.reading.one_file import Unreadable, read_checked
-from addin.reading.typed_case import Findings, TypedCase, to_case_data
+from addin.reading.typed_case import TypedCase
 from addin.workers.pool import Crashed, Task, Workers
 from addin.workers.stop import Stop, Stopped
 
@@ -140,8 +138,6 @@ def run_programme(
         programme.form = read.form()
         programme.comma = comma
     listener.begin("calculating", total)
-    if total and workers.here and compiles(to_case_data(typed, Findings())):
-        listener.note(f"{COMPILING} …")
     chunk = Chunk(pickle.dumps(typed), varied, (), overrides, comma)
     work = _Work(chunk, names, parts, programme, listener)
     chunks = enumerate(_chunked(read.rows()))

@@ -39,10 +39,8 @@ from addin.reading.typed_case import CaseInput
 from addin.writing.recalculate import PreparedInput, recalculate
 from addin.xlsx.errors import WorkbookLocked
 from addin.xlsx.locks import check_not_open
-from engine.case.data import CaseData, case_digest
+from engine.case.data import case_digest
 from engine.results.results import Results
-from engine.stepping.compiling import is_compiled
-from engine.stepping.linear_loop import advance_start
 
 
 @dataclass(frozen=True)
@@ -61,8 +59,6 @@ class Examined:
 
     record: Record | None  #: Why it cannot be calculated; None if it can.
     case_sha256: str = ""  #: Digest of its case; empty if it cannot be calculated. [hexadecimal]
-    #: The numerical routines are not on this machine yet, so its calculation takes longer.
-    compiles: bool = False
 
 
 @dataclass(frozen=True)
@@ -109,7 +105,7 @@ def examine(task: Examine) -> Examined:
     if read.problems:
         return Examined(_wrong(task, read, stamp, time.perf_counter() - began))
     data = read.data  # type: ignore[union-attr]
-    return Examined(None, case_digest(data), compiles(data))
+    return Examined(None, case_digest(data))
 
 
 @contextmanager
@@ -124,22 +120,6 @@ def _file_of(task: Examine) -> Iterator[tuple[Path, Stamp]]:
         source.parent.mkdir()
         source.write_bytes(task.content)
         yield source, task.stamp
-
-
-def compiles(data: CaseData) -> bool:
-    """Whether a calculation has to compile the numerical routines first, once on a machine.
-
-    Parameters
-    ----------
-    data : CaseData
-        Its inputs. [SI]
-
-    Returns
-    -------
-    bool
-        False without a start, which needs none. [flag]
-    """
-    return bool(data.motor_torque) and not is_compiled(advance_start)
 
 
 def calculate(task: Work) -> Calculated:

@@ -8,6 +8,5 @@ module              responsibility
 `calculation`       a checked case to everything the sheets, the JSON and the summary show of it
 `full_speed_words`  the train at full speed in words
 `key_figures`       the few numbers of a calculation that a summary over many cases shows
-`stages`            words on what is being done that several rooms need
 ==================  ==================================================================================
 """

@@ -25,9 +25,10 @@ from addin.contract.version import product_version
 from engine.case.result_words import NoNumber
 from engine.plan.decision import EffectDecision
 from engine.results.results import Results
+from engine.stepping.library import about
 
 #: Libraries whose numbers or files enter the result.
-LIBRARIES = ("numpy", "scipy", "numba", "rainflow", "pint", "lxml", "formualizer")
+LIBRARIES = ("numpy", "scipy", "rainflow", "pint", "lxml", "formualizer")
 
 #: In words, how the modes were calculated.
 MODES_BY = {
@@ -154,7 +155,8 @@ def _percent(share: float) -> str:
 @cache
 def _libraries() -> str:
     """Their versions; they are looked up on the disk, once in a process."""
-    return ", ".join(f"{name} {metadata.version(name)}" for name in LIBRARIES)
+    versions = ", ".join(f"{name} {metadata.version(name)}" for name in LIBRARIES)
+    return f"{versions}; compiled loops: {about()}"
 
 
 def _settings(results: Results) -> Iterator[tuple[str, str]]:

@@ -9,7 +9,6 @@ from pathlib import Path
 
 import typer
 
-from addin.calculation.stages import is_compiling
 from addin.cli.status import WRONG_INPUT, failed
 from addin.contract.problems import CellProblem
 from addin.reading.one_file import WORKBOOK_ENDINGS, Unreadable, file_problem, read_checked
@@ -184,27 +183,14 @@ def stages_of(file: Path, tell: Callable[[str], None]) -> Callable[[str], None]:
 
 @contextmanager
 def progress() -> Iterator[Callable[[str], None]]:
-    """A line that says what is being done, where somebody watches; a rare long wait is always told."""
-    announced: set[str] = set()
-
-    def rare(text: str) -> None:
-        stage = text.rpartition(": ")[2]
-        if is_compiling(stage) and stage not in announced:
-            announced.add(stage)
-            typer.echo(f"{text} …", err=True)
-
+    """A line that says what is being done, where somebody watches."""
     if not sys.stderr.isatty():
-        yield rare
+        yield lambda _: None
         return
     from rich.console import Console
 
     with Console(stderr=True).status("starting") as status:
-
-        def tell(text: str) -> None:
-            rare(text)
-            status.update(text)
-
-        yield tell
+        yield status.update
 
 
 def list_problems(

@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import Any
 
 from addin.calculation.audit import Stamp
-from addin.calculation.stages import COMPILING
 from addin.contract.json_formats import RESULTS_FORMAT
 from addin.contract.study_spec import StudySpec
 from addin.contract.version import product_version
@@ -25,8 +24,6 @@ from addin.writing.workbook import RunStamp, write_study
 from engine.case.data import case_digest
 from engine.case.study_inputs import study_digest
 from engine.results.tables import accuracy_cost
-from engine.stepping.compiling import is_compiled
-from engine.stepping.linear_loop import advance_start
 from engine.studies.accuracy.accuracy import accuracy_study
 
 #: How often each setting is timed, and how often with --quick; the median is shown.
@@ -34,8 +31,6 @@ ROUNDS, QUICK_ROUNDS = 5, 1
 
 
 def _calculate(task: StudyTask) -> StudyResult:
-    if not is_compiled(advance_start):
-        task.tell(COMPILING)
     study = accuracy_study(
         task.case,
         rounds=QUICK_ROUNDS if task.settings.get("quick") else ROUNDS,

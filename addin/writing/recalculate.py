@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 from addin.calculation.calculation import Calculation, calculate, present_results
-from addin.calculation.stages import COMPILING
 from addin.contract.problems import CellProblem, printable
 from addin.contract.version import product_version
 from addin.reading.one_file import WORKBOOK_ENDINGS, Unreadable, file_problem, read_checked
@@ -26,9 +25,6 @@ from addin.xlsx.whole_files import write_json
 from engine.case.data import case_digest
 from engine.errors import CaseError, ModelError
 from engine.results.results import Results
-from engine.start.warm_up import load_routines
-from engine.stepping.compiling import is_compiled
-from engine.stepping.linear_loop import advance_start
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,10 +176,6 @@ def recalculate_case(
             # the title block is no part of the case: it is this file's own
             results = replace(known, case=case)
             return present_results(results, case, read.warnings, digest, settings), ()
-        if case.motor_torque and not is_compiled(advance_start):
-            if on_stage is not None:
-                on_stage(COMPILING)
-            load_routines()
         calculation = calculate(
             case,
             input_warnings=read.warnings,

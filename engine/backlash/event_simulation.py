@@ -21,6 +21,8 @@ from engine.start.start_model import Machines
 from engine.start.time_response import knots_of
 from engine.start.trajectory import KEPT_VALUES, Recorder, Trajectory
 from engine.stepping import contact_loop as events
+from engine.stepping.library import struct
+from engine.stepping.linear_loop import drive_struct
 
 #: Whether a run may end: (times, phases, mean speeds) → flag.
 Settled = Callable[[Floats, Floats, Floats], bool]
@@ -254,14 +256,17 @@ class _Simulation:
             dtype=np.int64,
         )
         q, v = initial or (np.zeros(m), np.zeros(m))
-        self.piece = np.zeros(1, dtype=np.int64)
         self.q, self.v = q.copy(), v.copy()
-        self._enter()
+        piece = self._enter()
         n_forces = pieces.common_reach.shape[1]
         self.force, self.rate = np.zeros(n_forces), np.zeros(n_forces)
         self.phase = model.phase.copy()
-        self.clock = np.array([0.0, 2.0])
-        self.electrical = tuple(
+        stops = self._knots()
+        self.clock = struct(
+            "clock_t_", fresh=2, base_step=step, visible=model.visible, sampled=model.sampled,
+            n_stops=len(stops), stops=stops,
+        )  # fmt: skip
+        self.electrical: Any = tuple(
             a.copy() if isinstance(a, np.ndarray) else a for a in model.electrical
         )
         self._rows: dict[str, Any] = {  # filled again and again
@@ -273,6 +278,9 @@ class _Simulation:
             "phase": np.empty((ROWS, len(model.phase))),
             "piece": np.empty(ROWS, dtype=np.int64),
         }
+        self.log = np.empty((LOGGED, 5))
+        self.structs = self._structs()
+        self.structs[0].piece = piece
         self.recorder = _Recorder(model, script.keep_state, script.keep_all)
         self.field_time: float | None = None
         self.trip_time: float | None = None
@@ -280,27 +288,44 @@ class _Simulation:
         self.steps = self.work = 0
         self.stuck = False
 
-    def _enter(self) -> None:
-        """Into the piece of the present contacts, from the common basis."""
+    def _structs(self) -> tuple[Any, ...]:
+        """What the loop takes beside clock and pieces."""
+        model, rows = self.model, self._rows
+        gap, stiffness, damping, scale = model.pieces.contacts
+        return (
+            struct(
+                "flanks_t", gap=gap, stiffness=stiffness, damping=damping, scale=scale,
+                limited=model.limited, contact=self.contact,
+            ),
+            drive_struct(model.curves, model.motors, model.loads, model.timed, self.electrical),
+            struct(
+                "state_t", q=self.q, v=self.v, phase=self.phase, force=self.force, force_rate=self.rate
+            ),
+            struct(
+                "output_t", rows=ROWS, time=rows["t"], q=rows["q"], v=rows["v"], force=rows["f"],
+                force_rate=rows["fr"], phase=rows["phase"], piece=rows["piece"],
+            ),
+            struct("log_t", log=self.log, room=LOGGED),
+        )  # fmt: skip
+
+    def _enter(self) -> int:
+        """Into the piece of the present contacts, from the common basis; its place in the tables."""
         index = self.model.pieces.index_of(self.contact.tolist())
         turn = self.model.pieces.pieces[index].turn
-        self.q, self.v = turn.T @ self.q, turn.T @ self.v
-        self.piece[0] = index
+        self.q[:], self.v[:] = turn.T @ self.q, turn.T @ self.v
+        return index
 
     def run(self, settled: Settled | None) -> EventRun:
         """Until what the script waits for, or its end."""
         script = self.script
-        knots = self._knots()
         end, look = min(script.maximum_time, script.waiting_time), math.inf
         is_settled, reached = False, False
         while self.work <= self.most_work:
-            t = float(self.clock[0])
-            ahead = knots[knots > t * (1.0 + 1e-14) + 1e-15]
-            stop = min(end, look, float(ahead[0]) if len(ahead) else math.inf)
-            reason = self._advance(stop, self._targets())
-            t = float(self.clock[0])
+            self._await()
+            reason = self._advance(min(end, look))
+            t = self.clock.time
             if reason == events.NEW_PIECE:
-                self._enter()
+                self.structs[0].piece = self._enter()
             elif reason == events.SPEED:
                 if not self._at_speed(t):
                     reached = self.trip_time is None
@@ -311,7 +336,7 @@ class _Simulation:
                 self.stuck = True
                 break
             elif reason == events.AT_TIME:
-                self.clock[1] = 2.0  # a table against time may jump here
+                self.clock.fresh = 2  # a row at the same time begins what follows
                 if t >= end * (1.0 - 1e-14):
                     break
                 if t >= look * (1.0 - 1e-14):
@@ -338,7 +363,7 @@ class _Simulation:
             speeds["field"] = s.field_speed
         return {what: speed for what, speed in speeds.items() if speed is not None}
 
-    def _targets(self) -> Floats:
+    def _await(self) -> None:
         """Speeds and load angle that the loop stops at now."""
         s = self.script
         up, down, angle = math.inf, -math.inf, math.nan
@@ -348,7 +373,7 @@ class _Simulation:
             up = min(self._awaited().values(), default=math.inf)
             if self._waits_for_angle and self.field_time is None and s.field_angle is not None:
                 angle = s.field_angle - float(self.electrical[7][0])
-        return np.array([up, down, angle, self.model.sampled])
+        self.clock.rising, self.clock.falling, self.clock.angle = up, down, angle
 
     def _at_speed(self, t: float) -> bool:
         """What follows when a speed is reached; False: the run ends."""
@@ -359,7 +384,7 @@ class _Simulation:
         if reached == "trip":
             self.trip_time = t
             self.electrical[8][:] = 0.0
-            self.clock[1] = 2.0
+            self.clock.fresh = 2
         elif reached == "field" and self.script.field_angle is not None:
             self._waits_for_angle = True
         elif reached == "field":
@@ -369,42 +394,36 @@ class _Simulation:
     def _apply_field(self, t: float) -> None:
         self.field_time = t
         self.electrical[3][:] = t
-        self.clock[1] = 2.0
+        self.clock.fresh = 2
 
-    def _advance(self, stop: float, targets: Floats) -> int:
+    def _advance(self, stop: float) -> int:
         """Call the compiled loop until it has something to say."""
-        model = self.model
-        pieces = model.pieces
-        rows = self._rows
+        model, rows = self.model, self._rows
+        self.clock.end_time = stop
+        pieces = events.pieces_struct(
+            model.pieces.tables(self.step, model.sampled), model.damper_force, len(self.contact)
+        )
         while True:
-            log = np.empty((LOGGED, 5))
-            try:
-                done, logged, reason = events.advance_pieces(
-                    self.clock, stop, self.step, model.visible, targets, model.limited,
-                    pieces.tables(self.step, model.sampled), pieces.contacts, model.curves, model.motors,
-                    model.loads, model.timed, model.damper_force, self.electrical, self.piece,
-                    self.contact, self.q, self.v, self.phase, self.force, self.rate, rows["t"],
-                    rows["q"], rows["v"], rows["f"], rows["fr"], rows["phase"], rows["piece"], log,
-                )  # fmt: skip
-            except ZeroDivisionError as wrong:
+            done, logged, reason = events.advance_pieces(self.clock, pieces, *self.structs)
+            if reason == events.DIVIDED:
                 raise ModelError(
-                    f"The start with clearances cannot be calculated beyond {self.clock[0]:.4g} s: damping "
+                    f"The start with clearances cannot be calculated beyond {self.clock.time:.4g} s: damping "
                     "and stiffness of meshes or bearings are too far apart for double precision. Check "
                     "Mesh damping and Bearing damping in table Meshes."
-                ) from wrong
+                )
             if done:
                 if not np.all(np.isfinite(rows["q"][done - 1])):
                     raise InternalError(
-                        f"the start diverged before {self.clock[0]:.4g} s: results are no longer finite. "
+                        f"the start diverged before {self.clock.time:.4g} s: results are no longer finite. "
                         "Check stiffness and damping of the elements with a clearance"
                     )
                 self.recorder.add(rows, done)
             if logged:
-                self.recorder.log.append(log[:logged].copy())
+                self.recorder.log.append(self.log[:logged].copy())
             self.steps += done
             self.work += done * len(self.q) + CONTACT_WORK * logged
             if reason != events.MORE or self.work > self.most_work:
-                return int(reason)
+                return reason
 
     def _result(self, settled: bool, reached: bool) -> EventRun:
         r = self.recorder

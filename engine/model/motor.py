@@ -164,23 +164,6 @@ def electrical_arrays(
     )
 
 
-def has_electrical(electrical: Electrical) -> bool:
-    """Whether any of these arrays changes a motor's torque: a transient, a field or a trip.
-
-    Parameters
-    ----------
-    electrical : tuple
-        As `electrical_arrays` gives it. [SI]
-
-    Returns
-    -------
-    bool
-        False where the compiled loop may take None in its place.
-    """
-    shock, field_time, connected = electrical[0], electrical[3], electrical[8]
-    return bool(np.any(shock) or np.any(np.isfinite(field_time)) or not np.all(connected))
-
-
 def through_synchronism(curve: TorqueCurve) -> TorqueCurve:
     """Average torque as a curve through 100 % speed: zero there, and odd about it.
 

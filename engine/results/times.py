@@ -9,9 +9,6 @@ from engine.case.effects import EFFECTS
 from engine.plan.plan import Plan
 from engine.results.results import AccuracyRow, Results
 
-#: Stage in which the loop of runs with events is compiled: its time is no analysis's.
-COMPILING_EVENTS = "compiling the clearance and pull-in routines (only once on this machine)"
-
 
 def _totals(spent: Iterable[tuple[str, float]]) -> dict[str, float]:
     """Wall time of each analysis, its repetitions added up."""
@@ -50,8 +47,6 @@ def accuracy_of(results: Results) -> tuple[AccuracyRow, ...]:
     last = "start with events" if "start with events" in total else "start"
     rows = []
     for name, wall in total.items():
-        if name == COMPILING_EVENTS:
-            continue
         setting, peak, starts = "", None, None
         if start is not None and name == last:
             wanted = case.tolerance_peak or DEFAULT_TOLERANCE_PEAK

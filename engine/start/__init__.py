@@ -30,7 +30,5 @@ module            responsibility
                   is
 `pieces`          what the pieces of distributed shafts do to the torques of a start, and how many
                   it needs
-`warm_up`         loads the compiled routines of a start, so that what is timed afterwards is
-                  calculation alone
 ================  ================================================================================
 """

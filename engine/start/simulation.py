@@ -6,16 +6,14 @@ import math
 
 import numpy as np
 
-from engine.arrays import Floats
+from engine.arrays import Floats, Ints
 from engine.case.choices import Method
 from engine.errors import InternalError
-from engine.model.motor import has_electrical
 from engine.start.start_model import StartModel
 from engine.start.time_response import knots_of
 from engine.start.trajectory import KEPT_VALUES, Recorder, Trajectory
 from engine.stepping import linear_loop as kernels
-from engine.stepping.exponential import exponential_step
-from engine.stepping.newmark import newmark_step
+from engine.stepping.library import struct
 
 #: Steps between two copies of the state out of the compiled loop.
 CHUNK = 4096
@@ -53,68 +51,50 @@ def simulate(
         Times, mean speed and torques. [SI]
     """
     n, nf = model.reach.shape
-    q, v = np.zeros(n), np.zeros(n)
-    phase = model.phase.copy()
-    force, rate = _forces_at(model, 0.0, 0.0, q, v, phase)
+    q, v, force, rate = np.zeros(n), np.zeros(n), np.zeros(nf), np.zeros(nf)
+    drive = kernels.drive_struct(
+        model.curves, model.motors, model.loads, model.timed, model.electrical
+    )
+    system = kernels.system_struct(
+        model.stiffness,
+        model.rate,
+        np.ascontiguousarray(model.reach.T),
+        model.mean_speed,
+        model.dampers,
+    )
+    state = struct("state_t", q=q, v=v, phase=model.phase.copy(), force=force, force_rate=rate)
+    room = kernels.room_for(system, drive)
+    kernels.forces_at(0.0, 0.0, system, drive, state, room)
     recorder = Recorder(model.outputs.element, math.inf if keep_all else KEPT_VALUES)
-    nothing = np.empty((0, 1))
     first = _torques(model, q[None], v[None], force[None], rate[None])
-    recorder.add(np.zeros(1), np.zeros(1), *first, nothing)
-    steps = 0
-    t, flag = 0.0, kernels.PENDING
-    electrical = model.electrical if has_electrical(model.electrical) else None
-    coefficients = exponential_step if method == Method.EXPONENTIAL else newmark_step
-    for remaining, h in _step_plan(model, step, maximum_time):
-        free, forced = (
-            np.ascontiguousarray(a.transpose(1, 2, 0))
-            for a in coefficients(model.stiffness, model.rate, h)
-        )
-        reach = np.ascontiguousarray(model.reach.T)
-        force, rate = _forces_at(model, t, t + 0.5 * h, q, v, phase)
-        while remaining > 0 and flag == kernels.PENDING:
-            count = min(CHUNK, remaining)
-            out = [np.empty((count, width)) for width in (n, n, nf, nf)]
-            done, flag = kernels.advance_start(
-                count, h, t, target_speed, free, forced, model.stiffness, model.rate, reach,
-                model.mean_speed, model.curves, model.motors, model.loads, model.timed,
-                model.dampers, electrical, q, v, phase, force, rate, *out,
-            )  # fmt: skip
-            out_q, out_v, out_f, out_r = (a[:done] for a in out)
-            torques = _torques(model, out_q, out_v, out_f, out_r)
-            if not np.all(np.isfinite(torques[0][:, -1])):
-                raise InternalError(
-                    f"the start diverged before {t + h * done:.4g} s at a step of {step:.3g} s: torques "
-                    "are no longer finite. Check stiffness, damping and torque curves"
-                )
-            times = np.asarray(t + h * np.arange(1, done + 1), dtype=np.float64)
-            recorder.add(times, out_v @ model.mean_speed, *torques, np.empty((0, done)))
-            steps += done
-            t += h * done
-            remaining -= done
-        if flag != kernels.PENDING:
-            break
-    return recorder.trajectory(flag == kernels.REACHED, steps)[0]
+    recorder.add(np.zeros(1), np.zeros(1), *first, np.empty((0, 1)))
+    counts, lengths = _step_plan(model, step, maximum_time)
+    plan = struct(
+        "stretches_t", n=len(counts), counts=counts, steps=lengths, target_speed=target_speed,
+        newmark=method == Method.NEWMARK,
+    )  # fmt: skip
+    steps, reason = 0, kernels.MORE
+    while reason == kernels.MORE:
+        rows = {
+            "time": np.empty(CHUNK), "q": np.empty((CHUNK, n)), "v": np.empty((CHUNK, n)),
+            "force": np.empty((CHUNK, nf)), "force_rate": np.empty((CHUNK, nf)),
+        }  # fmt: skip
+        out = struct("output_t", rows=CHUNK, **rows)
+        done, reason = kernels.advance_start(plan, system, drive, state, out, room)
+        time, out_q, out_v, out_f, out_r = (a[:done] for a in rows.values())
+        torques = _torques(model, out_q, out_v, out_f, out_r)
+        if not np.all(np.isfinite(torques[0][:, -1:])):
+            raise InternalError(
+                f"the start diverged before {time[-1]:.4g} s at a step of {step:.3g} s: torques "
+                "are no longer finite. Check stiffness, damping and torque curves"
+            )
+        recorder.add(time.copy(), out_v @ model.mean_speed, *torques, np.empty((0, done)))
+        steps += done
+    return recorder.trajectory(reason == kernels.SPEED, steps)[0]
 
 
-def _forces_at(
-    model: StartModel, t: float, inside: float, q: Floats, v: Floats, phase: Floats
-) -> tuple[Floats, Floats]:
-    """Forces and their rates at one time; the rates depend on the acceleration the forces cause."""
-    nf = model.reach.shape[1]
-    force, rate = np.zeros(nf), np.zeros(nf)
-    speed, acceleration = model.reach.T @ v, np.zeros(nf)
-    own = model.rate * v + model.stiffness * q
-    for _ in range(2):
-        kernels.start_forces(
-            t, inside, phase, speed, acceleration, model.curves, model.motors, model.loads,
-            model.timed, model.dampers, model.electrical, force, rate,
-        )  # fmt: skip
-        acceleration = model.reach.T @ (model.reach @ force - own)
-    return force, rate
-
-
-def _step_plan(model: StartModel, step: float, maximum_time: float) -> list[tuple[int, float]]:
-    """(number of steps, step) of each stretch.
+def _step_plan(model: StartModel, step: float, maximum_time: float) -> tuple[Ints, Floats]:
+    """Number of steps and step of each stretch.
 
     Steps are the base step divided by powers of two, shortened so that one ends at every knot of
     a torque against time.
@@ -131,15 +111,17 @@ def _step_plan(model: StartModel, step: float, maximum_time: float) -> list[tupl
         stop = min(until, maximum_time)
         while at < stop * (1.0 - 1e-12):
             count = math.ceil((stop - at) / h * (1.0 - 1e-12))
-            ahead = knots[(knots > at + 1e-9 * h) & (knots <= at + count * h)]
-            if len(ahead):
-                count = math.ceil((ahead[0] - at) / h * (1.0 - 1e-12))
-                plan.append((count, float(ahead[0] - at) / count))
-                at = float(ahead[0])
+            k = int(np.searchsorted(knots, at + 1e-9 * h, side="right"))
+            if k < len(knots) and knots[k] <= at + count * h:
+                ahead = float(knots[k])
+                count = math.ceil((ahead - at) / h * (1.0 - 1e-12))
+                plan.append((count, (ahead - at) / count))
+                at = ahead
             else:
                 plan.append((count, h))
                 at += count * h
-    return plan
+    counts, lengths = zip(*plan, strict=True) if plan else ((), ())
+    return np.array(counts, dtype=np.int64), np.array(lengths, dtype=np.float64)
 
 
 def _torques(

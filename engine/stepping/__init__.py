@@ -3,11 +3,12 @@
 ===================  =============================================================================
 module               responsibility
 ===================  =============================================================================
+`kernels`            the loops in C, what they take (`kernels.h`), and what is built of it
+`library`            loads what was built, fills its structs from arrays
 `exponential`        coefficients of the step that is exact for a cubic force
 `newmark`            coefficients of the average-acceleration step, the paper's eqs (1) to (4)
-`compiling`          where compiled loops are kept, and whether they are there
-`linear_loop`        the compiled loops: a start, a prescribed force, turning points
-`contact_loop`       the compiled loop of starts with clearances and events
+`linear_loop`        fixed steps of a start, a prescribed force, turning points
+`contact_loop`       steps of a start with clearances and events
 ===================  =============================================================================
 
 All quantities in modal coordinates, SI.

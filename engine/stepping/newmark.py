@@ -1,4 +1,4 @@
-"""The paper's average-acceleration method (Newmark β = ¼), in modal coordinates.
+"""The paper's average-acceleration method (Newmark β = ¼), in modal coordinates (`kernels/step.h`).
 
 Equations (1) to (4) of Szenasi & von Nimitz (1978) are linear in [J], [C], [K], so writing them
 mode by mode gives the same numbers as writing them for the angles, without integrating angles
@@ -18,6 +18,8 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+
+from engine.stepping.library import library, maps_of
 
 __all__ = ["newmark_step"]
 
@@ -43,14 +45,4 @@ def newmark_step(stiffness: Floats, rate: Floats, h: float) -> tuple[Floats, Flo
     forced : ndarray, shape (n, 2, 4)
         Map of (u₀, u̇₀, u₁, u̇₁) to (q, q̇); the rates have no weight. [s², s]
     """
-    damped, stiff = 0.5 * h * rate, 0.25 * h * h * stiffness
-    weight = 1.0 / (1.0 + damped + stiff)
-    free, forced = np.zeros((len(weight), 2, 2)), np.zeros((len(weight), 2, 4))
-    free[:, 0, 0] = (1.0 + damped - stiff) * weight
-    free[:, 0, 1] = h * weight
-    free[:, 1, 0] = -h * stiffness * weight
-    free[:, 1, 1] = (1.0 - damped - stiff) * weight
-    for end in (0, 2):
-        forced[:, 0, end] = 0.25 * h * h * weight
-        forced[:, 1, end] = 0.5 * h * weight
-    return free, forced
+    return maps_of(library.newmark_step, stiffness, rate, h)

@@ -21,7 +21,7 @@ from addin.batch import work
 from addin.batch.folder import OWN, FolderRefused, OutFolder
 from addin.batch.inputs import find_inputs
 from addin.batch.records import Record
-from addin.batch.scheduler import Batch, Listener
+from addin.batch.scheduler import Batch
 from addin.batch.summary import ERROR_COLUMNS, FILE_COLUMNS, guarded, write_summary
 from addin.workers.pool import Crashed
 from addin.workers.stop import Stop, Stopped
@@ -644,19 +644,6 @@ def test_ctrl_c_while_the_last_file_runs_interrupts_nothing(few, tmp_path, last)
     assert stop.asked == 1
     assert bool(ended) is not last
     assert commands._status(records, ended, stop, False, True) == (0 if last else 130)
-
-
-def test_that_the_first_calculation_compiles_is_said_once(pair, tmp_path, monkeypatch):
-    said = []
-
-    class Told(Listener):
-        def note(self, sentence):
-            said.append(sentence)
-
-    monkeypatch.setattr("addin.batch.work.is_compiled", lambda function: False)
-    assert len(run(pair, tmp_path / "out", listener=Told())) == 2
-    assert len(said) == 1
-    assert said[0].startswith("compiling the numerical routines")
 
 
 def test_lines_of_a_log_say_when_and_end_with_all(monkeypatch, capsys):

@@ -12,16 +12,12 @@ import pandas as pd
 import pytest
 from command_line import torsionbook, torsionbook_process
 
-from addin.calculation.stages import COMPILING, is_compiling
-from addin.cli.terminal import progress
 from addin.contract.shipped import template_path
-from addin.reading.one_file import file_problem, read_checked
+from addin.reading.one_file import file_problem
 from addin.reference.json_schemas import results_schema
-from addin.writing.recalculate import recalculate_case
 from addin.xlsx import open_workbook
 from addin.xlsx.references import cell_name
 from engine.case.effects import EFFECTS
-from engine.results.times import COMPILING_EVENTS
 
 
 @pytest.fixture(scope="module")
@@ -272,40 +268,6 @@ def test_two_runs_with_a_fixed_date_are_byte_identical_but_for_the_times_spent(e
             row.pop("time", None)
         results.append(content)
     assert results[0] == results[1]
-
-
-@pytest.mark.slow
-def test_the_first_compilation_says_what_it_is_doing(tmp_path, monkeypatch):
-    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "kernels"))
-    (tmp_path / "train.xlsx").write_bytes(template_path("example_modified.xlsx").read_bytes())
-    first = torsionbook_process("recalc", "train.xlsx", cwd=tmp_path)
-    assert first.returncode == 0, first.stderr
-    assert "compiling the numerical routines, only once on this machine" in first.stderr
-    second = torsionbook_process("recalc", "train.xlsx", cwd=tmp_path)
-    assert second.returncode == 0, second.stderr
-    assert "compiling" not in second.stderr
-
-
-def test_each_compilation_is_told_once_where_nobody_watches(capsys):
-    with progress() as tell:
-        for stage in ("reading", COMPILING, "plan", COMPILING_EVENTS, COMPILING_EVENTS, "start"):
-            tell(f"train.xlsx: {stage}")
-        tell(f"other.xlsx: {COMPILING}")
-    said = capsys.readouterr().err.splitlines()
-    assert said == [f"train.xlsx: {COMPILING} …", f"train.xlsx: {COMPILING_EVENTS} …"]
-
-
-def test_both_compilations_are_told_of(monkeypatch):
-    def calculate(case, *, on_stage=None, **_):
-        for stage in ("plan", COMPILING_EVENTS, "start with events"):
-            on_stage(stage)
-
-    monkeypatch.setattr("addin.writing.recalculate.calculate", calculate)
-    monkeypatch.setattr("addin.writing.recalculate.is_compiled", lambda kernel: False)
-    said = []
-    recalculate_case(read_checked(template_path("example_backlash.xlsx")), {}, said.append)
-    assert [stage for stage in said if is_compiling(stage)] == [COMPILING, COMPILING_EVENTS]
-    assert said[0] == COMPILING
 
 
 def test_json_holds_energy_shares_and_nodes_of_every_mode(example):

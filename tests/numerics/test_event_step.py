@@ -18,7 +18,7 @@ from engine.case.data import CaseData, ElementRow, MeshRow, StationRow
 from engine.model.build_train import build_train
 from engine.model.modes import modes_of
 from engine.start.time_response import PrescribedTorque, linear
-from engine.stepping.contact_loop import FREE, _first_fall, mode_step
+from engine.stepping.contact_loop import FREE, first_fall
 from engine.stepping.exponential import HERMITE, exponential_step
 from tests.clearance_reference import ClearanceReference
 from tests.clearance_response import clearance_response
@@ -29,9 +29,8 @@ from tests.strategies import example_count
 
 
 def stepped(stiffness: float, rate: float, h: float) -> tuple[np.ndarray, np.ndarray]:
-    free, forced = np.empty((2, 2)), np.empty((2, 4))
-    mode_step(stiffness, rate, h, free, forced)
-    return free, forced
+    free, forced = exponential_step(np.array([stiffness]), np.array([rate]), h)
+    return free[0], forced[0]
 
 
 L_VALUES = [0.0, *10.0 ** np.arange(-14.0, 13.0, 2.0), 0.5, 3.99, 4.01, 30.0]
@@ -89,7 +88,7 @@ coefficient = st.floats(-10.0, 10.0, allow_nan=False).map(lambda x: round(x, 6))
 @given(st.tuples(coefficient, coefficient, coefficient, coefficient))
 def test_first_fall_against_a_fine_scan(ends: tuple[float, float, float, float]) -> None:
     g0, d0, g1, d1 = ends
-    found = _first_fall(g0, d0, g1, d1)
+    found = first_fall(g0, d0, g1, d1)
     s = np.linspace(0.0, 1.0, 20_001)
     b, c = 3.0 * (g1 - g0) - 2.0 * d0 - d1, d0 + d1 - 2.0 * (g1 - g0)
     value = g0 + s * (d0 + s * (b + s * c))
@@ -126,7 +125,7 @@ def test_first_fall_against_a_fine_scan(ends: tuple[float, float, float, float])
     ],
 )
 def test_first_fall_of_known_curves(ends: tuple[float, ...], where: float) -> None:
-    assert _first_fall(*ends) == pytest.approx(where, abs=1e-12)
+    assert first_fall(*ends) == pytest.approx(where, abs=1e-12)
 
 
 # --- runs -----------------------------------------------------------------------------------------

@@ -21,13 +21,13 @@ from engine.case.data import ElementRow, MotorTorqueRow, StationRow
 from engine.case.effect import StartEffects
 from engine.model.load import loads_of
 from engine.model.modal_train import ModalTrain
-from engine.model.motor import electrical_arrays, has_electrical, motors_of, through_synchronism
+from engine.model.motor import electrical_arrays, motors_of, through_synchronism
 from engine.model.rigid_runup import rigid_runup
 from engine.numerics.torque_curve import torque_curve
 from engine.start.start import run_start
-from engine.start.start_model import start_model
+from engine.start.start_model import StartModel, start_model
 from engine.stepping import linear_loop as kernels
-from engine.stepping.exponential import exponential_step
+from engine.stepping.library import struct
 from tests.numerics.test_start_reference import Reference
 from tests.trains import LOAD, MOTOR, RATED, geared, load, motor, prepared, started
 
@@ -114,6 +114,22 @@ class Machine:
         return found
 
 
+def structs_of(model: StartModel) -> tuple[Any, Any]:
+    """Motors and loads, and modes, as the loops take them."""
+    return (
+        kernels.drive_struct(
+            model.curves, model.motors, model.loads, model.timed, model.electrical
+        ),
+        kernels.system_struct(
+            model.stiffness,
+            model.rate,
+            np.ascontiguousarray(model.reach.T),
+            model.mean_speed,
+            model.dampers,
+        ),
+    )
+
+
 def simulated(
     case: Case, speed: float, h: float, end: float, polarity: float = 0.0
 ) -> tuple[np.ndarray, np.ndarray]:
@@ -123,30 +139,22 @@ def simulated(
     model = start_model(case, ModalTrain(train, modes, damping), motors, loads, 1e-9, end, FIELD)
     electrical = model.electrical
     electrical[7][:] = polarity
-    free, forced = (
-        np.ascontiguousarray(a.transpose(1, 2, 0))
-        for a in exponential_step(model.stiffness, model.rate, h)
-    )
-    law = (model.curves, model.motors, model.loads, model.timed, model.dampers, electrical)
+    structs = structs_of(model)
     q, v = np.zeros(1), np.array([speed * math.sqrt(INERTIA)])
     phase, done = model.phase.copy(), 0
     speeds, angles = [np.array([speed])], [np.zeros(1)]
     for stop in (round(FIELD_TIME / h), round(end / h)):
-        force, rate, now = np.zeros(1), np.zeros(1), model.reach.T @ v
-        for acceleration in (np.zeros(1), None):
-            slope = acceleration if acceleration is not None else force / INERTIA
-            kernels.start_forces(
-                h * done, h * (done + 0.5), phase, now, slope, *law, force, rate
-            )  # the field is seen from its first step on, not before
         count = stop - done
-        out = [np.empty((count, 1)) for _ in range(4)]
-        kernels.advance_start(
-            count, h, h * done, 1e9, free, forced, model.stiffness, model.rate,
-            np.ascontiguousarray(model.reach.T), model.mean_speed, *law, q, v, phase, force, rate,
-            *out,
+        rows = {name: np.empty((count, 1)) for name in ("time", "q", "v", "force", "force_rate")}
+        state = struct("state_t", q=q, v=v, phase=phase, force=np.zeros(1), force_rate=np.zeros(1))
+        plan = struct(
+            "stretches_t", n=1, counts=np.array([count]), steps=np.array([h]), time=h * done,
+            target_speed=1e9,
         )  # fmt: skip
-        speeds.append(out[1][:, 0] / math.sqrt(INERTIA))
-        angles.append(out[0][:, 0] / math.sqrt(INERTIA))
+        out, (drive, system) = struct("output_t", rows=count, **rows), structs
+        kernels.advance_start(plan, system, drive, state, out, kernels.room_for(system, drive))
+        speeds.append(rows["v"][:, 0] / math.sqrt(INERTIA))
+        angles.append(rows["q"][:, 0] / math.sqrt(INERTIA))
         electrical[3][:] = FIELD_TIME
         done = stop
     return np.concatenate(speeds), np.concatenate(angles)
@@ -187,36 +195,12 @@ def test_a_tripped_motor_gives_nothing() -> None:
     motors, loads = motors_of(case, train), loads_of(case, train)
     model = start_model(case, ModalTrain(train, modes, damping), motors, loads, 1e-6, 1.0, FIELD)
     model.electrical[3][:] = 0.0
-    force, rate = np.zeros(1), np.zeros(1)
-    law = (model.curves, model.motors, model.loads, model.timed, model.dampers, model.electrical)
     state = (np.ones(1), np.array([0.95 * SYNCHRONOUS]), np.ones(1))
-    kernels.start_forces(0.3, 0.3, *state, *law, force, rate)
-    assert force[0] > 0.0
+    assert kernels.start_forces(0.3, 0.3, *state, *structs_of(model))[0][0] > 0.0
     model.electrical[8][:] = 0.0
-    kernels.start_forces(0.3, 0.3, *state, *law, force, rate)
+    force, rate = kernels.start_forces(0.3, 0.3, *state, *structs_of(model))
     assert force[0] == pytest.approx(-0.5 * RATED)
     assert rate[0] == 0.0
-    assert has_electrical(model.electrical)
-
-
-def test_neutral_arrays_change_no_digit() -> None:
-    """The loop without electrical effects and the one with neutral arrays: the same forces."""
-    case = geared(pulsation_phase=0.3)
-    train, modes, damping = prepared(case)
-    motors, loads = motors_of(case, train), loads_of(case, train)
-    model = start_model(case, ModalTrain(train, modes, damping), motors, loads, 1e-6)
-    assert not has_electrical(model.electrical)
-    law = (model.curves, model.motors, model.loads, model.timed, model.dampers)
-    results = []
-    for electrical in (None, model.electrical):
-        force, rate = np.zeros(2), np.zeros(2)
-        kernels.start_forces(
-            1.0, 1.0, np.array([5.0]), np.array([60.0, 170.0]), np.array([3.0, -2.0]), *law,
-            electrical, force, rate,
-        )  # fmt: skip
-        results.append(np.concatenate([force, rate]))
-    np.testing.assert_array_equal(results[0], results[1])
-    assert np.all(results[0] != 0.0)
 
 
 # --- the average curve with the field on ----------------------------------------------------------
@@ -317,7 +301,7 @@ def test_shock_goes_with_the_square_of_the_voltage_and_to_every_motor() -> None:
     both = replace(case, motor_torque=case.motor_torque + second)
     arrays = electrical_arrays(motors_of(both, train), both, SHOCK)
     np.testing.assert_allclose(arrays[0], 0.64 * WithShock.amplitude * np.ones(2))
-    assert not has_electrical(electrical_arrays(motors_of(both, train), both))
+    assert not np.any(electrical_arrays(motors_of(both, train), both)[0])
 
 
 # --- dampers that couple the modes ------------------------------------------------------------------

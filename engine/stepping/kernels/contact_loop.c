@@ -1,0 +1,733 @@
+/* The event-driven loop: exact steps of a piecewise linear system, and where its pieces meet.
+ *
+ * The system is linear as long as no clearance changes its contact. Each combination of contacts is a *piece* with
+ * modes of its own, in which the exponential step is exact; all pieces share one basis, so that going from one to
+ * the next is a rotation of the modal coordinates. A step is tried, the cubic through values and rates at its ends
+ * tells whether a contact changes within it, and the instant is then found by exact steps of shorter length, so
+ * that it does not depend on that cubic.
+ *
+ * With δ the compression of a flank, F = k δ + c δ̇ in contact; it ends where F would pull. With the law that also
+ * keeps the damping below the spring force, F = 2 k δ (*limited*) while c δ̇ > k δ. The part of F beyond k δ is a
+ * force of its own, at each flank one: it changes its law at the same state, so that the acceleration is continuous
+ * there, and the piece stays the same.
+ *
+ * The step follows what rings: a mode whose ringing shows in an answer is sampled as finely as the pulsation is, any
+ * other mode may be passed over, since its motion is exact whatever the step.
+ */
+#include "modal.h"
+#include "step.h"
+
+/* Contact of a flank; the last one is a free flank that is still compressed, in the log only, where it takes load
+ * again without having left. */
+enum { FREE, DRIVE, DRIVE_LIMITED, BACK, BACK_LIMITED, RECOVERS };
+/* What ends a contact (see `condition`), and what else is waited for. */
+enum { TOUCHES, RETAKES, PARTS, PASSES, FALLS_BELOW, NONE };
+enum { RISING_SPEED = -2, FALLING_SPEED = -3, LOAD_ANGLE = -4 };
+
+/* Ringing, over an answer's scale, that is sampled as finely as the pulsation; smaller ringing by wider angles, up
+ * to this many radians. */
+static const double FULL_RINGING = 0.1, WIDEST_ANGLE = 2.4;
+/* Shares of a clearance's torque scale: force at which a flank that has not yet recovered takes load again, and
+ * pull that counts as none. */
+static const double RETAKE = 1e-7, PULL = 1e-13;
+/* After so many events at one instant a step is taken without looking for more; after so many such steps in a row
+ * the loop gives up. */
+enum { MOST_AT_ONCE = 8, MOST_DWELLS = 10000, MOST_TRIES = 60 };
+/* Share of the base step after which a table against time is read anew. */
+static const double SHORTLY = 1e-6;
+
+typedef struct { double x, y, z; } motion_t; /* compression, its rate and the rate of that */
+
+typedef struct {
+    clock_t_ *clock;
+    const pieces_t *pieces;
+    flanks_t *flanks;
+    const drive_t *drive;
+    state_t *state;
+    output_t *out;
+    log_t *log;
+    system_t system;                 /* of the present piece; its dampers are those of the present contacts */
+    const double *constant, *flank_rows, *shows, *turn;
+    int64_t limits;                  /* which flanks are limited, a bit each */
+    double *viscous;
+    double *q1, *v1, *a1, *a0, *phase1, *f1, *fr1; /* end of the step; accelerations at its begin */
+    double *base_q, *base_v, *u, *r, *end_q, *end_v, *end_a, *speed, *acceleration;
+    double *free, *forced, *solver, *matrix, *rotated; /* of a step of any length; room */
+} loop_t;
+
+typedef struct { int64_t which, kind; double at; } event_t; /* flank or target; share of the step (2: none) */
+
+static int64_t largest_of(int64_t a, int64_t b) { return a > b ? a : b; }
+
+int64_t contact_room(const pieces_t *p, const drive_t *drive)
+{
+    int64_t wide = largest_of(largest_of(p->n, p->n_forces), p->n_dampers);
+    return 12 * p->n + 2 * p->n_forces + 3 * wide + drive->n_motors + 12 * p->n
+           + 8 * p->n_dampers * p->n_dampers;
+}
+
+static double *take(double **room, int64_t n)
+{
+    double *taken = *room;
+    *room += n;
+    return taken;
+}
+
+static void lay_out(loop_t *l, double *room)
+{
+    int64_t n = l->pieces->n, nf = l->pieces->n_forces, nd = l->pieces->n_dampers;
+    int64_t wide = largest_of(largest_of(n, nf), nd);
+    double **of_modes[] = {&l->q1, &l->v1, &l->a1, &l->a0, &l->base_q, &l->base_v, &l->u, &l->r,
+                           &l->end_q, &l->end_v, &l->end_a, &l->rotated};
+    for (size_t i = 0; i < sizeof of_modes / sizeof *of_modes; i++) *of_modes[i] = take(&room, n);
+    l->f1 = take(&room, nf);
+    l->fr1 = take(&room, nf);
+    l->speed = take(&room, wide);
+    l->acceleration = take(&room, wide);
+    l->viscous = take(&room, wide);
+    l->phase1 = take(&room, l->drive->n_motors);
+    l->free = take(&room, 4 * n);
+    l->forced = take(&room, 8 * n);
+    l->solver = take(&room, 4 * nd * nd);
+    l->matrix = take(&room, 4 * nd * nd);
+}
+
+/* --- pieces --------------------------------------------------------------------------------------------------- */
+
+/* Coefficients of the flanks, the last of all dampers: zero unless in plain contact. */
+static void damp_flanks(loop_t *l)
+{
+    const flanks_t *f = l->flanks;
+    int64_t nc = l->pieces->n_flanks, first = l->pieces->n_dampers - nc;
+    l->limits = 0;
+    for (int64_t c = 0; c < nc; c++) {
+        int64_t state = f->contact[c];
+        l->limits = 2 * l->limits + (state == DRIVE_LIMITED || state == BACK_LIMITED);
+        l->viscous[first + c] = state == DRIVE || state == BACK ? f->damping[c] : 0.0;
+    }
+}
+
+/* The loop stands in piece s. */
+static void stand_in(loop_t *l, int64_t s)
+{
+    const pieces_t *p = l->pieces;
+    const int64_t n = p->n, nf = p->n_forces;
+    l->flanks->piece = s;
+    l->system = (system_t){n, nf, p->stiffness + s * n, p->rate + s * n, p->reach + s * nf * n,
+                           p->mean_speed + s * n, p->n_dampers, p->damper_force, l->viscous};
+    l->constant = p->constant + s * n;
+    l->flank_rows = p->flank_rows + s * p->n_flanks * n;
+    l->shows = p->shows + s * n;
+    l->turn = p->turns + s * n * n;
+}
+
+/* Modal coordinates of the piece into the common basis, or back. */
+static void rotate(const loop_t *l, int back, double *x)
+{
+    const int64_t n = l->pieces->n;
+    const double *turn = l->turn;
+    double *y = l->rotated;
+    for (int64_t i = 0; i < n; i++) y[i] = 0.0;
+    for (int64_t i = 0; i < n; i++)
+        for (int64_t j = 0; j < n; j++) {
+            if (back) y[j] += turn[i * n + j] * x[i];
+            else y[i] += turn[i * n + j] * x[j];
+        }
+    memcpy(x, y, (size_t)n * sizeof *x);
+}
+
+static void copy(int64_t n, const double *from, double *to) { memcpy(to, from, (size_t)n * sizeof *to); }
+
+/* Gauss–Jordan with row exchange; 0 where a pivot is zero. */
+static int invert(int64_t n, double *matrix, double *inverse)
+{
+    for (int64_t i = 0; i < n * n; i++) inverse[i] = i % (n + 1) == 0 ? 1.0 : 0.0;
+    for (int64_t i = 0; i < n; i++) {
+        int64_t pivot = i;
+        double scale;
+        for (int64_t k = i + 1; k < n; k++)
+            if (fabs(matrix[k * n + i]) > fabs(matrix[pivot * n + i])) pivot = k;
+        if (matrix[pivot * n + i] == 0.0) return 0;
+        for (int64_t j = 0; pivot != i && j < n; j++) {
+            double a = matrix[i * n + j], b = inverse[i * n + j];
+            matrix[i * n + j] = matrix[pivot * n + j];
+            matrix[pivot * n + j] = a;
+            inverse[i * n + j] = inverse[pivot * n + j];
+            inverse[pivot * n + j] = b;
+        }
+        scale = 1.0 / matrix[i * n + i];
+        for (int64_t j = 0; j < n; j++) {
+            matrix[i * n + j] *= scale;
+            inverse[i * n + j] *= scale;
+        }
+        for (int64_t k = 0; k < n; k++) {
+            double factor = matrix[k * n + i];
+            if (k == i || factor == 0.0) continue;
+            for (int64_t j = 0; j < n; j++) {
+                matrix[k * n + j] -= factor * matrix[i * n + j];
+                inverse[k * n + j] -= factor * inverse[i * n + j];
+            }
+        }
+    }
+    return 1;
+}
+
+/* Inverse of what damper forces and rates at the end of a step do to themselves; 0 where there is none. */
+static int damper_solver(const loop_t *l, const double *forced, double *solver)
+{
+    const system_t *s = &l->system;
+    const int64_t nd = s->n_dampers, n = s->n, wide = 2 * nd;
+    for (int64_t i = 0; i < wide * wide; i++) l->matrix[i] = i % (wide + 1) == 0 ? 1.0 : 0.0;
+    for (int64_t d = 0; d < nd; d++) {
+        const double *own = s->reach + s->damper_force[d] * n, c = s->viscous[d];
+        if (c == 0.0) continue;
+        for (int64_t e = 0; e < nd; e++) {
+            const double *other = s->reach + s->damper_force[e] * n;
+            double ww = 0.0, wr = 0.0, aw = 0.0, ar = 0.0;
+            for (int64_t i = 0; i < n; i++) {
+                double both = own[i] * other[i];
+                ww += both * forced[6 * n + i];
+                wr += both * forced[7 * n + i];
+                aw += both * (1.0 - s->rate[i] * forced[6 * n + i] - s->stiffness[i] * forced[2 * n + i]);
+                ar -= both * (s->rate[i] * forced[7 * n + i] + s->stiffness[i] * forced[3 * n + i]);
+            }
+            l->matrix[d * wide + e] += c * ww;
+            l->matrix[d * wide + nd + e] += c * wr;
+            l->matrix[(nd + d) * wide + e] += c * aw;
+            l->matrix[(nd + d) * wide + nd + e] += c * ar;
+        }
+    }
+    return invert(wide, l->matrix, solver);
+}
+
+/* Coefficients of one step for every mode of the piece. */
+static void coefficients(const loop_t *l, double h, double *free, double *forced)
+{
+    const system_t *s = &l->system;
+    for (int64_t i = 0; i < s->n; i++) {
+        map_t map = exponential_map(s->stiffness[i], s->rate[i], h);
+        put_map(&map, s->n, i, free, forced);
+    }
+}
+
+/* --- forces and steps ----------------------------------------------------------------------------------------- */
+
+/* Damping force of flanks where it is kept at the spring force. */
+static void limited_forces(const loop_t *l, const double *q, const double *speed, double *force,
+                           double *force_rate)
+{
+    const flanks_t *fl = l->flanks;
+    int64_t n = l->system.n, nc = l->pieces->n_flanks, first = l->system.n_forces - nc;
+    for (int64_t c = 0; c < nc; c++) {
+        const double *row = l->system.reach + (first + c) * n;
+        double x = -fl->gap[c];
+        if (fl->contact[c] != DRIVE_LIMITED && fl->contact[c] != BACK_LIMITED) continue;
+        for (int64_t i = 0; i < n; i++) x += row[i] * q[i];
+        force[first + c] = -fl->stiffness[c] * x;
+        force_rate[first + c] = -fl->stiffness[c] * speed[first + c];
+    }
+}
+
+/* Forces, rates and accelerations of the state, after something has jumped. */
+static void fresh_forces(const loop_t *l, double t, double *a)
+{
+    const system_t *s = &l->system;
+    state_t *state = l->state;
+    for (int64_t f = 0; f < s->n_forces; f++) {
+        double unused;
+        along(s->n, s->reach + f * s->n, state->v, state->v, l->speed + f, &unused);
+        l->acceleration[f] = 0.0;
+    }
+    for (int pass = 0; pass < 3; pass++) { /* rates depend on the acceleration that the forces cause */
+        start_forces(t, t + SHORTLY * l->clock->base_step, state->phase, l->speed, l->acceleration, l->drive, s,
+                     state->force, state->force_rate);
+        limited_forces(l, state->q, l->speed, state->force, state->force_rate);
+        for (int64_t i = 0; i < s->n; i++) {
+            a[i] = l->constant[i] - s->rate[i] * state->v[i] - s->stiffness[i] * state->q[i];
+            l->r[i] = 0.0;
+        }
+        to_modes(s->n, s->n_forces, s->reach, state->force, state->force_rate, a, l->r);
+        for (int64_t f = 0; f < s->n_forces; f++) {
+            double unused;
+            along(s->n, s->reach + f * s->n, a, a, l->acceleration + f, &unused);
+        }
+    }
+}
+
+/* Forces of dampers at the end of a step are not iterated but solved for, together with their rates: cubic in the
+ * step and equal to the damper's law at both ends, they are stable however strong the damper is. */
+static void solve_dampers(const loop_t *l, const step_t *step, const double *solver)
+{
+    const system_t *s = &l->system;
+    const int64_t nd = s->n_dampers, wide = 2 * nd;
+    if (nd == 0) return;
+    end_step(s->n, step, s->stiffness, s->rate, l->base_q, l->base_v, l->u, l->r, l->end_q, l->end_v, l->end_a);
+    for (int64_t d = 0; d < nd; d++) { /* motion across each damper without its own end force */
+        along(s->n, s->reach + s->damper_force[d] * s->n, l->end_v, l->end_a, l->speed + d, l->acceleration + d);
+        l->speed[d] *= -s->viscous[d];
+        l->acceleration[d] *= -s->viscous[d];
+    }
+    for (int64_t d = 0; d < nd; d++) {
+        const int64_t f = s->damper_force[d];
+        double x = 0.0, y = 0.0;
+        for (int64_t e = 0; e < nd; e++) {
+            x += solver[d * wide + e] * l->speed[e] + solver[d * wide + nd + e] * l->acceleration[e];
+            y += solver[(nd + d) * wide + e] * l->speed[e]
+                 + solver[(nd + d) * wide + nd + e] * l->acceleration[e];
+        }
+        l->f1[f] += x;
+        l->fr1[f] += y;
+        to_modes(s->n, 1, s->reach + f * s->n, &x, &y, l->u, l->r);
+    }
+}
+
+/* One step of the piece: predict, evaluate, correct, evaluate. */
+static void take_step(const loop_t *l, double h, const step_t *step, const double *solver)
+{
+    const system_t *s = &l->system;
+    const state_t *state = l->state;
+    const int64_t n = s->n, nf = s->n_forces;
+    double t = l->clock->time;
+    copy(n, l->constant, l->u);
+    for (int64_t i = 0; i < n; i++) l->r[i] = 0.0;
+    to_modes(n, nf, s->reach, state->force, state->force_rate, l->u, l->r);
+    begin_step(n, step, h, state->q, state->v, l->u, l->r, l->base_q, l->base_v);
+    for (int pass = 0; pass < 2; pass++) {
+        end_step(n, step, s->stiffness, s->rate, l->base_q, l->base_v, l->u, l->r, l->q1, l->v1, l->a1);
+        for (int64_t f = 0; f < nf; f++)
+            along(n, s->reach + f * n, l->v1, l->a1, l->speed + f, l->acceleration + f);
+        turn_phases(l->drive, n, s->reach, h, state->q, l->q1, state->phase, l->phase1);
+        machine_forces(l->drive, nf, t + h, t + 0.5 * h, l->phase1, l->speed, l->acceleration, l->f1, l->fr1);
+        limited_forces(l, l->q1, l->speed, l->f1, l->fr1);
+        copy(n, l->constant, l->u);
+        for (int64_t i = 0; i < n; i++) l->r[i] = 0.0;
+        to_modes(n, nf, s->reach, l->f1, l->fr1, l->u, l->r);
+        solve_dampers(l, step, solver);
+    }
+    /* the state is that of the last prediction; its acceleration is that of the last forces */
+    for (int64_t i = 0; i < n; i++) l->a1[i] = l->u[i] - s->rate[i] * l->v1[i] - s->stiffness[i] * l->q1[i];
+}
+
+/* Takes the end of a step as the new state. */
+static void accept(loop_t *l)
+{
+    const system_t *s = &l->system;
+    state_t *state = l->state;
+    copy(s->n, l->q1, state->q);
+    copy(s->n, l->v1, state->v);
+    for (int64_t m = 0; m < l->drive->n_motors; m++) state->phase[m] = in_turn(l->phase1[m]);
+    copy(s->n_forces, l->f1, state->force);
+    copy(s->n_forces, l->fr1, state->force_rate);
+}
+
+/* A row of output. */
+static void write_row(loop_t *l, int64_t *rows)
+{
+    const system_t *s = &l->system;
+    const state_t *state = l->state;
+    output_t *out = l->out;
+    const int64_t k = (*rows)++, nm = l->drive->n_motors;
+    out->time[k] = l->clock->time;
+    out->piece[k] = l->flanks->piece;
+    copy(s->n, state->q, out->q + k * s->n);
+    copy(s->n, state->v, out->v + k * s->n);
+    copy(s->n_forces, state->force, out->force + k * s->n_forces);
+    copy(s->n_forces, state->force_rate, out->force_rate + k * s->n_forces);
+    copy(nm, state->phase, out->phase + k * nm);
+}
+
+/* How often the base step is halved: as long as what rings visibly is resolved. */
+static int64_t level_of_step(const loop_t *l)
+{
+    const clock_t_ *clock = l->clock;
+    const system_t *s = &l->system;
+    const state_t *state = l->state;
+    double finest = 1.0, angle = clock->base_step * clock->sampled, halved = 1.0;
+    int64_t slowest = s->n, level = 0;
+    while (slowest > 0 && s->stiffness[slowest - 1] > clock->sampled * clock->sampled) slowest--;
+    for (int64_t i = slowest; i < s->n; i++) l->u[i] = l->constant[i];
+    for (int64_t f = 0; f < s->n_forces; f++)
+        for (int64_t i = slowest; i < s->n; i++) l->u[i] += s->reach[f * s->n + i] * state->force[f];
+    for (int64_t i = slowest; i < s->n; i++) {
+        double x = state->q[i] - l->u[i] / s->stiffness[i], v = state->v[i];
+        double ringing = l->shows[i] * sqrt(x * x + v * v / s->stiffness[i]);
+        if (ringing > clock->visible) {
+            /* the cubic through two samples errs by ringing × angle⁴ / 384 */
+            double allowed = angle * sqrt(sqrt(FULL_RINGING / ringing)), wanted;
+            allowed = allowed < WIDEST_ANGLE ? allowed : WIDEST_ANGLE;
+            wanted = sqrt(s->stiffness[i]) * clock->base_step / allowed;
+            finest = wanted > finest ? wanted : finest;
+        }
+    }
+    for (; halved < finest && level < l->pieces->levels - 1; level++) halved *= 2.0;
+    return level;
+}
+
+/* A step of any length; 0 where the dampers have no solution. */
+static int step_of_length(const loop_t *l, double h)
+{
+    const step_t step = {l->free, l->forced};
+    coefficients(l, h, l->free, l->forced);
+    if (!damper_solver(l, l->forced, l->solver)) return 0;
+    take_step(l, h, &step, l->solver);
+    return 1;
+}
+
+/* A step of a level, its coefficients kept; 0 where the dampers have no solution. */
+static int step_of_level(const loop_t *l, double h, int64_t level)
+{
+    const pieces_t *p = l->pieces;
+    const int64_t at = l->flanks->piece * p->levels + level;
+    double *free = p->free + 4 * p->n * at, *forced = p->forced + 8 * p->n * at;
+    double *solver = p->solver + 4 * p->n_dampers * p->n_dampers * at;
+    const step_t step = {free, forced};
+    if (p->made[at] == 0) coefficients(l, h, free, forced);
+    if (p->made[at] != 1 + l->limits) { /* which flanks are limited enters the solver */
+        if (!damper_solver(l, forced, solver)) return 0;
+        p->made[at] = 1 + l->limits;
+    }
+    take_step(l, h, &step, solver);
+    return 1;
+}
+
+/* --- events --------------------------------------------------------------------------------------------------- */
+
+/* Where in [0, 1] the Hermite cubic first falls through zero; 2 if it does not.
+ *
+ * d0 and d1 are rates per step. A curve that starts at or below zero and rises is not falling. */
+double first_fall(double g0, double d0, double g1, double d1)
+{
+    double rise = g1 - g0, b = 3.0 * rise - 2.0 * d0 - d1, c = d0 + d1 - 2.0 * rise;
+    double least = 1e-12 * (fabs(g0) + fabs(d0) + fabs(g1) + fabs(d1));
+    double low = 0.0, value = g0, disc, ends[3] = {0.0, 0.0, 1.0};
+    if (g0 <= 0.0 && (d0 < 0.0 || (d0 == 0.0 && g1 < 0.0))) return 0.0;
+    /* where the control points of the curve lie well above zero, so does all of it: most steps */
+    if (g0 > least && g1 > least && g0 + d0 / 3.0 > least && g1 - d1 / 3.0 > least) return 2.0;
+    disc = b * b - 3.0 * c * d0;
+    if (disc > 0.0) { /* where it turns within the step */
+        double root = sqrt(disc), w = b >= 0.0 ? -(b + root) : -(b - root);
+        double s1 = w != 0.0 ? d0 / w : -1.0, s2 = c != 0.0 ? w / (3.0 * c) : -1.0;
+        if (s1 > s2) {
+            double swap = s1;
+            s1 = s2;
+            s2 = swap;
+        }
+        if (s1 > 0.0 && s1 < 1.0) ends[0] = s1;
+        if (s2 > 0.0 && s2 < 1.0 && s2 > s1) ends[1] = s2;
+    }
+    for (int i = 0; i < 3; i++) {
+        double high = ends[i], next;
+        if (high == 0.0) continue;
+        next = high == 1.0 ? g1 : g0 + high * (d0 + high * (b + high * c));
+        if (value > 0.0 && next <= 0.0) {
+            for (int k = 0; k < MOST_TRIES; k++) {
+                double middle = 0.5 * (low + high);
+                if (g0 + middle * (d0 + middle * (b + middle * c)) > 0.0) low = middle;
+                else high = middle;
+            }
+            return high;
+        }
+        low = high;
+        value = next;
+    }
+    return 2.0;
+}
+
+static motion_t motion_of(const loop_t *l, int64_t c, const double *q, const double *v, const double *a)
+{
+    const int64_t n = l->system.n;
+    const double *row = l->flank_rows + c * n;
+    motion_t m = {-l->flanks->gap[c], 0.0, 0.0};
+    for (int64_t i = 0; i < n; i++) {
+        m.x += row[i] * q[i];
+        m.y += row[i] * v[i];
+        m.z += row[i] * a[i];
+    }
+    return m;
+}
+
+/* What must stay positive for a contact to last, and its rate.
+ *
+ * Load is taken again at `RETAKE` of the scale: the damping of the pieces differs by that of their modes, and with
+ * one threshold for both a flank could part and load without end. */
+static point_t condition(const loop_t *l, int64_t kind, int64_t c, motion_t m)
+{
+    double k = l->flanks->stiffness[c], d = l->flanks->damping[c], scale = l->flanks->scale[c];
+    switch (kind) {
+    case TOUCHES: return (point_t){-m.x, -m.y};
+    case RETAKES: return (point_t){RETAKE * scale - (k * m.x + d * m.y), -(k * m.y + d * m.z)};
+    case PARTS: return (point_t){PULL * scale + k * m.x + d * m.y, k * m.y + d * m.z};
+    case PASSES: return (point_t){k * m.x - d * m.y, k * m.y - d * m.z};
+    default: return (point_t){d * m.y - k * m.x, d * m.z - k * m.y};
+    }
+}
+
+/* First event of the flanks within a step, by the cubic. */
+static void watch_flanks(const loop_t *l, double h, event_t *first)
+{
+    const flanks_t *fl = l->flanks;
+    for (int64_t c = 0; c < l->pieces->n_flanks; c++) {
+        const int64_t state = fl->contact[c];
+        const int damped = fl->damping[c] > 0.0;
+        int64_t kinds[2] = {PARTS, NONE};
+        motion_t before, after;
+        if (isinf(fl->gap[c])) continue;
+        before = motion_of(l, c, l->state->q, l->state->v, l->a0);
+        after = motion_of(l, c, l->q1, l->v1, l->a1);
+        if (state == FREE) {
+            /* one that is compressed still takes load again, it does not touch */
+            kinds[0] = before.x > 0.0 && before.y > 0.0 && damped ? NONE : TOUCHES;
+            kinds[1] = before.x > 0.0 && damped ? RETAKES : NONE;
+        } else if (state == DRIVE || state == BACK) {
+            kinds[1] = fl->limited && damped ? PASSES : NONE;
+        } else {
+            kinds[0] = FALLS_BELOW;
+        }
+        for (int j = 0; j < 2; j++) {
+            point_t g0, g1;
+            double at;
+            if (kinds[j] == NONE) continue;
+            g0 = condition(l, kinds[j], c, before);
+            g1 = condition(l, kinds[j], c, after);
+            at = first_fall(g0.value, g0.slope * h, g1.value, g1.slope * h);
+            if (at < first->at) *first = (event_t){c, kinds[j], at};
+        }
+    }
+}
+
+/* Mean speed beyond which a target lies, and its rate. */
+static point_t speed_left(const loop_t *l, int64_t target, const double *v, const double *a)
+{
+    double speed, rate, sign = target == RISING_SPEED ? 1.0 : -1.0;
+    along(l->system.n, l->system.mean_speed, v, a, &speed, &rate);
+    return (point_t){sign * ((target == RISING_SPEED ? l->clock->rising : l->clock->falling) - speed),
+                     -sign * rate};
+}
+
+/* First of the speeds and the load angle that the run waits for. */
+static void watch_targets(const loop_t *l, double h, event_t *first)
+{
+    const clock_t_ *clock = l->clock;
+    double at;
+    for (int64_t target = RISING_SPEED; target >= FALLING_SPEED; target--) {
+        point_t g0, g1;
+        if (isinf(target == RISING_SPEED ? clock->rising : clock->falling)) continue;
+        g0 = speed_left(l, target, l->state->v, l->a0);
+        g1 = speed_left(l, target, l->v1, l->a1);
+        if (g0.value <= 0.0) g0 = (point_t){0.0, -1.0};
+        at = first_fall(g0.value, g0.slope * h, g1.value, g1.slope * h);
+        if (at < first->at) *first = (event_t){target, NONE, at};
+    }
+    if (clock->angle == clock->angle) {
+        /* the load angle rises through the wanted one: −sin(δ − δ*) falls with cos > 0 */
+        double before = 0.5 * l->state->phase[0] - clock->angle, after = 0.5 * l->phase1[0] - clock->angle;
+        double rate = 0.5 * (l->phase1[0] - l->state->phase[0]);
+        sincos_t a = sin_cos(before), b = sin_cos(after);
+        if (a.cosine <= 0.0 && b.cosine <= 0.0) return;
+        /* passed already; the next turn will do */
+        if (-a.sine <= 0.0 && -a.cosine * rate < 0.0 && before != 0.0) return;
+        at = first_fall(-a.sine, -a.cosine * rate, -b.sine, -b.cosine * rate);
+        if (at < first->at) *first = (event_t){LOAD_ANGLE, NONE, at};
+    }
+}
+
+/* What an event waits for, at the end of a step of length h; the flank's motion there. */
+static point_t waited_for(const loop_t *l, event_t event, double h, motion_t *flank)
+{
+    if (event.which >= 0) {
+        *flank = motion_of(l, event.which, l->q1, l->v1, l->a1);
+        return condition(l, event.kind, event.which, *flank);
+    }
+    if (event.which == LOAD_ANGLE) {
+        sincos_t wave = sin_cos(0.5 * l->phase1[0] - l->clock->angle);
+        double rate = 0.5 * (l->phase1[0] - l->state->phase[0]) / (h > 1e-300 ? h : 1e-300);
+        return (point_t){-wave.sine, -wave.cosine * rate};
+    }
+    return speed_left(l, event.which, l->v1, l->a1);
+}
+
+/* The end of a step of no length. */
+static void stay(loop_t *l)
+{
+    const system_t *s = &l->system;
+    copy(s->n, l->state->q, l->q1);
+    copy(s->n, l->state->v, l->v1);
+    copy(s->n, l->a0, l->a1);
+    copy(l->drive->n_motors, l->state->phase, l->phase1);
+    copy(s->n_forces, l->state->force, l->f1);
+    copy(s->n_forces, l->state->force_rate, l->fr1);
+}
+
+/* The instant of an event, by exact steps: a bracket with the condition lost at its end. The loop stands at the
+ * end of a step of length `tau` then. Returns 0 where the dampers have no solution; `lost` says whether the
+ * condition is lost there at all, which the cubic may have seen wrongly. */
+static int locate(loop_t *l, event_t event, double h, double *tau, int *lost, motion_t *flank)
+{
+    double low = 0.0, high = h;
+    const double close = 1e-13 * h + 4e-16 * l->clock->time;
+    *tau = event.at * h;
+    *lost = 1;
+    for (int k = 0; k < MOST_TRIES; k++) {
+        point_t g;
+        double next;
+        if (*tau <= 0.0) stay(l);
+        else if (!step_of_length(l, *tau)) return 0;
+        g = waited_for(l, event, *tau, flank);
+        if (*tau <= 0.0) return 1;
+        if (g.value <= 0.0) high = *tau;
+        else low = *tau;
+        next = g.slope < 0.0 ? *tau - g.value / g.slope : 0.5 * (low + high);
+        if (!(low < next && next < high)) next = 0.5 * (low + high);
+        if (fabs(next - *tau) <= close || high - low <= close) {
+            *lost = g.value <= 0.0 || g.slope < 0.0;
+            return 1;
+        }
+        *tau = next;
+    }
+    return 1;
+}
+
+/* Logs the change of contact of a flank and makes it. */
+static void change_contact(loop_t *l, event_t event, double speed)
+{
+    const int64_t c = event.which, nc = l->pieces->n_flanks;
+    int64_t before = l->flanks->contact[c], after = FREE;
+    double *row = l->log->log + 5 * l->log->n++;
+    if (event.kind == TOUCHES || event.kind == RETAKES) {
+        after = 2 * c < nc ? DRIVE : BACK;
+        if (event.kind == TOUCHES && l->flanks->limited && l->flanks->damping[c] > 0.0) after++;
+        if (event.kind == RETAKES) before = RECOVERS;
+    } else if (event.kind == PASSES) {
+        after = before + 1;
+    } else if (event.kind == FALLS_BELOW) {
+        after = before - 1;
+    }
+    l->flanks->contact[c] = after;
+    row[0] = l->clock->time;
+    row[1] = (double)(c % (nc / 2));
+    row[2] = (double)before;
+    row[3] = (double)after;
+    row[4] = speed;
+    damp_flanks(l);
+}
+
+/* Into the piece of the present contacts; 0 where it has to be made first: the state is in the common basis then. */
+static int enter_piece(loop_t *l)
+{
+    const pieces_t *p = l->pieces;
+    int64_t key = 0, other = -1;
+    for (int64_t c = p->n_flanks - 1; c >= 0; c--) /* limited or not: the same piece */
+        key = 2 * key + (l->flanks->contact[c] != FREE);
+    for (int64_t k = 0; k < p->n_pieces; k++)
+        if (p->keys[k] == key) other = k;
+    rotate(l, 0, l->state->q);
+    rotate(l, 0, l->state->v);
+    if (other < 0) {
+        l->flanks->piece = -1;
+        return 0;
+    }
+    stand_in(l, other);
+    rotate(l, 1, l->state->q);
+    rotate(l, 1, l->state->v);
+    return 1;
+}
+
+/* --- the loop ------------------------------------------------------------------------------------------------- */
+
+/* Passes the stops up to now. */
+static void pass_stops(clock_t_ *clock)
+{
+    while (clock->stop < clock->n_stops && clock->stops[clock->stop] <= clock->time * (1.0 + 1e-14) + 1e-15)
+        clock->stop++;
+}
+
+/* End of the run, or the next time before it at which a step has to end. */
+static double next_end(const clock_t_ *clock)
+{
+    if (clock->stop < clock->n_stops && clock->stops[clock->stop] < clock->end_time)
+        return clock->stops[clock->stop];
+    return clock->end_time;
+}
+
+static int64_t come_back(loop_t *l, int64_t fresh, int64_t reason)
+{
+    l->clock->fresh = fresh;
+    return reason;
+}
+
+/* Steps from one event to the next until something has to be decided outside; says why it came back. At an event two
+ * rows are written for one instant, one a piece. */
+int64_t advance_pieces(clock_t_ *clock, const pieces_t *pieces, flanks_t *flanks, const drive_t *drive,
+                       state_t *state, output_t *out, log_t *log, double *room, int64_t *done)
+{
+    loop_t loop = {.clock = clock, .pieces = pieces, .flanks = flanks, .drive = drive, .state = state,
+                   .out = out, .log = log};
+    loop_t *l = &loop;
+    const int64_t n = pieces->n;
+    int64_t at_once = 0, dwells = 0, *rows = done;
+    int fresh = clock->fresh > 0;
+    *rows = 0;
+    log->n = 0;
+    lay_out(l, room);
+    copy(pieces->n_dampers, pieces->viscous + flanks->piece * pieces->n_dampers, l->viscous);
+    damp_flanks(l);
+    stand_in(l, flanks->piece);
+    if (clock->fresh != 1) pass_stops(clock); /* else the row after the stop is still to be written */
+    for (;;) {
+        event_t event = {0, NONE, 2.0};
+        motion_t flank = {0.0, 0.0, 0.0};
+        /* contacts that would change to and fro at one instant (the damping of the pieces differs) are left alone
+         * for the shortest of all steps */
+        const int dwell = at_once > MOST_AT_ONCE;
+        int64_t level;
+        double h, tau, end, remaining;
+        int whole, lost;
+        if (*rows >= out->rows - 2 || log->n >= log->room - 1) return come_back(l, 1, MORE);
+        if (fresh) {
+            fresh_forces(l, clock->time, l->a0);
+            if (clock->fresh > 1) write_row(l, rows);
+            clock->fresh = fresh = 0;
+        } else {
+            copy(n, l->a1, l->a0);
+        }
+        level = dwell ? pieces->levels - 1 : level_of_step(l);
+        h = clock->base_step / power_of_two(level);
+        end = next_end(clock);
+        remaining = end - clock->time;
+        if (remaining <= 1e-12 * clock->base_step) {
+            clock->time = end;
+            if (end >= clock->end_time) return come_back(l, 1, AT_TIME);
+            pass_stops(clock);
+            clock->fresh = 2; /* a table against time may jump here */
+            fresh = 1;
+            continue;
+        }
+        whole = h < remaining * (1.0 - 1e-9);
+        if (!whole) h = remaining;
+        if (!(whole ? step_of_level(l, h, level) : step_of_length(l, h))) return come_back(l, 1, DIVIDED);
+        if (!dwell) watch_flanks(l, h, &event);
+        watch_targets(l, h, &event);
+        if (event.at > 1.0) { /* nothing happened */
+            clock->time = whole ? clock->time + h : end;
+            at_once = 0;
+            dwells = dwell ? dwells + 1 : 0;
+            accept(l);
+            write_row(l, rows);
+            continue;
+        }
+        if (!locate(l, event, h, &tau, &lost, &flank)) return come_back(l, 1, DIVIDED);
+        clock->time += tau;
+        at_once = tau <= 1e-9 * h ? at_once + 1 : 0;
+        accept(l);
+        write_row(l, rows);
+        if (dwells > MOST_DWELLS) return come_back(l, 1, STUCK);
+        if (event.which < 0) return come_back(l, 1, event.which == LOAD_ANGLE ? ANGLE : SPEED);
+        if (!lost) continue; /* the cubic saw a touch that the exact step does not have */
+        /* it has left meanwhile, and is damped already before it touches: `TOUCHES` watches */
+        if (event.kind == RETAKES && flank.x <= 0.0) continue;
+        change_contact(l, event, flank.y);
+        if (!enter_piece(l)) return come_back(l, 2, NEW_PIECE);
+        fresh_forces(l, clock->time, l->a1);
+        write_row(l, rows);
+    }
+}

@@ -1,0 +1,150 @@
+/* What the compiled loops take: the one description, read by the compiler and by library.py.
+ *
+ * Arrays are of double or int64_t, C-contiguous; shapes stand beside them. SI throughout. A force is a torque
+ * at one station; `reach` maps forces to modes and modal to station angles alike. Nothing is allocated in a loop:
+ * room to work in comes with the call. No global state.
+ */
+#ifndef TORSION_KERNELS_H
+#define TORSION_KERNELS_H
+#include <stdint.h>
+
+/* Torque against speed as piecewise cubics, held constant outside their knots. */
+typedef struct {
+    int64_t longest;       /* knots there is room for */
+    const double *knots;   /* (n_curves, longest) fraction of synchronous speed */
+    const double *cubics;  /* (n_curves, longest, 4) from each knot on [N m] */
+    const int64_t *counts; /* (n_curves) knots in use */
+} curves_t;
+
+/* Motors, loads and torques against time. */
+typedef struct {
+    curves_t curves;
+    int64_t n_motors;
+    const int64_t *motor_force, *average, *pulsating, *with_field; /* force; curves */
+    const double *motor_speed, *pole_pairs;                        /* (n_motors) [rad/s, 1] */
+    double line_omega;                                             /* [rad/s] */
+    const double *shock, *shock_rate;           /* transient at breaker closing [N m, 1/s] */
+    double shock_omega;                         /* [rad/s] */
+    const double *field_time, *field_rate;      /* infinite: none, at once [s, 1/s] */
+    const double *pull_out, *cage, *polarity;   /* [N m, N m s/rad (nan: the curve), rad] */
+    const double *connected;                    /* 0: tripped */
+    int64_t n_loads;
+    const int64_t *load_force, *load_curve;
+    const double *load_speed, *soft_speed;      /* [rad/s] */
+    int64_t n_timed, most_timed;
+    const int64_t *timed_force, *timed_count;   /* (n_timed) */
+    const double *times, *torques;              /* (n_timed, most_timed) [s, N m] */
+} drive_t;
+
+/* Modes of one linear system. */
+typedef struct {
+    int64_t n, n_forces;
+    const double *stiffness, *rate;  /* (n) λ and d [1/s², 1/s] */
+    const double *reach;             /* (n_forces, n) [rad/√(kg m²)] */
+    const double *mean_speed;        /* (n) mean speed from modal velocities */
+    int64_t n_dampers;
+    const int64_t *damper_force;     /* (n_dampers) */
+    const double *viscous;           /* (n_dampers) [N m s/rad] */
+} system_t;
+
+/* State between two steps, updated. */
+typedef struct {
+    double *q, *v;               /* (n) modal position and velocity */
+    double *phase;               /* (n_motors) of each pulsation, modulo 4π [rad] */
+    double *force, *force_rate;  /* (n_forces) [N m, N m/s] */
+} state_t;
+
+/* A row a step. */
+typedef struct {
+    double *q, *v;               /* (rows, n) */
+    double *force, *force_rate;  /* (rows, n_forces) */
+    double *time;                /* (rows) [s] */
+    double *phase;               /* (rows, n_motors); the linear loop leaves it */
+    int64_t *piece;              /* (rows); likewise */
+    int64_t rows;                /* room */
+} output_t;
+
+/* Linear systems by contact state: one table entry a piece. */
+typedef struct {
+    int64_t n_pieces, n, n_forces, n_flanks, n_dampers, levels;
+    const int64_t *keys;                          /* (n_pieces) loaded flanks, a bit each */
+    const double *stiffness, *rate;               /* (n_pieces, n) */
+    const double *reach;                          /* (n_pieces, n_forces, n) */
+    const double *constant, *mean_speed;          /* (n_pieces, n) */
+    const double *flank_rows;                     /* (n_pieces, n_flanks, n) */
+    const double *viscous;                        /* (n_pieces, n_dampers) */
+    const double *shows;                          /* (n_pieces, n) share of an answer's scale */
+    const double *turns;                          /* (n_pieces, n, n) from the common basis */
+    double *free, *forced, *solver;               /* (n_pieces, levels, 2, 2, n), (…, 2, 4, n), (…, 2 n_d, 2 n_d) */
+    int64_t *made;                                /* (n_pieces, levels) 0: coefficients not made yet */
+    const int64_t *damper_force;                  /* (n_dampers) */
+} pieces_t;
+
+/* Flanks: all drive flanks, then all back flanks. */
+typedef struct {
+    const double *gap, *stiffness, *damping, *scale;  /* (n_flanks) [rad, N m/rad, N m s/rad, N m] */
+    int64_t limited;                                  /* contact damping never exceeds the spring force */
+    int64_t *contact;                                 /* (n_flanks) updated */
+    int64_t piece;                                    /* present piece, updated; -1: has to be made */
+} flanks_t;
+
+/* Time, what the loop stops at, and how it samples. */
+typedef struct {
+    double time;                     /* updated [s] */
+    int64_t fresh;                   /* 1: forces have to be evaluated anew, 2: and written as a row */
+    double end_time, base_step;      /* [s] */
+    int64_t n_stops, stop;           /* times at which a step has to end; the next one, updated */
+    const double *stops;             /* (n_stops) rising [s] */
+    double visible;                  /* ringing above this share is resolved [1] */
+    double rising, falling, angle;   /* mean speeds and load angle to stop at (nan: none) [rad/s, rad] */
+    double sampled;                  /* angular frequency that the base step samples [rad/s] */
+} clock_t_;
+
+/* Events: time, clearance, contact before and after, speed of the flank. */
+typedef struct {
+    double *log;       /* (room, 5) */
+    int64_t room, n;   /* rows; rows written */
+} log_t;
+
+/* Steps of a linear train: stretches of equal ones. */
+typedef struct {
+    int64_t n;
+    const int64_t *counts;   /* (n) steps of each */
+    const double *steps;     /* (n) length of each [s] */
+    int64_t newmark;         /* 1: average acceleration; 0: exponential */
+    double target_speed;     /* mean speed at which to stop [rad/s] */
+    int64_t at, taken;       /* present stretch and its steps taken, updated */
+    double time;             /* at the beginning of the stretch, updated [s] */
+} stretches_t;
+
+/* Why a loop came back: room is full, end time, speed reached, load angle reached, a piece has to be made, no
+ * progress, damper forces without a solution in double precision. */
+enum { MORE, AT_TIME, SPEED, ANGLE, NEW_PIECE, STUCK, DIVIDED };
+
+int64_t linear_room(const system_t *system, const drive_t *drive);
+int64_t contact_room(const pieces_t *pieces, const drive_t *drive);
+void start_forces(double t, double inside, const double *phase, const double *speed,
+                  const double *acceleration, const drive_t *drive, const system_t *system, double *force,
+                  double *force_rate);
+void forces_at(double t, double inside, const system_t *system, const drive_t *drive, state_t *state,
+               double *room);
+int64_t advance_start(stretches_t *plan, const system_t *system, const drive_t *drive, state_t *state,
+                      output_t *out, double *room, int64_t *done);
+int64_t advance_pieces(clock_t_ *clock, const pieces_t *pieces, flanks_t *flanks, const drive_t *drive,
+                       state_t *state, output_t *out, log_t *log, double *room, int64_t *done);
+void polynomial_step(int64_t n, const double *stiffness, const double *rate, double h, double *free,
+                     double *forced);
+void exponential_step(int64_t n, const double *stiffness, const double *rate, double h, double *free,
+                      double *forced);
+void newmark_step(int64_t n, const double *stiffness, const double *rate, double h, double *free,
+                  double *forced);
+double first_fall(double g0, double d0, double g1, double d1);
+void drive_modes(int64_t n_steps, int64_t n, const double *free, const double *forced, const double *cubic,
+                 double *q, double *v, double *out_q, double *out_v);
+void drive_coupled(int64_t n_steps, int64_t n_state, int64_t n_modes, const double *free,
+                   const double *forced, const double *cubic, double *state, double *out, double *room);
+int64_t turning_points(int64_t n, const double *t, const double *y, const double *slope, double *when,
+                       double *value);
+const char *about(void); /* compiler, target, digest of the sources */
+void elementary(int64_t n, const double *x, double *sine, double *cosine, double *exponential);
+#endif

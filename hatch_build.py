@@ -1,0 +1,126 @@
+"""Builds the compiled loops: `engine/stepping/kernels/` → one library, and declarations for cffi.
+
+pip and `make` call the hook; `python hatch_build.py` builds in the checkout. The compiler is `$CC`, else cc, clang
+or gcc, else the one of the package ziglang (always on Windows). Every compiler gets the same flags: IEEE doubles, no
+contraction, nothing of the machine at hand, so that results are equal to the bit.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import importlib.util
+import os
+import shlex
+import shutil
+import subprocess
+import sys
+import sysconfig
+from pathlib import Path
+from typing import Any
+
+from cffi import FFI
+from hatchling.builders.hooks.plugin.interface import BuildHookInterface
+
+KERNELS = Path("engine/stepping/kernels")
+HEADER, MODULE = "kernels.h", "_declarations"
+SUFFIX = {"win32": ".dll", "darwin": ".dylib"}
+FLAGS = ("-O3", "-std=c11", "-ffp-contract=off", "-fno-math-errno", "-fPIC", "-shared")
+ZIG = (sys.executable, "-m", "ziglang", "cc")
+NO_COMPILER = (
+    "torsionbook is built from source here and found no C compiler. Install one (Debian and Ubuntu: apt-get install "
+    "gcc; macOS: xcode-select --install), name one in CC, or: pip install ziglang. A wheel needs none."
+)
+
+
+def compiler() -> tuple[str, ...] | None:
+    """Words of the command that compiles; None if there is none."""
+    if os.environ.get("CC"):
+        return tuple(shlex.split(os.environ["CC"]))
+    found = None if sys.platform == "win32" else _on_path()
+    if found is None and importlib.util.find_spec("ziglang"):
+        return ZIG
+    return found
+
+
+def _on_path() -> tuple[str, ...] | None:
+    for name in ("cc", "clang", "gcc"):
+        if shutil.which(name):
+            return (name,)
+    return None
+
+
+def sources_digest(folder: Path) -> str:
+    """Digest of the C sources and of this file, line ends as on Linux."""
+    digest = hashlib.sha256()
+    for path in (*sorted(folder.glob("*.[ch]")), Path(__file__)):
+        digest.update(path.name.encode() + path.read_bytes().replace(b"\r\n", b"\n"))
+    return digest.hexdigest()[:16]
+
+
+def declarations(made: Path) -> None:
+    """Writes what cffi reads, from the header."""
+    header = (made.parent / HEADER).read_text(encoding="utf-8")
+    ffi = FFI()
+    ffi.cdef("\n".join(line for line in header.splitlines() if not line.startswith("#")))
+    ffi.set_source(MODULE, None)
+    with contextlib.redirect_stdout(None):
+        ffi.emit_python_code(str(made))
+    made.touch()  # make compares its time with those of the sources
+
+
+def build(root: Path) -> list[Path]:
+    """Compiles the library unless it is there from the same sources; the files that were made.
+
+    Raises `SystemExit` with what to do where there is no compiler or it fails.
+    """
+    folder = root / KERNELS
+    made, described = folder / f"_loops{SUFFIX.get(sys.platform, '.so')}", folder / f"{MODULE}.py"
+    sources = sources_digest(folder)
+    built = (
+        described.exists() and made.exists() and f"sources {sources}".encode() in made.read_bytes()
+    )
+    if built and not os.environ.get("CC"):
+        return [made, described]
+    command = compiler()
+    if command is None:
+        raise SystemExit(NO_COMPILER)
+    partial = made.with_suffix(".part")
+    words = [
+        *command, *FLAGS, f'-DSOURCES="{sources}"', "-o", str(partial),
+        *map(str, sorted(folder.glob("*.c"))), "-lm",
+    ]  # fmt: skip
+    try:
+        done = subprocess.run(words, capture_output=True, text=True, check=False)
+    except OSError as wrong:
+        raise SystemExit(
+            f"The C compiler {command[0]} cannot be run: {wrong}. {NO_COMPILER}"
+        ) from None
+    if done.returncode:
+        raise SystemExit(f"The C compiler failed: {shlex.join(words)}\n{done.stderr}")
+    declarations(described)
+    partial.replace(made)
+    return [made, described]
+
+
+class KernelHook(BuildHookInterface[Any]):
+    """Compiles before a wheel or an editable install is made."""
+
+    PLUGIN_NAME = "custom"
+
+    def dependencies(self) -> list[str]:
+        """A compiler from the package index where there is none."""
+        return [] if compiler() else ["ziglang"]
+
+    def initialize(self, version: str, build_data: dict[str, Any]) -> None:
+        """Build, and say what the wheel is for."""
+        root = Path(self.root)
+        build_data["artifacts"] += [f"/{p.relative_to(root).as_posix()}" for p in build(root)]
+        system = sysconfig.get_platform().replace("-", "_").replace(".", "_")
+        build_data["pure_python"] = False
+        build_data["tag"] = f"py3-none-{system}"
+
+
+if __name__ == "__main__":
+    for path in build(Path(__file__).resolve().parent):
+        print(path)
