@@ -50,6 +50,8 @@ typedef struct {
     const double *constant, *flank_rows, *shows, *turn;
     int64_t limits;                  /* which flanks are limited, a bit each */
     double *viscous;
+    int64_t *acting, n_acting;       /* dampers that act, by their place among all */
+    int64_t *needed, n_needed;       /* forces that depend on speed: of machines, and of limited flanks */
     double *q1, *v1, *a1, *a0, *phase1, *f1, *fr1; /* end of the step; accelerations at its begin */
     double *base_q, *base_v, *u, *r, *end_q, *end_v, *end_a, *speed, *acceleration;
     double *free, *forced, *solver, *matrix, *rotated; /* of a step of any length; room */
@@ -62,7 +64,7 @@ static int64_t largest_of(int64_t a, int64_t b) { return a > b ? a : b; }
 int64_t contact_room(const pieces_t *p, const drive_t *drive)
 {
     int64_t wide = largest_of(largest_of(p->n, p->n_forces), p->n_dampers);
-    return 12 * p->n + 2 * p->n_forces + 3 * wide + drive->n_motors + 12 * p->n
+    return 12 * p->n + 3 * p->n_forces + 4 * wide + drive->n_motors + 12 * p->n
            + 8 * p->n_dampers * p->n_dampers;
 }
 
@@ -85,6 +87,8 @@ static void lay_out(loop_t *l, double *room)
     l->speed = take(&room, wide);
     l->acceleration = take(&room, wide);
     l->viscous = take(&room, wide);
+    l->acting = (int64_t *)take(&room, wide);
+    l->needed = (int64_t *)take(&room, nf);
     l->phase1 = take(&room, l->drive->n_motors);
     l->free = take(&room, 4 * n);
     l->forced = take(&room, 8 * n);
@@ -94,17 +98,22 @@ static void lay_out(loop_t *l, double *room)
 
 /* --- pieces --------------------------------------------------------------------------------------------------- */
 
-/* Coefficients of the flanks, the last of all dampers: zero unless in plain contact. */
+/* Coefficients of the flanks, the last of all dampers: zero unless in plain contact; which dampers act. */
 static void damp_flanks(loop_t *l)
 {
     const flanks_t *f = l->flanks;
     int64_t nc = l->pieces->n_flanks, first = l->pieces->n_dampers - nc;
-    l->limits = 0;
+    l->limits = l->n_needed = 0;
+    for (int64_t k = 0; k < l->pieces->n_forces - l->pieces->n_dampers; k++) l->needed[l->n_needed++] = k;
     for (int64_t c = 0; c < nc; c++) {
-        int64_t state = f->contact[c];
-        l->limits = 2 * l->limits + (state == DRIVE_LIMITED || state == BACK_LIMITED);
+        int64_t state = f->contact[c], limited = state == DRIVE_LIMITED || state == BACK_LIMITED;
+        l->limits = 2 * l->limits + limited;
+        if (limited) l->needed[l->n_needed++] = l->pieces->n_forces - nc + c;
         l->viscous[first + c] = state == DRIVE || state == BACK ? f->damping[c] : 0.0;
     }
+    l->n_acting = 0;
+    for (int64_t d = 0; d < l->pieces->n_dampers; d++)
+        if (l->viscous[d] != 0.0) l->acting[l->n_acting++] = d;
 }
 
 /* The loop stands in piece s. */
@@ -176,13 +185,13 @@ static int invert(int64_t n, double *matrix, double *inverse)
 static int damper_solver(const loop_t *l, const double *forced, double *solver)
 {
     const system_t *s = &l->system;
-    const int64_t nd = s->n_dampers, n = s->n, wide = 2 * nd;
+    const int64_t nd = l->n_acting, n = s->n, wide = 2 * nd;
     for (int64_t i = 0; i < wide * wide; i++) l->matrix[i] = i % (wide + 1) == 0 ? 1.0 : 0.0;
     for (int64_t d = 0; d < nd; d++) {
-        const double *own = s->reach + s->damper_force[d] * n, c = s->viscous[d];
-        if (c == 0.0) continue;
+        const double *own = s->reach + s->damper_force[l->acting[d]] * n;
+        const double c = s->viscous[l->acting[d]];
         for (int64_t e = 0; e < nd; e++) {
-            const double *other = s->reach + s->damper_force[e] * n;
+            const double *other = s->reach + s->damper_force[l->acting[e]] * n;
             double ww = 0.0, wr = 0.0, aw = 0.0, ar = 0.0;
             for (int64_t i = 0; i < n; i++) {
                 double both = own[i] * other[i];
@@ -259,16 +268,17 @@ static void fresh_forces(const loop_t *l, double t, double *a)
 static void solve_dampers(const loop_t *l, const step_t *step, const double *solver)
 {
     const system_t *s = &l->system;
-    const int64_t nd = s->n_dampers, wide = 2 * nd;
+    const int64_t nd = l->n_acting, wide = 2 * nd;
     if (nd == 0) return;
     end_step(s->n, step, s->stiffness, s->rate, l->base_q, l->base_v, l->u, l->r, l->end_q, l->end_v, l->end_a);
     for (int64_t d = 0; d < nd; d++) { /* motion across each damper without its own end force */
-        along(s->n, s->reach + s->damper_force[d] * s->n, l->end_v, l->end_a, l->speed + d, l->acceleration + d);
-        l->speed[d] *= -s->viscous[d];
-        l->acceleration[d] *= -s->viscous[d];
+        const int64_t f = s->damper_force[l->acting[d]];
+        along(s->n, s->reach + f * s->n, l->end_v, l->end_a, l->speed + d, l->acceleration + d);
+        l->speed[d] *= -s->viscous[l->acting[d]];
+        l->acceleration[d] *= -s->viscous[l->acting[d]];
     }
     for (int64_t d = 0; d < nd; d++) {
-        const int64_t f = s->damper_force[d];
+        const int64_t f = s->damper_force[l->acting[d]];
         double x = 0.0, y = 0.0;
         for (int64_t e = 0; e < nd; e++) {
             x += solver[d * wide + e] * l->speed[e] + solver[d * wide + nd + e] * l->acceleration[e];
@@ -294,8 +304,7 @@ static void take_step(const loop_t *l, double h, const step_t *step, const doubl
     begin_step(n, step, h, state->q, state->v, l->u, l->r, l->base_q, l->base_v);
     for (int pass = 0; pass < 2; pass++) {
         end_step(n, step, s->stiffness, s->rate, l->base_q, l->base_v, l->u, l->r, l->q1, l->v1, l->a1);
-        for (int64_t f = 0; f < nf; f++)
-            along(n, s->reach + f * n, l->v1, l->a1, l->speed + f, l->acceleration + f);
+        along_rows(n, l->n_needed, l->needed, s->reach, l->v1, l->a1, l->speed, l->acceleration);
         turn_phases(l->drive, n, s->reach, h, state->q, l->q1, state->phase, l->phase1);
         machine_forces(l->drive, nf, t + h, t + 0.5 * h, l->phase1, l->speed, l->acceleration, l->f1, l->fr1);
         limited_forces(l, l->q1, l->speed, l->f1, l->fr1);
