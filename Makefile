@@ -30,7 +30,7 @@ TRIALS :=
 
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help demo test test-machines explore check format bench calibration-study sensitivity-study mutations generated templates wheel smoke lock clean distclean moved
+.PHONY: help demo test test-machines explore check format bench calibration-study sensitivity-study mutations generated templates wheel wheels same-bits smoke lock clean distclean moved
 
 help:
 	@echo "make demo           recalculate two example workbooks into build/demo"
@@ -45,6 +45,8 @@ help:
 	@echo "make mutations      calculate spoiled cases: named problems or finite results (CASES=20000)"
 	@echo "make templates      rebuild the workbooks in templates/"
 	@echo "make wheel          build the wheel into build/dist"
+	@echo "make wheels         build the wheels of all systems into build/wheels, and look into each"
+	@echo "make same-bits      calculate with the loops of every compiler that is here: equal to the bit"
 	@echo "make smoke          install that wheel outside the checkout and use it"
 	@echo "make lock           lock the dependencies anew (LOCK=--upgrade for newer versions)"
 	@echo "make clean          remove what was built; make distclean removes .venv as well"
@@ -97,6 +99,14 @@ wheel: $(RUN_READY) $(LOOPS)
 	@rm -rf build/dist
 	$(PY) -m pip wheel --quiet --disable-pip-version-check --no-deps --no-build-isolation --wheel-dir build/dist .
 	@ls build/dist/*.whl
+
+wheels: $(RUN_READY) $(LOOPS)
+	$(PY) -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements/build.txt
+	$(PY) scripts/wheels.py build/wheels
+
+same-bits: $(DEV_READY) $(LOOPS)
+	$(PY) -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements/build.txt
+	$(PY) scripts/same_bits.py
 
 smoke: wheel
 	scripts/smoke_wheel.sh $(PY) build/dist/*.whl

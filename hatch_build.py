@@ -27,6 +27,17 @@ HEADER, MODULE = "kernels.h", "_declarations"
 SUFFIX = {"win32": ".dll", "darwin": ".dylib"}
 FLAGS = ("-O3", "-std=c11", "-ffp-contract=off", "-fno-math-errno", "-fPIC", "-shared")
 ZIG = (sys.executable, "-m", "ziglang", "cc")
+#: Names a wheel for another system (`make wheels`): its tag, the target of ziglang, how a library ends there.
+TARGET = "TORSIONBOOK_TARGET"
+TARGETS = {
+    "manylinux_2_17_x86_64": ("x86_64-linux-gnu.2.17", ".so"),
+    "manylinux_2_17_aarch64": ("aarch64-linux-gnu.2.17", ".so"),
+    "musllinux_1_2_x86_64": ("x86_64-linux-musl", ".so"),
+    "musllinux_1_2_aarch64": ("aarch64-linux-musl", ".so"),
+    "macosx_11_0_arm64": ("aarch64-macos.11.0", ".dylib"),
+    "macosx_11_0_x86_64": ("x86_64-macos.11.0", ".dylib"),
+    "win_amd64": ("x86_64-windows-gnu", ".dll"),
+}
 NO_COMPILER = (
     "torsionbook is built from source here and found no C compiler. Install one (Debian and Ubuntu: apt-get install "
     "gcc; macOS: xcode-select --install), name one in CC, or: pip install ziglang. A wheel needs none."
@@ -70,7 +81,7 @@ def declarations(made: Path) -> None:
 
 
 def build(root: Path) -> list[Path]:
-    """Compiles the library unless it is there from the same sources; the files that were made.
+    """Compiles the library for this machine unless it is there from the same sources; the files that were made.
 
     Raises `SystemExit` with what to do where there is no compiler or it fails.
     """
@@ -85,6 +96,25 @@ def build(root: Path) -> list[Path]:
     command = compiler()
     if command is None:
         raise SystemExit(NO_COMPILER)
+    declarations(described)
+    compile_into(made, folder, command, sources)
+    return [made, described]
+
+
+def build_for(root: Path, tag: str) -> list[Path]:
+    """Compiles the library for another system into `build/`; the files that were made."""
+    target, suffix = TARGETS[tag]
+    folder = root / KERNELS
+    place = root / "build" / "loops" / tag
+    place.mkdir(parents=True, exist_ok=True)
+    made, described = place / f"_loops{suffix}", folder / f"{MODULE}.py"
+    declarations(described)
+    compile_into(made, folder, (*ZIG, "-target", target, "-s"), sources_digest(folder))
+    return [made, described]
+
+
+def compile_into(made: Path, folder: Path, command: tuple[str, ...], sources: str) -> None:
+    """Compiles the sources of a folder."""
     partial = made.with_suffix(".part")
     words = [
         *command, *FLAGS, f'-DSOURCES="{sources}"', "-o", str(partial),
@@ -98,9 +128,7 @@ def build(root: Path) -> list[Path]:
         ) from None
     if done.returncode:
         raise SystemExit(f"The C compiler failed: {shlex.join(words)}\n{done.stderr}")
-    declarations(described)
     partial.replace(made)
-    return [made, described]
 
 
 class KernelHook(BuildHookInterface[Any]):
@@ -114,9 +142,12 @@ class KernelHook(BuildHookInterface[Any]):
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
         """Build, and say what the wheel is for."""
-        root = Path(self.root)
-        build_data["artifacts"] += [f"/{p.relative_to(root).as_posix()}" for p in build(root)]
-        system = sysconfig.get_platform().replace("-", "_").replace(".", "_")
+        root, system = Path(self.root), os.environ.get(TARGET, "")
+        made = build_for(root, system) if system else build(root)
+        inside = {str(p): f"{KERNELS.as_posix()}/{p.name}" for p in made}
+        if version == "standard":
+            build_data["force_include"] |= inside
+        system = system or sysconfig.get_platform().replace("-", "_").replace(".", "_")
         build_data["pure_python"] = False
         build_data["tag"] = f"py3-none-{system}"
 
