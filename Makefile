@@ -30,7 +30,7 @@ TRIALS :=
 
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help demo test test-machines explore check format bench calibration-study sensitivity-study mutations generated templates wheel wheels same-bits smoke lock clean distclean moved
+.PHONY: help demo test test-machines explore check format bench calibration-study sensitivity-study mutations generated templates wheel wheels same-bits sanitize smoke lock clean distclean moved
 
 help:
 	@echo "make demo           recalculate two example workbooks into build/demo"
@@ -47,6 +47,7 @@ help:
 	@echo "make wheel          build the wheel into build/dist"
 	@echo "make wheels         build the wheels of all systems into build/wheels, and look into each"
 	@echo "make same-bits      calculate with the loops of every compiler that is here: equal to the bit"
+	@echo "make sanitize       the tests of the loops with memory and arithmetic watched (needs gcc)"
 	@echo "make smoke          install that wheel outside the checkout and use it"
 	@echo "make lock           lock the dependencies anew (LOCK=--upgrade for newer versions)"
 	@echo "make clean          remove what was built; make distclean removes .venv as well"
@@ -107,6 +108,9 @@ wheels: $(RUN_READY) $(LOOPS)
 same-bits: $(DEV_READY) $(LOOPS)
 	$(PY) -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements/build.txt
 	$(PY) scripts/same_bits.py
+
+sanitize: $(DEV_READY) $(LOOPS)
+	scripts/sanitize.sh $(PY)
 
 smoke: wheel
 	scripts/smoke_wheel.sh $(PY) build/dist/*.whl
