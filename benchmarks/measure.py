@@ -23,6 +23,7 @@ from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
 from benchmarks.peers import PeerFailed
 from benchmarks.peers.protocol import Laps, timed
+from engine.stepping.library import about
 
 __all__ = [
     "Measured", "Point", "Timing", "interleave", "local", "machine", "on_grid", "time_at",
@@ -169,6 +170,7 @@ def machine() -> dict[str, str]:
         "cores": str(cores),
         "system": f"{platform.system()} {platform.machine()}",
         "python": ".".join(map(str, sys.version_info[:3])),
-        **{name: version(name) for name in ("numpy", "scipy", "numba")},
+        **{name: version(name) for name in ("numpy", "scipy")},
+        "loops": about(),
         "load": load,
     }

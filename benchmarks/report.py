@@ -216,7 +216,7 @@ def machine_line(facts: Mapping[str, str], busy: float) -> str:
     """The machine in one sentence, without its name."""
     return (
         f"{facts['cores']} cores, {facts['system']}, Python {facts['python']}, numpy "
-        f"{facts['numpy']}, scipy {facts['scipy']}, numba {facts['numba']}; linear algebra on one "
+        f"{facts['numpy']}, scipy {facts['scipy']}, loops by {facts['loops']}; linear algebra on one "
         f"thread. Nine tenths of the medians have at most {busy:.2f} s of wall time a second of "
         "processor time; where nothing else runs it is 1."
     )

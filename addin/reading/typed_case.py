@@ -36,8 +36,9 @@ from engine.errors import Problem, Quoted
 
 #: Longest name, title or remark. [characters]
 LONGEST_WORDS = 1_000
-#: Most rows of a table, far more than any train has; stations and elements are checked against each other.
-MOST_ROWS, MOST_PARTS = 20_000, 2_000
+#: Most rows of a table, far more than any train has; stations and elements are checked against each other, torques
+#: against time are recorded.
+MOST_ROWS, MOST_PARTS, MOST_TIMES = 20_000, 2_000, 100_000
 _HALF_CHARACTERS = re.compile("[\ud800-\udfff]")
 
 #: Table (``Case`` for a scalar), row of `CaseData` counted from 1 or None, column or scalar.
@@ -283,7 +284,9 @@ def word_entry(text: str, spec: Field, place: Place, findings: Findings) -> str 
 
 def too_many_rows(table: str, count: int, findings: Findings) -> bool:
     """Whether a table has more rows than are read; noted if so."""
-    most = MOST_PARTS if table in ("Stations", "Elements") else MOST_ROWS
+    most = {"Stations": MOST_PARTS, "Elements": MOST_PARTS, "TorqueTime": MOST_TIMES}.get(
+        table, MOST_ROWS
+    )
     if count <= most:
         return False
     findings.add(

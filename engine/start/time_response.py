@@ -22,7 +22,6 @@ from engine.model.modes import Modes, modal_damping_matrix
 from engine.model.train import Train
 from engine.start.torque_outputs import force_reach, torque_outputs
 from engine.stepping import linear_loop as kernels
-from engine.stepping.exponential import polynomial_step
 
 #: Monomial coefficients of s from values at s = 0, 1/3, 2/3, 1.
 _FOUR_POINT = np.linalg.inv(np.vander(np.array([0.0, 1.0, 2.0, 3.0]) / 3.0, 4, increasing=True))
@@ -296,14 +295,12 @@ def _integrate(
     q = np.zeros(n)
     out_q[0], out_v[0] = q, v
     state = np.concatenate([q, v])
-    i = 0
-    while i < len(grid) - 1:
-        j = _equal_steps_until(grid, i)
-        h = float(grid[j] - grid[i]) / (j - i)
-        if coupled:
-            free, forced = _coupled_step(omega, matrix, h)
-        else:
-            free, forced = polynomial_step(omega**2, np.diag(matrix).copy(), h)
+    steps = _steps(grid)
+    stiffness, rate = omega**2, np.diag(matrix).copy()
+    changes = np.flatnonzero(np.diff(steps)) + 1 if coupled else np.zeros(0, dtype=np.int64)
+    for i, j in zip([0, *changes], [*changes, len(steps)], strict=True):
+        if coupled and j > i:
+            free, forced = _coupled_step(omega, matrix, float(steps[i]))
         for a in range(i, j, CHUNK):
             b = min(a + CHUNK, j)
             cubic, new = forces(grid[a : b + 1]), slice(a + 1, b + 1)
@@ -312,19 +309,32 @@ def _integrate(
                 kernels.drive_coupled(free, forced, cubic, state, out)
                 out_q[new], out_v[new] = out[:, :n], out[:, n:]
             else:
-                kernels.drive_modes(free, forced, cubic, q, v, out_q[new], out_v[new])
-        i = j
+                after = out_q[new], out_v[new]
+                kernels.drive_modes(steps[a:b], stiffness, rate, cubic, (q, v), after)
     return out_q.T, out_v.T
 
 
-def _equal_steps_until(grid: Floats, i: int) -> int:
-    """End of the longest stretch from i on whose steps are equal but for rounding.
+def _steps(grid: Floats) -> Floats:
+    """Lengths of the steps, those the same that differ by rounding alone. [s]"""
+    steps = np.diff(grid)
+    slack = max(_SPACING * float(np.ptp(grid)), 8.0 * float(np.spacing(np.max(np.abs(grid)))))
+    changes = np.flatnonzero(np.abs(np.diff(steps)) > 4.0 * slack) + 1
+    first, last = np.append(0, changes), np.append(changes, len(steps))
+    for i, end in zip(first[last - first > 1], last[last - first > 1], strict=True):
+        while i < end:
+            j = _equal_steps_until(grid[: end + 1], i, slack)
+            steps[i:j] = float(grid[j] - grid[i]) / (j - i)
+            i = j
+    return steps
+
+
+def _equal_steps_until(grid: Floats, i: int, slack: float) -> int:
+    """End of the longest stretch from i on whose steps are equal but for rounding, `slack`.
 
     Judged by where the points lie, not by their differences: neighbours of 15 s at 0.1 ms differ
     by rounding alone in every third step.
     """
     last = len(grid) - 1
-    slack = max(_SPACING * float(grid[-1] - grid[0]), 8.0 * float(np.spacing(np.max(np.abs(grid)))))
 
     def equal(j: int) -> bool:
         line = np.linspace(grid[i], grid[j], j - i + 1)

@@ -221,23 +221,31 @@ def forces_at(t: float, inside: float, system: Any, drive: Any, state: Any, room
 
 
 def drive_modes(
-    free: Floats, forced: Floats, cubic: Floats, q: Floats, v: Floats, out_q: Floats, out_v: Floats
+    steps: Floats,
+    stiffness: Floats,
+    rate: Floats,
+    cubic: Floats,
+    state: tuple[Floats, Floats],
+    out: tuple[Floats, Floats],
 ) -> None:
     """Uncoupled modes under prescribed modal forces.
 
     Parameters
     ----------
-    free, forced : ndarray, shape (n_modes, 2, 2) and (n_modes, 2, 4)
-        Coefficients of the step. [SI]
+    steps : ndarray, shape (n_steps,)
+        Length of each step; coefficients are made anew where it changes. [s]
+    stiffness, rate : ndarray, shape (n_modes,)
+        λ and d of each mode. [1/s², 1/s]
     cubic : ndarray, shape (n_steps, n_modes, 4)
         Coefficients of the modal force over each step. [SI]
-    q, v : ndarray, shape (n_modes,)
-        State, updated. [SI]
-    out_q, out_v : ndarray, shape (n_steps, n_modes)
-        State after each step. [SI]
+    state : tuple of ndarray, shape (n_modes,)
+        Positions and velocities, updated. [SI]
+    out : tuple of ndarray, shape (n_steps, n_modes)
+        The same after each step. [SI]
     """
+    room = np.empty(12 * len(rate))
     library.drive_modes(
-        len(cubic), len(q), *map(address, (free, forced, cubic, q, v, out_q, out_v))
+        len(steps), len(rate), *map(address, (steps, stiffness, rate, cubic, *state, *out, room))
     )
 
 

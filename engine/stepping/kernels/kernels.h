@@ -139,8 +139,9 @@ void exponential_step(int64_t n, const double *stiffness, const double *rate, do
 void newmark_step(int64_t n, const double *stiffness, const double *rate, double h, double *free,
                   double *forced);
 double first_fall(double g0, double d0, double g1, double d1);
-void drive_modes(int64_t n_steps, int64_t n, const double *free, const double *forced, const double *cubic,
-                 double *q, double *v, double *out_q, double *out_v);
+void drive_modes(int64_t n_steps, int64_t n, const double *steps, const double *stiffness,
+                 const double *rate, const double *cubic, double *q, double *v, double *out_q, double *out_v,
+                 double *room);
 void drive_coupled(int64_t n_steps, int64_t n_state, int64_t n_modes, const double *free,
                    const double *forced, const double *cubic, double *state, double *out, double *room);
 int64_t turning_points(int64_t n, const double *t, const double *y, const double *slope, double *when,

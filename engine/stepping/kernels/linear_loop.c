@@ -163,11 +163,14 @@ int64_t advance_start(stretches_t *plan, const system_t *system, const drive_t *
     return AT_TIME;
 }
 
-/* Uncoupled modes under prescribed modal forces, cubics of each step: (n_steps, n, 4). */
-void drive_modes(int64_t n_steps, int64_t n, const double *free, const double *forced, const double *cubic,
-                 double *q, double *v, double *out_q, double *out_v)
+/* Uncoupled modes under prescribed modal forces, cubics of each step: (n_steps, n, 4); room for 12 n numbers. */
+void drive_modes(int64_t n_steps, int64_t n, const double *steps, const double *stiffness,
+                 const double *rate, const double *cubic, double *q, double *v, double *out_q, double *out_v,
+                 double *room)
 {
-    for (int64_t k = 0; k < n_steps; k++)
+    double *free = room, *forced = room + 4 * n;
+    for (int64_t k = 0; k < n_steps; k++) {
+        if (k == 0 || steps[k] != steps[k - 1]) polynomial_step(n, stiffness, rate, steps[k], free, forced);
         for (int64_t i = 0; i < n; i++) {
             const double *c = cubic + 4 * (k * n + i), *a = free + 4 * i, *b = forced + 8 * i;
             double x = a[0] * q[i] + a[1] * v[i], y = a[2] * q[i] + a[3] * v[i];
@@ -178,6 +181,7 @@ void drive_modes(int64_t n_steps, int64_t n, const double *free, const double *f
             q[i] = out_q[k * n + i] = x;
             v[i] = out_v[k * n + i] = y;
         }
+    }
 }
 
 /* A coupled linear system under prescribed forces. */
