@@ -83,9 +83,10 @@ def write_history(
         np.savez_compressed(target, **columns)  # type: ignore[arg-type]
     else:
         try:
-            import pandas as pd
+            import pyarrow
+            from pyarrow import parquet
 
-            pd.DataFrame(columns).to_parquet(target, compression="zstd", index=False)
+            parquet.write_table(pyarrow.table(columns), target, compression="zstd")
         except ImportError:
             raise HistoryUnavailable(
                 "KeepHistory is parquet, but pyarrow is not installed. Choose npz, or run pip install "
