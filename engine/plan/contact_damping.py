@@ -13,8 +13,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline
-from scipy.signal import lfilter
+from scipy.linalg import lapack
 
 from engine.arrays import Floats
 from engine.case.choices import ContactLaw
@@ -22,6 +21,7 @@ from engine.case.data import CaseData, TorqueTimeRow
 from engine.model.train import Flank, Train
 from engine.start.settings import NEGLIGIBLE
 from engine.start.start import Start
+from engine.start.trajectory import hermite_at
 
 #: The limit changes what it acts on; so often its change of the first order is taken for a bound.
 LIMIT_GAIN = 2.0
@@ -100,13 +100,16 @@ def _excess(start: Start, flank: Flank) -> tuple[Floats, Floats]:
     lag, span = flank.viscous / flank.stiffness, float(time[-1] - time[0])
     n = int(min(MOST_SAMPLES, max(SAMPLES * span / lag, 2.0 * len(time)))) + 1
     at = np.linspace(time[0], time[-1], n)
-    whole = CubicHermiteSpline(time, torque, rate)(at)
+    whole = hermite_at(time, torque, rate, at)
     # S of the next sample from T linear between two
     ratio = span / (n - 1) / lag
     fade = float(np.exp(-ratio))
     share = (1.0 - fade) / ratio
-    spring = lfilter([1.0 - share, share - fade], [1.0, -fade], whole)
-    spring -= (1.0 - share) * whole[0] * fade ** np.arange(n)  # untwisted at the beginning
+    new = (1.0 - share) * whole
+    new[1:] += (share - fade) * whole[:-1]
+    new[0] = 0.0  # untwisted at the beginning
+    lagging = np.array([np.ones(n), np.full(n, -fade)])  # each sample less what fades of the one before
+    spring = lapack.dtbtrs(lagging, new[:, None], uplo="L")[0][:, 0]
     excess = np.maximum(whole - 2.0 * spring, 0.0)
     excess[excess <= NEGLIGIBLE * float(np.max(np.abs(whole)))] = 0.0
     excess[-1] = 0.0

@@ -13,12 +13,12 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline
 
 from engine.arrays import Floats
 from engine.model.modal_train import ModalTrain
 from engine.model.motor import Motor
 from engine.start.start import Start
+from engine.start.trajectory import hermite_at
 
 #: The amplitude is a mean over so many cycles of the pulsation, weighted by a raised cosine: as few as
 #: leave neither mean torque nor twice the frequency. [count]
@@ -105,16 +105,13 @@ def modal_amplitude(
     weight = (
         modal.modes.row_twist[rows, mode] * train.orientation[train.row_element[rows]] * elastic
     )
-    coordinate = CubicHermiteSpline(
-        time,
-        weight @ history.torque[: len(rows), inside],
-        weight @ history.torque_rate[: len(rows), inside],
-    )
+    coordinate = weight @ history.torque[: len(rows), inside]
+    rate = weight @ history.torque_rate[: len(rows), inside]
     even = np.arange(0.0, phase[-1], 2.0 * math.pi / POINTS)
     when = np.interp(even, phase, time)
     hann: Floats = np.hanning(CYCLES * POINTS + 1)
     envelope = np.abs(
-        np.convolve(coordinate(when) * np.exp(-1j * even), 2.0 * hann / hann.sum(), mode="valid")
+        np.convolve(hermite_at(time, coordinate, rate, when) * np.exp(-1j * even), 2.0 * hann / hann.sum(), mode="valid")
     )
     k = int(np.argmax(envelope))
     return float(envelope[k]), float(when[k + CYCLES * POINTS // 2])

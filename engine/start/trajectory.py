@@ -246,22 +246,31 @@ def _turning(trajectory: Trajectory, output: int, end: float) -> Turning:
     once[1:] = (np.diff(when) > SAME_TIME * end) | ~same
     when, value = when[once], value[once]
     inside = when < end
-    last = _hermite_at(t, y, slope, end)
+    last = float(hermite_at(t, y, slope, np.array([end]))[0])
     return (
         np.concatenate([t[:1], when[inside], [end]]),
         np.concatenate([y[:1], value[inside], [last]]),
     )
 
 
-def _hermite_at(t: Floats, y: Floats, slope: Floats, at: float) -> float:
-    """Value of the dense output at one time."""
-    i = int(np.clip(np.searchsorted(t, at) - 1, 0, len(t) - 2)) if len(t) > 1 else 0
-    if len(t) < 2:
-        return float(y[0])
-    h = t[i + 1] - t[i]
-    if h <= 0.0:
-        return float(y[i + 1])
-    s = (at - t[i]) / h
-    rise = y[i + 1] - y[i]
-    a, b = h * slope[i], h * slope[i + 1]
-    return float(y[i] + s * (a + s * (3.0 * rise - 2.0 * a - b + s * (a + b - 2.0 * rise))))
+def hermite_at(t: Floats, y: Floats, slope: Floats, at: Floats) -> Floats:
+    """Values of the dense output, the cubics through values and rates of the samples.
+
+    Parameters
+    ----------
+    t, y, slope : ndarray, shape (n,)
+        Rising times, of which two may be equal at a jump; values of any unit, and their rates. [s, any]
+    at : ndarray, shape (m,)
+        Times within them. [s]
+
+    Returns
+    -------
+    ndarray, shape (m,)
+        Values. [any]
+    """
+    i = np.clip(np.searchsorted(t, at) - 1, 0, max(len(t) - 2, 0))
+    j = np.minimum(i + 1, len(t) - 1)
+    h = t[j] - t[i]
+    s = np.where(h > 0.0, (at - t[i]) / np.where(h > 0.0, h, 1.0), 1.0)
+    rise, a, b = y[j] - y[i], h * slope[i], h * slope[j]
+    return np.asarray(y[i] + s * (a + s * (3.0 * rise - 2.0 * a - b + s * (a + b - 2.0 * rise))))
