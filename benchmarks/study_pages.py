@@ -233,7 +233,7 @@ def write_study(found: Study, sections: Sequence[Section], docs: Path) -> None:
     for a in found.answers:
         events = by_number[a.number]["asked"]["events"]
         label = f"{a.kind}, {'with events' if events else 'linear'}"
-        if a.resolved:
+        if a.resolved and a.stated is not None:
             groups.setdefault(label, []).append((a.true / a.tolerance, a.ratio))
     draw_tolerances(images / STUDY_PICTURE, groups)
     report.write_markdown(docs / "accuracy-study.md", "Are stated tolerances honoured?", sections)

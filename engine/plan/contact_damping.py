@@ -108,7 +108,8 @@ def _excess(start: Start, flank: Flank) -> tuple[Floats, Floats]:
     new = (1.0 - share) * whole
     new[1:] += (share - fade) * whole[:-1]
     new[0] = 0.0  # untwisted at the beginning
-    lagging = np.array([np.ones(n), np.full(n, -fade)])  # each sample less what fades of the one before
+    # each sample less what has faded of the one before
+    lagging = np.array([np.ones(n), np.full(n, -fade)])
     spring = lapack.dtbtrs(lagging, new[:, None], uplo="L")[0][:, 0]
     excess = np.maximum(whole - 2.0 * spring, 0.0)
     excess[excess <= NEGLIGIBLE * float(np.max(np.abs(whole)))] = 0.0

@@ -111,7 +111,11 @@ def modal_amplitude(
     when = np.interp(even, phase, time)
     hann: Floats = np.hanning(CYCLES * POINTS + 1)
     envelope = np.abs(
-        np.convolve(hermite_at(time, coordinate, rate, when) * np.exp(-1j * even), 2.0 * hann / hann.sum(), mode="valid")
+        np.convolve(
+            hermite_at(time, coordinate, rate, when) * np.exp(-1j * even),
+            2.0 * hann / hann.sum(),
+            mode="valid",
+        )
     )
     k = int(np.argmax(envelope))
     return float(envelope[k]), float(when[k + CYCLES * POINTS // 2])
