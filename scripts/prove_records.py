@@ -421,6 +421,7 @@ def copy_tree(target: Path) -> None:
         if source.is_file():
             (target / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy2(source, target / name)
+    subprocess.run([sys.executable, "hatch_build.py"], cwd=target, check=True, capture_output=True)
 
 
 def apply(patch: Patch, tree: Path) -> None:

@@ -147,7 +147,7 @@ static void rotate(const loop_t *l, int back, double *x)
 
 static void copy(int64_t n, const double *from, double *to) { memcpy(to, from, (size_t)n * sizeof *to); }
 
-/* Gauss–Jordan with row exchange; 0 where a pivot is zero. */
+/* Gauss–Jordan with row exchange; 0 where a pivot has no finite inverse. */
 static int invert(int64_t n, double *matrix, double *inverse)
 {
     for (int64_t i = 0; i < n * n; i++) inverse[i] = i % (n + 1) == 0 ? 1.0 : 0.0;
@@ -156,7 +156,6 @@ static int invert(int64_t n, double *matrix, double *inverse)
         double scale;
         for (int64_t k = i + 1; k < n; k++)
             if (fabs(matrix[k * n + i]) > fabs(matrix[pivot * n + i])) pivot = k;
-        if (matrix[pivot * n + i] == 0.0) return 0;
         for (int64_t j = 0; pivot != i && j < n; j++) {
             double a = matrix[i * n + j], b = inverse[i * n + j];
             matrix[i * n + j] = matrix[pivot * n + j];
@@ -165,6 +164,7 @@ static int invert(int64_t n, double *matrix, double *inverse)
             inverse[pivot * n + j] = b;
         }
         scale = 1.0 / matrix[i * n + i];
+        if (!isfinite(scale)) return 0;
         for (int64_t j = 0; j < n; j++) {
             matrix[i * n + j] *= scale;
             inverse[i * n + j] *= scale;
