@@ -155,8 +155,8 @@ def _alone(number: int) -> Ended:
             signal.setitimer(signal.ITIMER_PROF, 0.0)
 
 
-def _compile() -> None:
-    """Load or compile what starts with clearances need: no case's own time."""
+def _load() -> None:
+    """Load what starts with clearances need: no case's own time."""
     run(study_train(81).case)
 
 
@@ -169,7 +169,7 @@ def main() -> int:
     args = parser.parse_args()
     numbers = range(args.first, args.first + args.cases)
     found: list[Ended] = []
-    with ProcessPoolExecutor(args.jobs, initializer=_compile) as pool:
+    with ProcessPoolExecutor(args.jobs, initializer=_load) as pool:
         for future in as_completed([pool.submit(_alone, n) for n in numbers]):
             one = future.result()
             found.append(one)

@@ -76,10 +76,9 @@ REQUIREMENTS = {
 }
 
 
-#: Rooms whose tests need the compiled loops from the start, and rooms whose tests need none. The first
-#: of two test processes begins with the former and compiles, the second with the latter (the halves are
-#: counted by tests: it begins among those of `contract`); all others come when there is nothing left to
-#: compile, and share the workbooks that the second process makes.
+#: Rooms that calculate, and rooms that do not. The first of two test processes begins with the former, the
+#: second with the latter (the halves are counted by tests: it begins among those of `contract`); all others
+#: come last, and share the workbooks that the second process makes.
 _CALCULATING = (
     "acceptance",
     "engine",

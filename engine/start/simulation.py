@@ -73,13 +73,13 @@ def simulate(
         "stretches_t", n=len(counts), counts=counts, steps=lengths, target_speed=target_speed,
         newmark=method == Method.NEWMARK,
     )  # fmt: skip
+    rows = {  # filled again and again
+        "time": np.empty(CHUNK), "q": np.empty((CHUNK, n)), "v": np.empty((CHUNK, n)),
+        "force": np.empty((CHUNK, nf)), "force_rate": np.empty((CHUNK, nf)),
+    }  # fmt: skip
+    out = struct("output_t", rows=CHUNK, **rows)
     steps, reason = 0, kernels.MORE
     while reason == kernels.MORE:
-        rows = {
-            "time": np.empty(CHUNK), "q": np.empty((CHUNK, n)), "v": np.empty((CHUNK, n)),
-            "force": np.empty((CHUNK, nf)), "force_rate": np.empty((CHUNK, nf)),
-        }  # fmt: skip
-        out = struct("output_t", rows=CHUNK, **rows)
         done, reason = kernels.advance_start(plan, system, drive, state, out, room)
         time, out_q, out_v, out_f, out_r = (a[:done] for a in rows.values())
         torques = _torques(model, out_q, out_v, out_f, out_r)

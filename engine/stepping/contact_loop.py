@@ -26,6 +26,7 @@ __all__ = [
     "STUCK",
     "advance_pieces",
     "first_fall",
+    "pieces_struct",
 ]
 
 Floats = NDArray[np.float64]
