@@ -34,7 +34,7 @@ class Address(str):
 @contextmanager
 def outside(*words: str) -> Iterator[Address]:
     """`torsionbook serve` as a process of its own; its address."""
-    program = Path(__file__).with_name("unlimited.py")
+    program = Path(__file__).with_name("slow_server.py")
     command = [sys.executable, str(program), "serve", "--port", "0", "--workers", "1", *words]
     process = subprocess.Popen(
         command, cwd=ROOT, stderr=subprocess.PIPE, text=True, env={**os.environ, "NO_COLOR": "1"}
