@@ -74,7 +74,7 @@ def beside_a_start(address: str) -> dict[str, Any]:
     from addin.reading.workbook import read_workbook
 
     case = case_to_json(read_workbook(ROOT / "templates" / "example_backlash.xlsx").data)
-    slow = {**case, "tolerance_peak": 2e-7, "voltage": 0.65}  # some twenty seconds
+    slow = {**case, "tolerance_peak": 2e-7, "voltage": 0.65}  # some five seconds
     with httpx2.Client(base_url=address, timeout=60.0) as client:
         handle = client.post("/api/v1/model", json=slow).json()["model"]
         post(client, [("TV_FREQUENCIES", handle)])
