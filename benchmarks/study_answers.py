@@ -171,8 +171,10 @@ def summary_of(records: list[Record]) -> Study:
         resolved = r["truth"]["step"] <= NO_FINER * r["asked"]["step"]
         found.answers.extend(replace(a, resolved=resolved) for a in _beside(r, r["truth"]))
         found.recontacts.extend(replace(a, resolved=resolved) for a in _recontacts(r))
-        for effect, (bound, change) in r.get("bounds", {}).items():
-            found.bounds.append(Answer(r["number"], effect, "bound", bound, bound, change))
+        for effect, peaks in r.get("bounds", {}).items():
+            for element, (bound, change) in peaks.items():
+                at = f"{element}: {effect}"
+                found.bounds.append(Answer(r["number"], at, "bound", bound, bound, change))
         if r.get("independent"):
             found.independent.extend(_peaks(r, r["independent"]["peaks"]))
     return found
@@ -215,10 +217,10 @@ def change_under_nudges(record: Record) -> float:
 
 def largest_change(peaks: dict[str, Sequence[float]], truth: dict[str, Sequence[float]]) -> float:
     """Largest relative change of an extreme; torques that are only rounding say nothing."""
-    return max((true for _, _, true in _beside_truth(peaks, truth)), default=0.0)
+    return max((true for _, _, true in beside_truth(peaks, truth)), default=0.0)
 
 
-def _beside_truth(
+def beside_truth(
     peaks: dict[str, Sequence[float]], truth: dict[str, Sequence[float]]
 ) -> Iterator[tuple[str, float, float]]:
     """Element, size of its true peak and relative error of its extremes."""
@@ -235,7 +237,7 @@ def _beside_truth(
 def _peaks(record: Record, truth: dict[str, Sequence[float]]) -> list[Answer]:
     """Peaks of a record beside true ones, their error with what is left out."""
     found, peaks = [], record["asked"]["peaks"]
-    for element, size, off in _beside_truth(peaks, truth):
+    for element, size, off in beside_truth(peaks, truth):
         error, left_out = peaks[element][2:4]
         stated = None if left_out is None else (error + left_out) / size
         tolerance = record["tolerance"][0]

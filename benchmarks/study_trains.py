@@ -3,7 +3,7 @@
 Even numbers are linear, odd ones have clearances. Every twentieth pair has nothing that the
 independent integrator lacks: viscous dampers that couple the modes instead of damping ratios, no
 rigid meshes, no bearings. The generators are those of the tests. Starts of the numbers from `LEAVES_MODES` on are
-linear and leave modes out.
+linear and leave modes out; those from `LEAVES_EFFECT` on leave out an effect with a bound that is not zero.
 """
 
 from __future__ import annotations
@@ -16,6 +16,8 @@ import numpy as np
 from engine.case.case import Case
 from engine.case.choices import ElementKind
 from engine.case.data import EffectChoiceRow, ElementRow, MeshRow
+from engine.plan.evidence import BACKLASH_GAIN
+from engine.run import run
 from tests.random_effects import (
     with_bearings,
     with_clearances,
@@ -47,6 +49,15 @@ DRAW_THAT_LEAVES_MODES = (
     2, 29, 5, 1, 89, 0, 43, 21, 11, 5, 29, 34, 12, 17, 60, 8, 0, 4,
 )
 # fmt: on
+#: Trains from this number on leave one of these effects out, in turn, with a bound.
+LEAVES_EFFECT = 6_000_000
+LEFT_OUT = ("bearings", "coupled damping", "breaker closing", "backlash")
+#: What an effect that is left out has of what other trains have, as powers of ten.
+LITTLE = (-6.0, -2.0)
+#: Lowest torque of a backlash that is left out, over the limit at which it would be simulated: beyond -1 it is not.
+NEAR_ZERO = (-1.0, 2.0)
+#: Share of the tolerance to which that lowest torque is found, and halvings of its bracket at the most.
+NEAR_ENOUGH, HALVINGS = 0.02, 30
 #: Share of the trains on bearings whose other meshes have a backlash, too, and that backlash: with none gears on
 #: bearings have no bound once their torque reverses. [1, m]
 SMALL_GAPS, SMALL_GAP = 0.9, (5e-5, 4e-4)
@@ -95,11 +106,16 @@ class StudyTrain:
 def study_train(number: int) -> StudyTrain:
     """A train of the study; of the seeds that belong to its number the first that will do."""
     at = number - LEAVES_MODES
-    for attempt in range(DRAWS) if at < 0 else (DRAW_THAT_LEAVES_MODES[at],):
+    stored = 0 <= at < len(DRAW_THAT_LEAVES_MODES)
+    for attempt in (DRAW_THAT_LEAVES_MODES[at],) if stored else range(DRAWS):
         seed = number + attempt * APART
-        case, extras = _drawn(number, seed)
+        if number >= LEAVES_EFFECT:
+            case, extras = _drawn_without(LEFT_OUT[number % len(LEFT_OUT)], number, seed)
+        else:
+            case, extras = _drawn(number, seed)
         if case is not None:
-            return StudyTrain(number, seed, case, extras, number % 20 in INDEPENDENT)
+            independent = number % 20 in INDEPENDENT and number < LEAVES_EFFECT
+            return StudyTrain(number, seed, case, extras, independent)
     raise ValueError(f"no seed gives train number {number} what it should have")
 
 
@@ -134,11 +150,68 @@ def _drawn(number: int, seed: int) -> tuple[Case | None, tuple[str, ...]]:
         extras.append("breaker closing")
     if "bearings" in extras and rng.random() < SMALL_GAPS:
         case = _with_small_gaps(case, rng)
+    return _judged(case, number, seed, rng), tuple(extras)
+
+
+def _judged(case: Case, number: int, seed: int, rng: np.random.Generator) -> Case:
+    """Its tolerances and its shafts with S-N data, every backlash stated."""
     case = _without_other_gaps(case)
     case = with_judged_shafts(case, seed, float(10.0 ** rng.uniform(-0.3, 0.4)))
     peak = OTHER_TOLERANCE.get(number % 20, 1e-3)
-    case = replace(case, tolerance_peak=peak, tolerance_starts=STARTS_TOLERANCE[peak])
-    return case, tuple(extras)
+    return replace(case, tolerance_peak=peak, tolerance_starts=STARTS_TOLERANCE[peak])
+
+
+def _drawn_without(effect: str, number: int, seed: int) -> tuple[Case | None, tuple[str, ...]]:
+    """One draw of a train with so little of one effect that it is left out; None if it is not, or without bound."""
+    rng = np.random.default_rng((seed, 22))
+    little = float(10.0 ** rng.uniform(*LITTLE))
+    case: Case | None = random_start(seed)
+    assert case is not None
+    if effect == "bearings":
+        case = with_bearings(case, seed, little)
+    elif effect == "coupled damping":
+        case = _with_dampers(case, rng, little)
+    elif effect == "breaker closing":
+        case = with_shock(case, seed, little)
+    else:
+        case = with_clearances(case, seed)
+        case = None if case is None else _with_teeth(case, rng)
+    if case is None:
+        return None, ()
+    case = _judged(case, number, seed, rng)
+    if effect == "backlash" and (case := _near_zero(case, rng)) is None:
+        return None, ()
+    plan = run(case).plans[-1]
+    left_out = effect in plan.left_out and plan.decision(effect).bound
+    return (case if left_out else None), (effect,)
+
+
+def _near_zero(case: Case, rng: np.random.Generator) -> Case | None:
+    """Its pulsation so large that the lowest torque of a clearance comes near zero; None if it never does."""
+    limit = (case.tolerance_peak or 1e-3) / BACKLASH_GAIN
+    wanted = float(rng.uniform(*NEAR_ZERO)) * limit
+    off = replace(case, effect_choices=(EffectChoiceRow("backlash", "off"),))
+
+    def lowest(share: float) -> float:
+        found = run(_pulsating(off, share)).plans[-1].decision("backlash").deciding_number
+        return math.inf if found is None else found
+
+    low, high = 0.0, 1.0
+    if lowest(low) <= wanted or lowest(high) >= wanted:
+        return None
+    for _ in range(HALVINGS):
+        share = 0.5 * (low + high)
+        found = lowest(share)
+        if abs(found - wanted) < NEAR_ENOUGH * limit:
+            return _pulsating(case, share)
+        low, high = (share, high) if found > wanted else (low, share)
+    return None
+
+
+def _pulsating(case: Case, share: float) -> Case:
+    """With a share of its pulsating torque."""
+    rows = [replace(p, pulsating=share * (p.pulsating or 0.0)) for p in case.motor_torque]
+    return replace(case, motor_torque=tuple(rows))
 
 
 def _at_most(count: int, case: Case) -> Case:
@@ -211,18 +284,18 @@ def _with_teeth(case: Case, rng: np.random.Generator) -> Case:
     return replace(case, elements=tuple(elements))
 
 
-def _with_dampers(case: Case, rng: np.random.Generator) -> Case:
-    """Dampers of half a per cent to five across the other elements, and some stations to ground."""
+def _with_dampers(case: Case, rng: np.random.Generator, share: float = 1.0) -> Case:
+    """Dampers of half a per cent to five across the other elements, and some stations to ground; or a share of them."""
     elements = []
     for e in case.elements:
         ratio = float(np.exp(rng.uniform(*np.log(DAMPED))))
         if e.stiffness and not e.damping:
             mass = _between(case, e)
             damping = 2.0 * ratio * math.sqrt(e.stiffness * mass)
-            e = replace(e, damping=min(damping, FASTEST_DAMPER * mass))
+            e = replace(e, damping=share * min(damping, FASTEST_DAMPER * mass))
         elements.append(e)
     stations = [
-        replace(s, damping=float(s.inertia or 0.0) * float(rng.uniform(0.0, 0.02)))
+        replace(s, damping=share * float(s.inertia or 0.0) * float(rng.uniform(0.0, 0.02)))
         if rng.random() < 0.3
         else s
         for s in case.stations

@@ -1,4 +1,4 @@
-"""Does what a start says of itself hold? 1,360 random trains: `python -m benchmarks.tolerance_study`.
+"""Does what a start says of itself hold? 1,520 random trains: `python -m benchmarks.tolerance_study`.
 
 Every train is run as a user runs it, and again at a hundredth of its tolerances with every effect on
 that it has data for: that is the truth. Each effect left out is also forced on by itself. A run that says
@@ -35,11 +35,12 @@ from benchmarks.study_answers import (  # noqa: E402
     SENSITIVE_NUDGES,
     Record,
     all_hold,
-    largest_change,
+    beside_truth,
     summary_of,
 )
 from benchmarks.study_trains import (  # noqa: E402
     INDEPENDENT,
+    LEAVES_EFFECT,
     LEAVES_MODES,
     OTHER_TOLERANCE,
     StudyTrain,
@@ -61,8 +62,9 @@ from engine.start.start_fatigue import judged_shafts, largest_damage
 
 ROOT = Path(__file__).resolve().parents[1]
 KEPT = ROOT / "build" / "tolerance-study"
-#: Trains of any kind, and of those that leave modes out; of any kind in the short study.
-FULL, LEAVING_MODES, QUICK = 1000, 100, 20
+#: Trains of any kind, of those that leave modes out and of those that leave an effect out; of any kind in the
+#: short study.
+FULL, LEAVING_MODES, LEAVING_EFFECT, QUICK = 1000, 100, 160, 20
 #: Up to these numbers those of other tolerances, and those of the independent integrator, are trains of the
 #: study, too: each class has a hundred.
 OTHER_TOLERANCES, INTEGRATED = 1500, 2600
@@ -135,19 +137,21 @@ def _with(case: Case, names: Iterable[str], choice: str = "on") -> Case:
     return replace(case, effect_choices=(*case.effect_choices, *choices))
 
 
-def _bounds(finer: Case, asked: Results) -> dict[str, list[float]]:
-    """Each effect left out with a bound: the bound, and how the peaks change when it is forced on."""
+def _bounds(finer: Case, asked: Results) -> dict[str, dict[str, list[float]]]:
+    """Each effect left out with a bound: the bound and the change of each peak when it is forced on."""
     plan = asked.plans[-1]
     known = {d.effect: d.bound for d in plan.decisions if d.effect in plan.left_out and d.bound}
     if not known:
         return {}
     found = {}
     for name, bound in known.items():
-        without = _answers(run(_with(finer, [name], "off")), 0.0)
-        forced = _answers(run(_with(finer, [name])), 0.0)
-        change = largest_change(without["peaks"], forced["peaks"])
-        # both have errors of their own
-        found[name] = [bound, max(change - without["error"] - forced["error"], 0.0)]
+        without = _answers(run(_with(finer, [name], "off")), 0.0)["peaks"]
+        forced = _answers(run(_with(finer, [name])), 0.0)["peaks"]
+        found[name] = {
+            # both have errors of their own
+            element: [bound, max(change - (without[element][2] + forced[element][2]) / size, 0.0)]
+            for element, size, change in beside_truth(without, forced)
+        }
     return found
 
 
@@ -299,7 +303,8 @@ def trains_of_study() -> tuple[int, ...]:
     tolerances = [n for n in range(FULL, OTHER_TOLERANCES) if n % 20 in OTHER_TOLERANCE]
     integrated = [n for n in range(FULL, INTEGRATED) if n % 20 in INDEPENDENT]
     leaving = range(LEAVES_MODES, LEAVES_MODES + LEAVING_MODES)
-    return (*range(FULL), *tolerances, *integrated, *leaving)
+    without = range(LEAVES_EFFECT, LEAVES_EFFECT + LEAVING_EFFECT)
+    return (*range(FULL), *tolerances, *integrated, *leaving, *without)
 
 
 def _at_hand(folder: Path, numbers: Set[int]) -> Iterator[tuple[int, Record]]:
