@@ -25,6 +25,8 @@ from urllib.parse import urlsplit
 import httpx2
 from websockets.sync.client import connect
 
+from tests.server import slow_server
+
 ROOT = Path(__file__).resolve().parents[1]
 #: Calls of both measurements, and connections a browser opens to one server. [count]
 CALLS, CONNECTIONS = 1000, 6
@@ -34,8 +36,8 @@ PACE = 0.005
 
 @contextmanager
 def server() -> Iterator[str]:
-    """A server in a process of its own, with one process for starts; its address."""
-    command = [sys.executable, "-m", "addin.cli", "serve", "--port", "0", "--workers", "1"]
+    """A server in a process of its own, with one process for starts, some of which last minutes; its address."""
+    command = [sys.executable, slow_server.__file__, "serve", "--port", "0", "--workers", "1"]
     environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1"}
     with subprocess.Popen(
         command,
@@ -74,7 +76,7 @@ def beside_a_start(address: str) -> dict[str, Any]:
     from addin.reading.workbook import read_workbook
 
     case = case_to_json(read_workbook(ROOT / "templates" / "example_backlash.xlsx").data)
-    slow = {**case, "tolerance_peak": 2e-7, "voltage": 0.65}  # some five seconds
+    slow = {**case, "tolerance_peak": slow_server.FINEST, "voltage": 0.65}
     with httpx2.Client(base_url=address, timeout=60.0) as client:
         handle = client.post("/api/v1/model", json=slow).json()["model"]
         post(client, [("TV_FREQUENCIES", handle)])

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 import pytest
-from servers import inside, outside
+from servers import SLOW_PROGRAM, inside, outside
 from starlette.testclient import TestClient
 
 from addin.server.settings import Settings
@@ -18,6 +18,6 @@ def client() -> Iterator[TestClient]:
 
 @pytest.fixture(scope="session")
 def served() -> Iterator[str]:
-    """The address of a server in a process of its own."""
-    with outside() as address:
+    """The address of a server in a process of its own, in which some starts last minutes."""
+    with outside(program=SLOW_PROGRAM) as address:
         yield address

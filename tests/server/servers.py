@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from slow_server import FINEST
 from starlette.testclient import TestClient
 
 from addin.server.app import create_app
@@ -31,11 +32,15 @@ class Address(str):
     pid: int
 
 
+#: Words of Python that start `torsionbook`, and one whose starts last minutes where `SLOW` is typed.
+PROGRAM = ("-m", "addin.cli")
+SLOW_PROGRAM = (str(Path(__file__).with_name("slow_server.py")),)
+
+
 @contextmanager
-def outside(*words: str) -> Iterator[Address]:
+def outside(*words: str, program: tuple[str, ...] = PROGRAM) -> Iterator[Address]:
     """`torsionbook serve` as a process of its own; its address."""
-    program = Path(__file__).with_name("slow_server.py")
-    command = [sys.executable, str(program), "serve", "--port", "0", "--workers", "1", *words]
+    command = [sys.executable, *program, "serve", "--port", "0", "--workers", "1", *words]
     process = subprocess.Popen(
         command, cwd=ROOT, stderr=subprocess.PIPE, text=True, env={**os.environ, "NO_COLOR": "1"}
     )
@@ -59,12 +64,13 @@ def outside(*words: str) -> Iterator[Address]:
             process.communicate()
 
 
-#: Rows of the Case table that make a start slow.
-SLOW = (["TolerancePeak", 2e-7, "1"], ["Voltage", 0.65, "1"])
+#: Rows of the Case table that make a start slow, and what they are in a case of JSON.
+SLOW = (["TolerancePeak", FINEST, "1"], ["Voltage", 0.65, "1"])
+SLOW_CASE = {"tolerance_peak": FINEST, "voltage": 0.65}
 
 
 def slow_case() -> list[list[list[object]]]:
-    """Arguments of TV_MODEL for a start that `outside` calculates for minutes.
+    """Arguments of TV_MODEL for a start that `SLOW_PROGRAM` calculates for minutes.
 
     The finest tolerance that may be typed, and a voltage at which the start lasts long.
     """

@@ -12,6 +12,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 from addin.cli.app import main  # noqa: E402
 from engine.backlash import event_start  # noqa: E402
 
+#: The finest tolerance of peaks that may be typed.
 FINEST = 2e-7
 once = event_start._simulated
 
@@ -22,7 +23,7 @@ def again_and_again(setup, step, tolerance, most):
     return once(setup, step, tolerance, most)
 
 
-event_start._simulated = again_and_again
-
+if __name__ in {"__main__", "__mp_main__"}:
+    event_start._simulated = again_and_again
 if __name__ == "__main__":
     main()

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from office_page import cell, launched, load_in_office
 from playwright import sync_api
-from servers import outside, slow_case
+from servers import SLOW_CASE, outside, slow_case
 from sheet_ranges import SCATTER, TEMPLATES, TUNING, model_arguments
 
 from addin.worksheet import registry
@@ -380,9 +380,7 @@ def test_a_calculation_shows_progress_and_stops_when_cancelled(tab, tmp_path):
     from addin.reading.workbook import read_workbook
 
     case = case_to_json(read_workbook(TEMPLATES / "example_backlash.xlsx").data)
-    (tmp_path / "slow.json").write_text(
-        json.dumps({**case, "tolerance_peak": 2e-7, "voltage": 0.65})
-    )
+    (tmp_path / "slow.json").write_text(json.dumps({**case, **SLOW_CASE}))
     tab.goto("/")
     opened(tab, tmp_path / "slow.json")
     sync_api.expect(tab.locator("#progress")).to_contain_text("start")

@@ -15,7 +15,7 @@ from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
-from servers import inside, outside, slow_case
+from servers import SLOW_PROGRAM, inside, outside, slow_case
 from sheet_ranges import TEMPLATES, model_arguments
 from starlette.requests import Request
 from websockets.exceptions import ConnectionClosed
@@ -580,7 +580,7 @@ def test_tasks_given_up_make_room_in_the_queue():
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="a signal of POSIX")
 def test_a_server_that_is_told_to_end_answers_what_it_was_asked():
-    with outside() as address:
+    with outside(program=SLOW_PROGRAM) as address:
         (model,) = ask(address, ["TV_MODEL", *slow_case()])
         found = []
         thread = threading.Thread(
