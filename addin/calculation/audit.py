@@ -28,7 +28,7 @@ from engine.results.results import Results
 from engine.stepping.library import about
 
 #: Libraries whose numbers or files enter the result.
-LIBRARIES = ("numpy", "scipy", "rainflow", "pint", "lxml", "formualizer")
+LIBRARIES = ("numpy", "scipy", "pint", "lxml", "formualizer")
 
 #: In words, how the modes were calculated.
 MODES_BY = {

@@ -6,15 +6,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import chain
 
 import numpy as np
-import rainflow
 from numpy.typing import ArrayLike
 
 from engine.arrays import Floats, Ints, Mask
 from engine.case.choices import RainflowResidue
 from engine.errors import InternalError
+from engine.stepping.library import address, library
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +95,7 @@ def counted_history(history: ArrayLike) -> Floats:
 
 
 def count_cycles(history: ArrayLike, residue: str = RainflowResidue.HALF_CYCLES) -> CycleCount:
-    """Rainflow count by the published library `rainflow` (ASTM E1049-85, 5.4.4, three points).
+    """Rainflow count (ASTM E1049-85, 5.4.4, three points).
 
     What does not close is counted as half cycles (ASTM) or, with ``repeated``, the history is
     taken to repeat: it is rearranged to begin and end at its absolute maximum (E1049 5.4.5), which
@@ -121,7 +120,9 @@ def count_cycles(history: ArrayLike, residue: str = RainflowResidue.HALF_CYCLES)
     if residue == RainflowResidue.REPEATED:
         top = int(np.argmax(np.abs(points)))
         points = turning_points(np.concatenate([points[top:], points[: top + 1]]))
-    cycles, mean, count, _, _ = _extracted(points)
+    first, second, count = half_cycle_points(points)
+    cycles = np.abs(points[first] - points[second])
+    mean = 0.5 * (points[first] + points[second])
     if residue == RainflowResidue.REPEATED:
         half = count == 0.5
         joined, pairs = np.unique(
@@ -131,17 +132,6 @@ def count_cycles(history: ArrayLike, residue: str = RainflowResidue.HALF_CYCLES)
         mean = np.concatenate([mean[~half], joined[:, 1]])
         count = np.concatenate([count[~half], 0.5 * pairs])
     return CycleCount(cycles, mean, count)
-
-
-def _extracted(points: Floats) -> Floats:
-    """Range, mean, count and the indices of both ends of every rainflow cycle: five rows.
-
-    Plain floats count faster than numpy's. The first point stands twice, because the library's
-    `reversals` would lose the second of two points, so indices are one too high.
-    """
-    series = [float(points[0]), *points.tolist()]
-    table = np.fromiter(chain.from_iterable(rainflow.extract_cycles(series)), float)
-    return table.reshape(-1, 5).T
 
 
 def half_cycle_points(points: ArrayLike) -> tuple[Ints, Ints, Floats]:
@@ -159,13 +149,12 @@ def half_cycle_points(points: ArrayLike) -> tuple[Ints, Ints, Floats]:
     count : ndarray, shape (n_cycles,)
         1 for a cycle, 0.5 for a half cycle. [1]
     """
-    x = np.asarray(points, float)
-    if x.size < 2:
-        none = np.zeros(0, dtype=np.int64)
-        return none, none, np.zeros(0)
-    _, _, count, *ends = _extracted(x)
-    first, second = (np.maximum(end.astype(np.int64) - 1, 0) for end in ends)
-    return first, second, count
+    x = np.ascontiguousarray(points, float)
+    first, second, room = np.empty((3, len(x)), dtype=np.int64)
+    count = np.empty(len(x))
+    ends = (address(a, "int64_t") for a in (first, second))
+    found = library.rainflow(len(x), address(x), *ends, address(count), address(room, "int64_t"))
+    return first[:found], second[:found], count[:found]
 
 
 def paper_count(history: ArrayLike) -> CycleCount:

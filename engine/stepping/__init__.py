@@ -3,7 +3,7 @@
 ===================  =============================================================================
 module               responsibility
 ===================  =============================================================================
-`kernels`            the loops in C, what they take (`kernels.h`), and what is built of it
+`kernels`            the loops and the cycle count in C, what they take (`kernels.h`), what is built of it
 `library`            loads what was built, fills its structs from arrays
 `exponential`        coefficients of the step that is exact for a cubic force
 `newmark`            coefficients of the average-acceleration step, the paper's eqs (1) to (4)

@@ -146,6 +146,8 @@ void drive_coupled(int64_t n_steps, int64_t n_state, int64_t n_modes, const doub
                    const double *forced, const double *cubic, double *state, double *out, double *room);
 int64_t turning_points(int64_t n, const double *t, const double *y, const double *slope, double *when,
                        double *value);
+int64_t rainflow(int64_t n, const double *point, int64_t *first, int64_t *second, double *count,
+                 int64_t *open);
 const char *about(void); /* compiler, target, digest of the sources */
 void elementary(int64_t n, const double *x, double *sine, double *cosine, double *exponential);
 #endif

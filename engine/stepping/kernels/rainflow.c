@@ -1,0 +1,32 @@
+/* Rainflow count of ASTM E1049-85, 5.4.4: three points at a time. */
+#include <math.h>
+#include "kernels.h"
+
+/* The two ends of each cycle and its count, in the order in which cycles close; their number. The points turn at
+ * each but the first and the last. What does not close counts as half cycles. `open` holds points that are waiting. */
+int64_t rainflow(int64_t n, const double *point, int64_t *first, int64_t *second, double *count, int64_t *open)
+{
+    int64_t found = 0, low = 0, top = 0; /* waiting: open[low] to open[top - 1] */
+    for (int64_t i = 0; i < n; i++) {
+        open[top++] = i;
+        while (top - low >= 3) {
+            int64_t a = open[top - 3], b = open[top - 2], whole = top - low > 3;
+            if (fabs(point[i] - point[b]) < fabs(point[b] - point[a])) break;
+            first[found] = a;
+            second[found] = b;
+            count[found++] = whole ? 1.0 : 0.5;
+            if (whole) {
+                top -= 2;
+                open[top - 1] = i;
+            } else {
+                low++;
+            }
+        }
+    }
+    for (; low + 1 < top; low++) {
+        first[found] = open[low];
+        second[found] = open[low + 1];
+        count[found++] = 0.5;
+    }
+    return found;
+}
