@@ -123,8 +123,9 @@ class Study:
     felt, unfelt : list of int
         Of those the ones that a billionth did change by more than their tolerance; and trains that
         do not say so although it did. [numbers]
-    stopped : list of int
-        Trains whose run was stopped before its end and said so. [numbers]
+    stopped, untold : list of int
+        Trains whose run was stopped before its end and said so; and trains of whose truth the same holds, so
+        that there is none. [numbers]
     failed : list of dict
         Trains that raised.
     """
@@ -139,6 +140,7 @@ class Study:
     felt: list[int]
     unfelt: list[int]
     stopped: list[int]
+    untold: list[int]
     failed: list[Record]
 
     @property
@@ -150,13 +152,16 @@ class Study:
 def summary_of(records: list[Record]) -> Study:
     """Judge the records."""
     found = Study(
-        records, [], [], [], [], [], [], [], [], [], [r for r in records if "failed" in r]
+        records, [], [], [], [], [], [], [], [], [], [], [r for r in records if "failed" in r]
     )
     for r in records:
         if "failed" in r:
             continue
         if r["asked"]["stopped"]:
             found.stopped.append(r["number"])
+            continue
+        if "truth" in r and r["truth"]["stopped"]:
+            found.untold.append(r["number"])
             continue
         says = bool((r["asked"]["sensitivity"] or {}).get("sensitive", False))
         felt = change_under_nudges(r) > r["tolerance"][0]

@@ -27,6 +27,7 @@ def record(**changes: object) -> dict[str, object]:
         "starts": {"A": [99.0, 0.0, 97.0, 101.0], "B": [None, 0.0, None, None]},
     }
     truth = {
+        "stopped": False,
         "step": 1e-4,
         "recontacts": {"A": [2.001, 1e-5]},
         "peaks": {"A": [1000.0, -10.0, 0.0]},
@@ -71,6 +72,7 @@ def test_recontact_speeds_are_judged_by_their_own_error() -> None:
 
 def test_finite_starts_that_should_be_unlimited_are_wrong() -> None:
     truth = {
+        "stopped": False,
         "step": 1e-4,
         "recontacts": {},
         "peaks": {"A": [1000.0, -10.0, 0.0]},
@@ -100,8 +102,17 @@ def test_a_run_that_was_stopped_has_no_answers() -> None:
 
 
 def test_a_bound_that_does_not_hold_is_a_miss() -> None:
-    found = summary_of([record(bounds={"bearings": [1e-3, 2e-3], "backlash": [1e-3, 0.0]})])
+    bounds = {"bearings": {"A": [1e-3, 2e-3]}, "backlash": {"A": [1e-3, 0.0]}}
+    found = summary_of([record(bounds=bounds)])
     assert [a.holds for a in found.bounds] == [False, True]
+
+
+def test_a_truth_that_was_stopped_is_none() -> None:
+    made = record()
+    made["truth"] |= {"stopped": True}  # type: ignore[operator]
+    found = summary_of([made])
+    assert found.untold == [1]
+    assert not found.answers
 
 
 @pytest.mark.parametrize("says", [True, False])
