@@ -1,8 +1,9 @@
 """Two engines beside one another: `python scripts/side_by_side.py OTHER_CHECKOUT`.
 
 Each calculates the linear start of every train of the accuracy study, and the first second with clearances of those
-that have them, at one step. Prints how far peaks and ends differ, and whether the same events come in the same order. Where they
-do not, this engine is asked again with every inertia changed by rounding, up and down: events that part then, too, are chaotic.
+that have them, at one step. Prints how far peaks and ends differ, and whether the same events come in the same order.
+Where they do not, this engine is asked again with every inertia changed by rounding, up and down: events that part then,
+too, are chaotic.
 """
 
 from __future__ import annotations
