@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -111,8 +111,8 @@ class Study:
 
     Parameters
     ----------
-    records : list of dict
-        Everything of every train.
+    records, failed : list of dict
+        Everything of every train, and of those that raised.
     answers, recontacts, independent, bounds : list of Answer
         Against the hundredfold finer run with all effects (peaks and starts; recontact speeds), and against the
         independent integrator, without trains that say they are sensitive; and bounds of effects left out.
@@ -126,22 +126,20 @@ class Study:
     stopped, untold : list of int
         Trains whose run was stopped before its end and said so; and trains of whose truth the same holds, so
         that there is none. [numbers]
-    failed : list of dict
-        Trains that raised.
     """
 
     records: list[Record]
-    answers: list[Answer]
-    recontacts: list[Answer]
-    independent: list[Answer]
-    bounds: list[Answer]
-    repeated: list[Repeated]
-    sensitive: list[int]
-    felt: list[int]
-    unfelt: list[int]
-    stopped: list[int]
-    untold: list[int]
     failed: list[Record]
+    answers: list[Answer] = field(default_factory=list)
+    recontacts: list[Answer] = field(default_factory=list)
+    independent: list[Answer] = field(default_factory=list)
+    bounds: list[Answer] = field(default_factory=list)
+    repeated: list[Repeated] = field(default_factory=list)
+    sensitive: list[int] = field(default_factory=list)
+    felt: list[int] = field(default_factory=list)
+    unfelt: list[int] = field(default_factory=list)
+    stopped: list[int] = field(default_factory=list)
+    untold: list[int] = field(default_factory=list)
 
     @property
     def events(self) -> int:
@@ -151,17 +149,12 @@ class Study:
 
 def summary_of(records: list[Record]) -> Study:
     """Judge the records."""
-    found = Study(
-        records, [], [], [], [], [], [], [], [], [], [], [r for r in records if "failed" in r]
-    )
+    found = Study(records, [r for r in records if "failed" in r])
     for r in records:
         if "failed" in r:
             continue
         if r["asked"]["stopped"]:
             found.stopped.append(r["number"])
-            continue
-        if "truth" in r and r["truth"]["stopped"]:
-            found.untold.append(r["number"])
             continue
         says = bool((r["asked"]["sensitivity"] or {}).get("sensitive", False))
         felt = change_under_nudges(r) > r["tolerance"][0]
@@ -173,6 +166,9 @@ def summary_of(records: list[Record]) -> Study:
             continue
         if felt:
             found.unfelt.append(r["number"])
+        if r["truth"]["stopped"]:
+            found.untold.append(r["number"])
+            continue
         resolved = r["truth"]["step"] <= NO_FINER * r["asked"]["step"]
         found.answers.extend(replace(a, resolved=resolved) for a in _beside(r, r["truth"]))
         found.recontacts.extend(replace(a, resolved=resolved) for a in _recontacts(r))

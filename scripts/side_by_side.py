@@ -21,7 +21,7 @@ import numpy as np
 
 ROOT = Path(__file__).resolve().parents[1]
 CODE = """
-import json, sys
+import json
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 from benchmarks.study_trains import gaps_of, study_train
@@ -112,7 +112,7 @@ def main() -> int:
     print(
         f"{len(far)} linear starts: peaks and ends differ by at most {max(far)[0]:.1e} (train {max(far)[1]})"
     )
-    print(f"beyond 1e-9: {[n for x, n in far if x > LINEAR]}; other number of steps: {steps}")
+    print(f"beyond {LINEAR:g}: {[n for x, n in far if x > LINEAR]}; other number of steps: {steps}")
     print(
         f"{len(with_events)} starts with events, {args.seconds:g} s, {count} events: others in {parted}"
     )

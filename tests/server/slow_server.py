@@ -23,7 +23,7 @@ def again_and_again(setup, step, tolerance, most):
     return once(setup, step, tolerance, most)
 
 
-if __name__ in {"__main__", "__mp_main__"}:
+if __name__ in {"__main__", "__mp_main__"}:  # not where a test takes `FINEST` from here
     event_start._simulated = again_and_again
 if __name__ == "__main__":
     main()
