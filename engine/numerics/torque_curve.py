@@ -37,8 +37,8 @@ class TorqueCurve:
         ndarray
             Torque. [N m]
         """
-        x = np.clip(np.asarray(fraction, dtype=float), self.knots[0], self.knots[-1])
-        i = np.clip(np.searchsorted(self.knots, x, side="right") - 1, 0, len(self.knots) - 1)
+        x = np.minimum(np.maximum(fraction, self.knots[0]), self.knots[-1])
+        i = self.knots.searchsorted(x, side="right") - 1
         s, c = x - self.knots[i], self.cubic[i]
         return np.asarray(
             c[..., 0] + s * (c[..., 1] + s * (c[..., 2] + s * c[..., 3])), dtype=np.float64
@@ -47,14 +47,15 @@ class TorqueCurve:
     @property
     def steepest(self) -> float:
         """Largest change of torque over that of the fraction of synchronous speed. [N m]"""
+        if len(self.knots) < 2:
+            return 0.0
         _, b, c, d = self.cubic[:-1].T
         width = np.diff(self.knots)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            turn = np.clip(np.nan_to_num(-c / (3.0 * d)), 0.0, width)  # slope is a parabola
-        places = (np.zeros_like(width), turn, width)
-        return max(
-            float(np.max(np.abs(b + s * (2.0 * c + 3.0 * d * s)), initial=0.0)) for s in places
-        )
+        bends = d != 0.0
+        turn = -c / np.where(bends, 3.0 * d, 1.0)  # slope is a parabola
+        turn = np.where(bends & (turn > 0.0), np.minimum(turn, width), 0.0)
+        inside, ends = (b + s * (2.0 * c + 3.0 * d * s) for s in (turn, width))
+        return float(np.abs([b, inside, ends]).max())
 
     @property
     def range(self) -> float:

@@ -17,6 +17,7 @@ module            responsibility
 `outcome`         how a start ended: the word, and the sentence with its numbers
 `peaks`           extremes of the torque of each element, and how sure they are
 `simulation`      one simulation of a start at one step, and what is read out of it
+`side_by_side`    many calculations in turn, whose starts run side by side in the lanes of one loop
 `start`           the start: average and pulsating torque against the loads, from rest to the end
                   speed
 `amplification`   how far a mode was built up where 2 × slip crossed it, against what the pulsation

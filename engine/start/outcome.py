@@ -55,28 +55,6 @@ class StartOutcome:
         return cls(outcome, time, end_speed, outcome.sentence.format(end=time, **numbers))
 
 
-def end_of(trajectory: Trajectory, target_speed: float) -> float:
-    """Time at which the target speed was crossed, or the last sample.
-
-    Parameters
-    ----------
-    trajectory : Trajectory
-        A simulated start. [SI]
-    target_speed : float
-        Mean speed of the reference shaft. [rad/s]
-
-    Returns
-    -------
-    float
-        Time. [s]
-    """
-    t, w = trajectory.time, trajectory.mean_speed
-    if not trajectory.reached or len(t) < 2:
-        return float(t[-1])
-    share = (target_speed - w[-2]) / (w[-1] - w[-2])
-    return float(t[-2] + min(max(share, 0.0), 1.0) * (t[-1] - t[-2]))
-
-
 def run_length(runup: RigidRunup) -> float:
     """Time to simulate: that of the rigid train with a reserve.
 

@@ -1,22 +1,144 @@
-"""One simulation of a start at one step."""
+"""Simulations of a start: one at a given step, or several side by side."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from engine.arrays import Floats, Ints
 from engine.case.choices import Method
 from engine.errors import InternalError
-from engine.start.start_model import StartModel
+from engine.start.start_model import Machines, StartModel
 from engine.start.time_response import knots_of
-from engine.start.trajectory import KEPT_VALUES, Recorder, Trajectory
+from engine.start.trajectory import KEPT_VALUES, Recorder, SingleRun, Trajectory
 from engine.stepping import linear_loop as kernels
 from engine.stepping.library import struct
 
-#: Steps between two copies of the state out of the compiled loop.
+#: Steps between two copies of the rows out of the compiled loop.
 CHUNK = 4096
+#: The same where only turning points are kept, and turning points of a torque that there is room for.
+SHORT_CHUNK, TURNING_ROOM = 1024, 1024
+
+
+@dataclass(frozen=True, eq=False)
+class Simulation:
+    """What is simulated: a start at one step, until a speed is reached or time is up."""
+
+    model: StartModel  #: The start in arrays. [SI]
+    step: float  #: Largest step; shorter ones are used while fast modes ring. [s]
+    method: str  #: ``exponential`` or ``newmark``.
+    target_speed: float  #: Mean speed of the reference shaft at which to stop. [rad/s]
+    maximum_time: float  #: Time at which to stop at the latest. [s]
+
+
+class _Loop:
+    """Starts in the lanes of the compiled loop: one, or `kernels.LANES` of them.
+
+    Lanes without a start repeat the first one and end at once.
+    """
+
+    def __init__(
+        self, simulations: Sequence[Simulation], lanes: int, chunk: int, room: int
+    ) -> None:
+        self.lanes, self.simulations = lanes, simulations
+        filled = [*simulations, *[simulations[0]] * (lanes - len(simulations))]
+        models = [s.model for s in filled]
+        n, nf = models[0].reach.shape
+        self.n_outputs = n_outputs = len(models[0].outputs.element)
+        self.system = kernels.system_struct(
+            _beside([m.stiffness for m in models]),
+            _beside([m.rate for m in models]),
+            _beside([m.reach.T for m in models]),
+            _beside([m.mean_speed for m in models]),
+            (models[0].dampers[0], _beside([m.dampers[1] for m in models])),
+        )
+        self.drive = kernels.drive_struct(*_machines_beside(models))
+        velocity = [m.outputs.velocity for m in models]
+        self.torques = kernels.torques_struct(
+            _beside([m.outputs.position for m in models]),
+            _beside(velocity) if any(np.any(v) for v in velocity) else None,
+            _beside([m.outputs.force for m in models]),
+        )
+        self.state = struct(
+            "state_t", q=np.zeros((n, lanes)), v=np.zeros((n, lanes)),
+            phase=_beside([m.phase for m in models]), force=np.zeros((nf, lanes)),
+            force_rate=np.zeros((nf, lanes)),
+        )  # fmt: skip
+        plans = [_step_plan(s.model, s.step, s.maximum_time) for s in simulations]
+        plans += [(np.zeros(0, dtype=np.int64), np.zeros(0))] * (lanes - len(simulations))
+        most = max(len(counts) for counts, _ in plans)
+        counts, steps = np.zeros((lanes, most), dtype=np.int64), np.zeros((lanes, most))
+        for lane, (count, length) in enumerate(plans):
+            counts[lane, : len(count)], steps[lane, : len(count)] = count, length
+        self.reason = np.full(lanes, kernels.MORE, dtype=np.int64)
+        self.done = np.zeros(lanes, dtype=np.int64)
+        self.plan = struct(
+            "stretches_t", newmark=simulations[0].method == Method.NEWMARK, most=most,
+            n=np.array([len(c) for c, _ in plans], dtype=np.int64), counts=counts, steps=steps,
+            target_speed=np.array([s.target_speed for s in filled]),
+            at=np.zeros(lanes, dtype=np.int64), taken=np.zeros(lanes, dtype=np.int64),
+            time=np.zeros(lanes), reason=self.reason, done=self.done,
+        )  # fmt: skip
+        wide = (n_outputs, lanes)
+        self.rows = {"time": np.empty((chunk, lanes)), "speed": np.empty((chunk, lanes))}
+        if room == 0:  # the histories are kept instead
+            shape = (chunk, n_outputs, lanes)
+            self.rows |= {"torque": np.empty(shape), "torque_rate": np.empty(shape)}
+        self.turning = {name: np.empty((*wide, room)) for name in ("when", "value")}
+        self.count = np.zeros(wide, dtype=np.int64)
+        self.ends = {
+            name: np.zeros(wide)
+            for name in ("last", "last_rate", "before", "before_rate", "largest")
+        }
+        self.out = struct(
+            "samples_t", rows=chunk, room=room, count=self.count, last_time=np.zeros(lanes),
+            **self.rows, **self.turning, **self.ends,
+        )  # fmt: skip
+        self.room = kernels.room_for(lanes, self.system, self.drive)
+        kernels.begin_starts(
+            lanes, self.system, self.drive, self.torques, self.state, self.out, self.room
+        )
+
+    def advance(self) -> bool:
+        """The next rows; False once every start has ended."""
+        kernels.advance_starts(
+            self.lanes, self.plan, self.system, self.drive, self.torques, self.state, self.out,
+            self.room,
+        )  # fmt: skip
+        return bool(np.any(self.reason == kernels.MORE))
+
+
+def _beside(arrays: Sequence[Floats]) -> Floats:
+    """Arrays of several starts, which become the last axis."""
+    return np.ascontiguousarray(np.stack(arrays, axis=-1))
+
+
+def _machines_beside(models: Sequence[Machines]) -> tuple[Any, ...]:
+    """Motors, loads and tables of several starts, as `kernels.drive_struct` takes them."""
+    first = models[0]
+
+    def beside(name: str, i: int) -> Floats:
+        return _beside([getattr(m, name)[i] for m in models])
+
+    def tables(name: str, i: int) -> Any:
+        return np.ascontiguousarray(np.stack([getattr(m, name)[i] for m in models]))
+
+    return (
+        tuple(tables("curves", i) for i in range(3)),
+        (*first.motors[:3], beside("motors", 3), beside("motors", 4),
+         np.array([m.motors[5] for m in models], dtype=np.float64), first.motors[6]),
+        (*first.loads[:2], beside("loads", 2), beside("loads", 3)),
+        (first.timed[0], *(tables("timed", i) for i in (1, 2, 3))),
+        tuple(
+            np.array([m.electrical[2] for m in models], dtype=np.float64) if i == 2
+            else beside("electrical", i)
+            for i in range(len(first.electrical))
+        ),
+    )  # fmt: skip
 
 
 def simulate(
@@ -28,7 +150,7 @@ def simulate(
     *,
     keep_all: bool = False,
 ) -> Trajectory:
-    """One start at a given step.
+    """One start at a given step, with its histories.
 
     Parameters
     ----------
@@ -50,47 +172,103 @@ def simulate(
     Trajectory
         Times, mean speed and torques. [SI]
     """
-    n, nf = model.reach.shape
-    q, v, force, rate = np.zeros(n), np.zeros(n), np.zeros(nf), np.zeros(nf)
-    drive = kernels.drive_struct(
-        model.curves, model.motors, model.loads, model.timed, model.electrical
-    )
-    system = kernels.system_struct(
-        model.stiffness,
-        model.rate,
-        np.ascontiguousarray(model.reach.T),
-        model.mean_speed,
-        model.dampers,
-    )
-    state = struct("state_t", q=q, v=v, phase=model.phase.copy(), force=force, force_rate=rate)
-    room = kernels.room_for(system, drive)
-    kernels.forces_at(0.0, 0.0, system, drive, state, room)
+    loop = _Loop([Simulation(model, step, method, target_speed, maximum_time)], 1, CHUNK, 0)
     recorder = Recorder(model.outputs.element, math.inf if keep_all else KEPT_VALUES)
-    first = _torques(model, q[None], v[None], force[None], rate[None])
-    recorder.add(np.zeros(1), np.zeros(1), *first, np.empty((0, 1)))
-    counts, lengths = _step_plan(model, step, maximum_time)
-    plan = struct(
-        "stretches_t", n=len(counts), counts=counts, steps=lengths, target_speed=target_speed,
-        newmark=method == Method.NEWMARK,
-    )  # fmt: skip
-    rows = {  # filled again and again
-        "time": np.empty(CHUNK), "q": np.empty((CHUNK, n)), "v": np.empty((CHUNK, n)),
-        "force": np.empty((CHUNK, nf)), "force_rate": np.empty((CHUNK, nf)),
-    }  # fmt: skip
-    out = struct("output_t", rows=CHUNK, **rows)
-    steps, reason = 0, kernels.MORE
-    while reason == kernels.MORE:
-        done, reason = kernels.advance_start(plan, system, drive, state, out, room)
-        time, out_q, out_v, out_f, out_r = (a[:done] for a in rows.values())
-        torques = _torques(model, out_q, out_v, out_f, out_r)
-        if not np.all(np.isfinite(torques[0][:, -1:])):
-            raise InternalError(
-                f"the start diverged before {time[-1]:.4g} s at a step of {step:.3g} s: torques "
-                "are no longer finite. Check stiffness, damping and torque curves"
-            )
-        recorder.add(time.copy(), out_v @ model.mean_speed, *torques, np.empty((0, done)))
+    steps, done, goes_on = 0, 1, True  # the first row is that of rest
+    while True:
+        time, speed, torque, rate = (a[:done, ..., 0] for a in loop.rows.values())
+        if done and not np.all(np.isfinite(torque[-1])):
+            raise InternalError(_diverged(step, time[-1]))
+        further = np.empty((0, done))
+        recorder.add(time.copy(), speed.copy(), torque.T.copy(), rate.T.copy(), further)
+        if not goes_on:
+            break
+        goes_on = loop.advance()
+        done = int(loop.done[0])
         steps += done
-    return recorder.trajectory(reason == kernels.SPEED, steps)[0]
+    return recorder.trajectory(bool(loop.reason[0] == kernels.SPEED), steps)[0]
+
+
+def _diverged(step: float, time: float) -> str:
+    return (
+        f"the start diverged before {time:.4g} s at a step of {step:.3g} s: torques "
+        "are no longer finite. Check stiffness, damping and torque curves"
+    )
+
+
+def form_of(simulation: Simulation) -> tuple[Any, ...]:
+    """What starts must have in common to run side by side: the sizes of their arrays, and what acts where."""
+    model = simulation.model
+    indices = (
+        model.motors[0], model.motors[1], model.motors[2], model.motors[6], *model.loads[:2],
+        model.timed[0], model.dampers[0],
+    )  # fmt: skip
+    return (
+        simulation.method, model.reach.shape, model.outputs.position.shape, model.curves[0].shape,
+        model.timed[1].shape, *(tuple(np.asarray(i).tolist()) for i in indices),
+    )  # fmt: skip
+
+
+def turning_of_starts(simulations: Sequence[Simulation]) -> list[SingleRun | InternalError]:
+    """Turning points of starts of one form, side by side; each has the same bits alone.
+
+    Parameters
+    ----------
+    simulations : sequence of Simulation
+        One, or up to `kernels.LANES` of them with the same `form_of`. [SI]
+
+    Returns
+    -------
+    list of SingleRun or InternalError
+        Of each, without histories of its torques; or why there is none. [SI]
+    """
+    lanes = 1 if len(simulations) == 1 else kernels.LANES
+    loop = _Loop(simulations, lanes, SHORT_CHUNK, TURNING_ROOM)
+    first = loop.ends["last"].copy()
+    times: list[list[Floats]] = [[loop.rows["time"][:1, lane].copy()] for lane in range(lanes)]
+    speeds = [[loop.rows["speed"][:1, lane].copy()] for lane in range(lanes)]
+    turning: list[list[tuple[Floats, Floats]]] = [[] for _ in range(loop.n_outputs * lanes)]
+    goes_on = True
+    while goes_on:
+        goes_on = loop.advance()
+        for lane, done in enumerate(loop.done[: len(simulations)].tolist()):
+            times[lane].append(loop.rows["time"][:done, lane].copy())
+            speeds[lane].append(loop.rows["speed"][:done, lane].copy())
+        when, value = loop.turning["when"], loop.turning["value"]
+        for k, count in enumerate(loop.count.ravel().tolist()):
+            i, lane = divmod(k, lanes)
+            turning[k].append((when[i, lane, :count].copy(), value[i, lane, :count].copy()))
+        loop.count[:] = 0
+    return [
+        _single_run(loop, lane, np.concatenate(times[lane]), np.concatenate(speeds[lane]),
+                    turning[lane::lanes], first[:, lane])
+        for lane in range(len(simulations))
+    ]  # fmt: skip
+
+
+def _single_run(
+    loop: _Loop, lane: int, time: Floats, speed: Floats,
+    turning: Sequence[Sequence[tuple[Floats, Floats]]], first: Floats,
+) -> SingleRun | InternalError:  # fmt: skip
+    """What one lane left."""
+    simulation, ends = loop.simulations[lane], loop.ends
+    if not np.all(np.isfinite(ends["last"][:, lane])):
+        return InternalError(_diverged(simulation.step, time[-1]))
+    none = np.empty((0, 0))
+    reached = bool(loop.reason[lane] == kernels.SPEED)
+    element = simulation.model.outputs.element
+    trajectory = Trajectory(time, speed, none, none, element, reached, len(time) - 1)
+    end = trajectory.end_at(simulation.target_speed)
+    last = np.empty((3, 2))
+    last[0] = time[-2:]
+    to_end = []
+    for i, parts in enumerate(turning):
+        whole = tuple(np.concatenate([part[j] for part in parts]) for j in (0, 1))
+        last[1] = ends["before"][i, lane], ends["last"][i, lane]
+        last[2] = ends["before_rate"][i, lane], ends["last_rate"][i, lane]
+        size, rest = float(ends["largest"][i, lane]), float(first[i])
+        to_end.append(kernels.turning_to_end((whole[0], whole[1]), size, rest, end, last))
+    return SingleRun(trajectory, end, to_end)
 
 
 def _step_plan(model: StartModel, step: float, maximum_time: float) -> tuple[Ints, Floats]:
@@ -122,17 +300,3 @@ def _step_plan(model: StartModel, step: float, maximum_time: float) -> tuple[Int
                 at += count * h
     counts, lengths = zip(*plan, strict=True) if plan else ((), ())
     return np.array(counts, dtype=np.int64), np.array(lengths, dtype=np.float64)
-
-
-def _torques(
-    model: StartModel, q: Floats, v: Floats, force: Floats, rate: Floats
-) -> tuple[Floats, Floats]:
-    """Output torques and rates, shape (n_outputs, n), from states, shape (n, …)."""
-    y = model.outputs
-    torque = y.position @ q.T + y.force @ force.T
-    slope = y.position @ v.T + y.force @ rate.T
-    if np.any(y.velocity):
-        acceleration = force @ model.reach.T - v * model.rate - q * model.stiffness
-        torque += y.velocity @ v.T
-        slope += y.velocity @ acceleration.T
-    return torque, slope

@@ -31,10 +31,11 @@ from engine.start.event_results import (
     PullIn,
     Repeatability,
 )
-from engine.start.outcome import StartOutcome, end_of, outcome_of, run_length, start_settled
+from engine.start.outcome import StartOutcome, outcome_of, run_length, start_settled
 from engine.start.peaks import ElementPeak, JudgedRun, judge_run
 from engine.start.settings import PLAIN_START, StartSettings, keeps_history, settings_of
-from engine.start.simulation import simulate
+from engine.start.side_by_side import turning_of_start
+from engine.start.simulation import Simulation, simulate
 from engine.start.start_model import (
     COARSEST_FIRST,
     FINEST_FIRST,
@@ -181,36 +182,39 @@ class PreparedStart:
     synchronous: float  #: Synchronous speed of the reference shaft. [rad/s]
     keep_all: bool  #: Whether every sample is kept, however much memory that takes.
 
-    def at(self, step: float) -> SingleRun:
+    def at(self, step: float, *, histories: bool = True) -> SingleRun:
         """Simulate at one step.
 
         Parameters
         ----------
         step : float
             Largest step. [s]
+        histories : bool, optional
+            False: turning points are all that is wanted; starts that are asked for together
+            (`engine.start.side_by_side`) then run in the lanes of one loop. [flag]
 
         Returns
         -------
         SingleRun
             From rest to the end. [SI]
         """
+        model, method, target = self.model, self.settings.method, self.settings.end_speed
+        if not histories:
+            return turning_of_start(Simulation(model, step, method, target, self.maximum_time))
         trajectory = simulate(
-            self.model,
-            step,
-            self.settings.method,
-            self.settings.end_speed,
-            self.maximum_time,
-            keep_all=self.keep_all,
+            model, step, method, target, self.maximum_time, keep_all=self.keep_all
         )
-        return SingleRun.until(trajectory, end_of(trajectory, self.settings.end_speed))
+        return SingleRun.until(trajectory, trajectory.end_at(target))
 
-    def to_its_end(self, step: float) -> tuple[PreparedStart, SingleRun]:
+    def to_its_end(self, step: float, *, histories: bool = True) -> tuple[PreparedStart, SingleRun]:
         """Simulate at one step, prolonged until the start has ended or settled.
 
         Parameters
         ----------
         step : float
             Largest step. [s]
+        histories : bool, optional
+            As for `at`. [flag]
 
         Returns
         -------
@@ -219,7 +223,7 @@ class PreparedStart:
         run : SingleRun
             From rest to the end. [SI]
         """
-        prepared, run = self, self.at(step)
+        prepared, run = self, self.at(step, histories=histories)
         for _ in range(MAX_PROLONGATIONS):
             if (
                 run.trajectory.reached
@@ -229,7 +233,7 @@ class PreparedStart:
                 break
             maximum = min(2.0 * prepared.maximum_time, self.longest)
             prepared = replace(prepared, maximum_time=maximum)
-            run = prepared.at(step)
+            run = prepared.at(step, histories=histories)
         return prepared, run
 
     def outcome(self, run: SingleRun) -> StartOutcome:
@@ -282,8 +286,8 @@ def run_start(
     prepared = prepared_start(case, modal, effects)
     settings, model = prepared.settings, prepared.model
     step = min(_first_step(settings, model.pulsation_omega), model.largest_step)
-    prepared, coarse = prepared.to_its_end(step)
-    coarse, fine = coarse.without_history(), prepared.at(0.5 * step)
+    prepared, coarse = prepared.to_its_end(step, histories=False)
+    fine = prepared.at(0.5 * step)
     halvings = 0
     while True:
         judged = judge_run(modal.train, model.truncation, fine, coarse)

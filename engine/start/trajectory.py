@@ -20,8 +20,6 @@ Turning = tuple[Floats, Floats]
 
 #: Torque values (samples × outputs) that are kept of one simulation.
 KEPT_VALUES = 1_000_000
-#: Two values at one time closer than this share of the largest are one.
-SAME_VALUE, SAME_TIME = 1e-9, 1e-12
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,6 +43,20 @@ class Trajectory:
     def thinned(self) -> bool:
         """Whether samples were left out. [flag]"""
         return self.turning is not None
+
+    def end_at(self, target_speed: float) -> float:
+        """Time at which a mean speed was reached, or the last sample. [s]
+
+        Parameters
+        ----------
+        target_speed : float
+            Mean speed of the reference shaft at which the run was to stop. [rad/s]
+        """
+        t, w = self.time, self.mean_speed
+        if not self.reached or len(t) < 2:
+            return float(t[-1])
+        share = (target_speed - w[-2]) / (w[-1] - w[-2])
+        return float(t[-2] + min(max(share, 0.0), 1.0) * (t[-1] - t[-2]))
 
 
 class Recorder:
@@ -239,18 +251,11 @@ def _turning(trajectory: Trajectory, output: int, end: float) -> Turning:
         when, value = kernels.turning_points(t, y, slope)
     else:
         when, value = trajectory.turning[output]
-    # one that lies on a sample, or at an event, comes twice
-    size = max(float(np.max(np.abs(y), initial=0.0)), float(np.max(np.abs(value), initial=0.0)))
-    once = np.ones(len(when), dtype=np.bool_)
-    same = np.abs(np.diff(value)) <= SAME_VALUE * size
-    once[1:] = (np.diff(when) > SAME_TIME * end) | ~same
-    when, value = when[once], value[once]
-    inside = when < end
-    last = float(hermite_at(t, y, slope, np.array([end]))[0])
-    return (
-        np.concatenate([t[:1], when[inside], [end]]),
-        np.concatenate([y[:1], value[inside], [last]]),
-    )
+    size = float(np.max(np.abs(y), initial=0.0))
+    at = int(np.clip(np.searchsorted(t, end) - 1, 0, max(len(t) - 2, 0)))
+    around = [at, min(at + 1, len(t) - 1)]
+    last = np.stack([t[around], y[around], slope[around]])
+    return kernels.turning_to_end((when, value), size, float(y[0]), end, last)
 
 
 def hermite_at(t: Floats, y: Floats, slope: Floats, at: Floats) -> Floats:

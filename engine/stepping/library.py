@@ -7,6 +7,7 @@ the declarations that cffi reads (`hatch_build.py`). Nothing is compiled at run 
 from __future__ import annotations
 
 import sys
+from functools import cache
 from pathlib import Path
 from typing import Any
 from weakref import WeakKeyDictionary
@@ -60,10 +61,10 @@ def struct(name: str, **fields: Any) -> Any:
         Pointer to it. It keeps its arrays alive.
     """
     made, kept = ffi.new(f"{name} *"), []
-    types = dict(ffi.typeof(name).fields)
+    kinds = _kinds(name)
     for field, value in fields.items():
         if isinstance(value, np.ndarray):
-            value = address(value, types[field].type.item.cname.removeprefix("const "))
+            value = address(value, kinds[field])
             kept.append(value)
         elif isinstance(value, ffi.CData):
             kept.append(value)
@@ -71,6 +72,16 @@ def struct(name: str, **fields: Any) -> Any:
         setattr(made, field, value)
     _kept[made] = tuple(kept)
     return made
+
+
+@cache
+def _kinds(name: str) -> dict[str, str]:
+    """What each pointer of a struct points to."""
+    return {
+        field: kind.type.item.cname.removeprefix("const ")
+        for field, kind in ffi.typeof(name).fields
+        if kind.type.kind == "pointer"
+    }
 
 
 def maps_of(step: Any, stiffness: Any, rate: Any, h: float) -> tuple[Any, Any]:

@@ -1,7 +1,8 @@
-"""Fixed steps of linear trains, prescribed forces and turning points (`kernels/linear_loop.c`).
+"""Starts without events, prescribed forces and turning points (`kernels/linear_loop.c`).
 
 Arrays are (n_modes,), (n_forces,) or (n_samples, …) and C-contiguous. A *force* is a torque at
-one station; `reach` maps forces to modes and modal to station angles alike.
+one station; `reach` maps forces to modes and modal to station angles alike. Several starts run side by side, one a
+lane: what varies by lane then has one more axis, the last one; of curves and tables the first one.
 """
 
 from __future__ import annotations
@@ -12,22 +13,25 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.stepping.library import address, ffi, library, struct
+from engine.stepping.library import address, library, struct
 
 __all__ = [
     "AT_TIME",
+    "LANES",
     "MORE",
     "SPEED",
-    "advance_start",
+    "advance_starts",
+    "begin_starts",
     "drive_coupled",
     "drive_modes",
     "drive_struct",
     "elementary",
-    "forces_at",
     "room_for",
     "start_forces",
     "system_struct",
+    "torques_struct",
     "turning_points",
+    "turning_to_end",
 ]
 
 Floats = NDArray[np.float64]
@@ -42,6 +46,8 @@ ELECTRICAL = (
 )  # fmt: skip
 #: Why the loop came back: output full, end time, mean speed reached.
 MORE, AT_TIME, SPEED = library.MORE, library.AT_TIME, library.SPEED
+#: Starts that run side by side.
+LANES = int(library.lanes_at_once())
 
 
 def drive_struct(
@@ -77,18 +83,23 @@ def drive_struct(
         Struct; it reads the arrays where they lie, so a change of theirs counts.
     """
     knots, cubics, counts = curves
+    of_motors = {
+        name: np.atleast_1d(np.asarray(a)) for name, a in zip(ELECTRICAL, electrical, strict=True)
+    }
     force, average, pulsating, speed, pole_pairs, line_omega, with_field = motors
     fields = {
-        "curves": struct("curves_t", longest=knots.shape[1], knots=knots, cubics=cubics, counts=counts),
+        "curves": struct(
+            "curves_t", n=knots.shape[-2], longest=knots.shape[-1], knots=knots, cubics=cubics, counts=counts
+        ),
         "n_motors": len(force), "motor_force": force, "average": average, "pulsating": pulsating,
         "with_field": with_field, "motor_speed": speed, "pole_pairs": pole_pairs,
-        "line_omega": line_omega,
+        "line_omega": np.atleast_1d(np.asarray(line_omega, dtype=np.float64)),
         "n_loads": len(loads[0]), "load_force": loads[0], "load_curve": loads[1],
         "load_speed": loads[2], "soft_speed": loads[3],
-        "n_timed": len(timed[0]), "most_timed": timed[1].shape[1], "timed_force": timed[0],
+        "n_timed": len(timed[0]), "most_timed": timed[1].shape[-1], "timed_force": timed[0],
         "times": timed[1], "torques": timed[2], "timed_count": timed[3],
     }  # fmt: skip
-    return struct("drive_t", **fields, **dict(zip(ELECTRICAL, electrical, strict=True)))
+    return struct("drive_t", **fields, **of_motors)
 
 
 def system_struct(
@@ -159,65 +170,85 @@ def start_forces(
         The results. [N m, N m/s]
     """
     force, rate = np.empty(len(speed)), np.empty(len(speed))
+    room = room_for(1, system, drive)
     library.start_forces(
         t, inside, address(phase), address(speed), address(acceleration), drive, system,
-        address(force), address(rate),
+        address(room), address(force), address(rate),
     )  # fmt: skip
     return force, rate
 
 
-def advance_start(
-    plan: Any, system: Any, drive: Any, state: Any, out: Any, room: Floats
-) -> tuple[int, int]:
-    """Steps stretch by stretch until the end, the mean speed is reached, or the output is full.
+def torques_struct(position: Floats, velocity: Floats | None, force: Floats) -> Any:
+    """Torques of elements as the loops take them (``torques_t``).
 
     Parameters
     ----------
-    plan, system, drive, state, out : cdata
-        ``stretches_t``, ``system_t``, ``drive_t``, ``state_t`` and ``output_t`` of `kernels.h`; plan,
-        state and out are updated. [SI]
-    room : ndarray
-        From `room_for`. [none]
+    position, velocity : ndarray, shape (n_outputs, n_modes)
+        Torques from modal coordinates and velocities; None: no output has any of these. [N m, N m s]
+    force : ndarray, shape (n_outputs, n_forces)
+        Torques from forces. [1]
 
     Returns
     -------
-    done, reason : int
-        Steps taken; MORE, AT_TIME or SPEED. [count]
+    cdata
+        Struct.
     """
-    done = ffi.new("int64_t *")
-    reason = library.advance_start(plan, system, drive, state, out, address(room), done)
-    return done[0], reason
+    own = {} if velocity is None else {"velocity": velocity}
+    return struct("torques_t", n=len(position), position=position, force=force, **own)
 
 
-def room_for(system: Any, drive: Any) -> Floats:
+def begin_starts(
+    lanes: int, system: Any, drive: Any, torques: Any, state: Any, out: Any, room: Floats
+) -> None:
+    """Forces in the state, written into it, and the first row of output.
+
+    Parameters
+    ----------
+    lanes : int
+        Starts side by side: 1 or `LANES`. [count]
+    system, drive, torques, state, out : cdata
+        ``system_t``, ``drive_t``, ``torques_t``, ``state_t`` and ``samples_t`` of `kernels.h`; state and out
+        are updated. [SI]
+    room : ndarray
+        From `room_for`. [none]
+    """
+    library.begin_starts(lanes, system, drive, torques, state, out, address(room))
+
+
+def advance_starts(
+    lanes: int, plan: Any, system: Any, drive: Any, torques: Any, state: Any, out: Any, room: Floats
+) -> None:
+    """Steps of every lane until its end or its mean speed is reached, or until the output is full.
+
+    Parameters
+    ----------
+    lanes : int
+        Starts side by side: 1 or `LANES`. [count]
+    plan : cdata
+        ``stretches_t``, updated: of each lane the rows that were written, and why it ended (MORE: it did
+        not). [SI]
+    system, drive, torques, state, out, room
+        As for `begin_starts`. [SI]
+    """
+    library.advance_starts(lanes, plan, system, drive, torques, state, out, address(room))
+
+
+def room_for(lanes: int, system: Any, drive: Any) -> Floats:
     """Room that the loop works in.
 
     Parameters
     ----------
+    lanes : int
+        Starts side by side. [count]
     system, drive : cdata
-        As for `advance_start`. [SI]
+        As for `begin_starts`. [SI]
 
     Returns
     -------
     ndarray
         Not initialised. [none]
     """
-    return np.empty(library.linear_room(system, drive))
-
-
-def forces_at(t: float, inside: float, system: Any, drive: Any, state: Any, room: Floats) -> None:
-    """Forces and their rates at one time, written into the state (see `start_forces`).
-
-    Parameters
-    ----------
-    t, inside : float
-        Time, and a time within the step. [s]
-    system, drive, state : cdata
-        As for `advance_start`. [SI]
-    room : ndarray
-        From `room_for`. [none]
-    """
-    library.forces_at(t, inside, system, drive, state, address(room))
+    return np.empty(library.linear_room(lanes, system, drive))
 
 
 def drive_modes(
@@ -291,6 +322,47 @@ def turning_points(t: Floats, y: Floats, slope: Floats) -> tuple[Floats, Floats]
     arrays = (np.ascontiguousarray(a) for a in (t, y, slope))
     found = library.turning_points(len(t), *map(address, (*arrays, when, value)))
     return when[:found].copy(), value[:found].copy()
+
+
+def turning_to_end(
+    turning: tuple[Floats, Floats], size: float, first: float, end: float, last: Floats
+) -> tuple[Floats, Floats]:
+    """Turning points of a start from rest to its end, with the values there.
+
+    One that lies on a sample, or at an event, comes twice in the list and counts once.
+
+    Parameters
+    ----------
+    turning : tuple of ndarray
+        Times and values of all of them. [s, N m]
+    size : float
+        Largest magnitude of a sample. [N m]
+    first : float
+        Value at rest. [N m]
+    end : float
+        Time of the end, within the last step. [s]
+    last : ndarray, shape (3, 2)
+        Times, values and rates of the last two samples. [s, N m, N m/s]
+
+    Returns
+    -------
+    when, value : ndarray
+        Times and values. [s, N m]
+    """
+    n = len(turning[0])
+    when, value = np.empty(n + 2), np.empty(n + 2)
+    count = library.turning_to_end(
+        n,
+        address(turning[0]),
+        address(turning[1]),
+        size,
+        first,
+        end,
+        address(last),
+        address(when),
+        address(value),
+    )
+    return when[:count].copy(), value[:count].copy()
 
 
 def elementary(x: Floats) -> Sequence[Floats]:

@@ -261,7 +261,7 @@ def near_start(
         if recipe.held is not None:
             prepared = _held(prepared, recipe.held)
         step = refined * min(recipe.step, prepared.model.largest_step)
-        prepared, run = prepared.to_its_end(step)
+        prepared, run = prepared.to_its_end(step, histories=False)
         return read_start(case, recipe, model, prepared.outcome(run), run)
     if recipe.start != PLANNED:
         raise InternalError("a start was requested, but the nominal run has none")

@@ -7,8 +7,9 @@ its place. Cases are frozen: a changed one is a new one, and everything not name
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
+from types import SimpleNamespace
 from typing import Any
 
 from engine.case.choices import ElementKind
@@ -109,13 +110,13 @@ def varied_case(case: CaseData, changes: Iterable[Change]) -> CaseData:
     CaseData
         The changed case, not yet checked. [SI]
     """
-    case = CaseData(**vars(case))  # checked once, when all changes are in
+    draft = _Draft(case)  # becomes a case, and is checked, when all changes are in
     for change in changes:
         if change.quantity in _PUT:
-            case = _PUT[change.quantity](case, change)
+            _PUT[change.quantity](draft, change)
         for table, key, column in _COLUMNS.get(change.quantity, ()):
-            case = _column(case, table, key, change, column)
-    return case
+            _column(draft, table, key, change, column)
+    return CaseData(**vars(draft))
 
 
 def names_with(case: CaseData, quantity: str) -> tuple[str, ...]:
@@ -213,35 +214,49 @@ def _names(case: CaseData, quantity: str) -> list[str]:
     return [str(getattr(row, key)) for row in getattr(case, table)]
 
 
-def _element(case: CaseData, name: str) -> ElementRow | None:
+def _element(case: CaseData | _Draft, name: str) -> ElementRow | None:
     return next((e for e in case.elements if e.element == name), None)
 
 
-def _mesh(case: CaseData, name: str) -> MeshRow | None:
+def _mesh(case: CaseData | _Draft, name: str) -> MeshRow | None:
     return next((m for m in case.meshes if m.element == name), None)
 
 
 # --- changed rows ----------------------------------------------------------------------
 
 
+class _Draft(SimpleNamespace):
+    """The fields of a case while they are changed."""
+
+    def __init__(self, case: CaseData) -> None:
+        super().__init__(**vars(case))
+
+
+def _with(row: Any, values: Mapping[str, Any]) -> Any:
+    """A row with other values: as `dataclasses.replace`, at a tenth of its cost in studies of thousands."""
+    other = object.__new__(type(row))
+    vars(other).update(vars(row) | values)
+    return other
+
+
 def _rows(
-    case: CaseData, table: str, key: str, change: Change, new: Callable[[Any], Mapping[str, Any]]
-) -> CaseData:
-    """A case in which the rows of a name say something else."""
+    draft: _Draft, table: str, key: str, change: Change, new: Callable[[Any], Mapping[str, Any]]
+) -> None:
+    """The rows of a name say something else."""
     rows = tuple(
-        replace(row, **new(row)) if getattr(row, key) == change.name else row
-        for row in getattr(case, table)
+        _with(row, new(row)) if getattr(row, key) == change.name else row
+        for row in getattr(draft, table)
     )
-    return replace(case, **{table: rows})  # type: ignore[arg-type]
+    setattr(draft, table, rows)
 
 
-def _column(case: CaseData, table: str, key: str, change: Change, column: str) -> CaseData:
-    return _rows(case, table, key, change, lambda row: {column: change.of(getattr(row, column))})
+def _column(draft: _Draft, table: str, key: str, change: Change, column: str) -> None:
+    _rows(draft, table, key, change, lambda row: {column: change.of(getattr(row, column))})
 
 
-def _elastic(case: CaseData, change: Change, own: str, along: str) -> CaseData:
+def _elastic(draft: _Draft, change: Change, own: str, along: str) -> None:
     """A torsional constant of an element; of teeth it may stand along the line of action instead."""
-    element, mesh = _element(case, change.name), _mesh(case, change.name)
+    element, mesh = _element(draft, change.name), _mesh(draft, change.name)
     typed = None if element is None else getattr(element, own)
     along_the_teeth = (
         element is not None
@@ -251,18 +266,19 @@ def _elastic(case: CaseData, change: Change, own: str, along: str) -> CaseData:
         and getattr(mesh, along) is not None
     )
     if along_the_teeth and change.relative:
-        return _column(case, "meshes", "element", change, along)
+        _column(draft, "meshes", "element", change, along)
+        return
     if along_the_teeth:
-        case = _rows(case, "meshes", "element", change, lambda m: {along: None})
+        _rows(draft, "meshes", "element", change, lambda m: {along: None})
 
     def new(e: ElementRow) -> Mapping[str, Any]:
         link = link_of(e, mesh)
         return {own: change.of(link.stiffness if own == "stiffness" else link.viscous)}
 
-    return _rows(case, "elements", "element", change, new)
+    _rows(draft, "elements", "element", change, new)
 
 
-def _diameter(case: CaseData, change: Change) -> CaseData:
+def _diameter(draft: _Draft, change: Change) -> None:
     """The outer diameter; the section where stress is judged changes in proportion."""
 
     def new(e: ElementRow) -> Mapping[str, Any]:
@@ -271,25 +287,25 @@ def _diameter(case: CaseData, change: Change) -> CaseData:
             return {"od": od}
         return {"od": od, "stress_diameter": e.stress_diameter * od / e.od}
 
-    return _rows(case, "elements", "element", change, new)
+    _rows(draft, "elements", "element", change, new)
 
 
-def _backlash(case: CaseData, change: Change) -> CaseData:
+def _backlash(draft: _Draft, change: Change) -> None:
     def new(m: MeshRow) -> Mapping[str, Any]:
         key = "backlash" if m.backlash else "angular_backlash"
         return {key: change.of(getattr(m, key))}
 
-    return _rows(case, "meshes", "element", change, new)
+    _rows(draft, "meshes", "element", change, new)
 
 
-def _damping_ratio(case: CaseData, change: Change) -> CaseData:
-    rows = tuple(
-        replace(row, damping_ratio=change.of(row.damping_ratio)) for row in case.mode_damping
+def _damping_ratio(draft: _Draft, change: Change) -> None:
+    draft.damping_ratio = change.of(draft.damping_ratio)
+    draft.mode_damping = tuple(
+        _with(row, {"damping_ratio": change.of(row.damping_ratio)}) for row in draft.mode_damping
     )
-    return replace(case, damping_ratio=change.of(case.damping_ratio), mode_damping=rows)
 
 
-_PUT: Mapping[str, Callable[[CaseData, Change], CaseData]] = {
+_PUT: Mapping[str, Callable[[_Draft, Change], None]] = {
     STIFFNESS: partial(_elastic, own="stiffness", along="mesh_stiffness"),
     DAMPING: partial(_elastic, own="damping", along="mesh_damping"),
     DIAMETER: _diameter,

@@ -54,6 +54,7 @@ typedef struct {
     int64_t *needed, n_needed;       /* forces that depend on speed: of machines, and of limited flanks */
     double *q1, *v1, *a1, *a0, *phase1, *f1, *fr1; /* end of the step; accelerations at its begin */
     double *base_q, *base_v, *u, *r, *end_q, *end_v, *end_a, *speed, *acceleration;
+    held_t *held;                    /* pieces of the curves */
     double *free, *forced, *solver, *matrix, *rotated; /* of a step of any length; room */
 } loop_t;
 
@@ -65,7 +66,7 @@ int64_t contact_room(const pieces_t *p, const drive_t *drive)
 {
     int64_t wide = largest_of(largest_of(p->n, p->n_forces), p->n_dampers);
     return 12 * p->n + 3 * p->n_forces + 4 * wide + drive->n_motors + 12 * p->n
-           + 8 * p->n_dampers * p->n_dampers;
+           + 8 * p->n_dampers * p->n_dampers + held_room(drive);
 }
 
 static double *take(double **room, int64_t n)
@@ -94,6 +95,8 @@ static void lay_out(loop_t *l, double *room)
     l->forced = take(&room, 8 * n);
     l->solver = take(&room, 4 * nd * nd);
     l->matrix = take(&room, 4 * nd * nd);
+    l->held = (held_t *)take(&room, held_room(l->drive));
+    hold_none(l->drive, l->held);
 }
 
 /* --- pieces --------------------------------------------------------------------------------------------------- */
@@ -215,7 +218,7 @@ static void coefficients(const loop_t *l, double h, double *free, double *forced
     const system_t *s = &l->system;
     for (int64_t i = 0; i < s->n; i++) {
         map_t map = exponential_map(s->stiffness[i], s->rate[i], h);
-        put_map(&map, s->n, i, free, forced);
+        put_map(&map, s->n, i, 1, 0, free, forced);
     }
 }
 
@@ -249,6 +252,7 @@ static void fresh_forces(const loop_t *l, double t, double *a)
     }
     for (int pass = 0; pass < 3; pass++) { /* rates depend on the acceleration that the forces cause */
         start_forces(t, t + SHORTLY * l->clock->base_step, state->phase, l->speed, l->acceleration, l->drive, s,
+                     (double *)l->held,
                      state->force, state->force_rate);
         limited_forces(l, state->q, l->speed, state->force, state->force_rate);
         for (int64_t i = 0; i < s->n; i++) {
@@ -306,7 +310,8 @@ static void take_step(const loop_t *l, double h, const step_t *step, const doubl
         end_step(n, step, s->stiffness, s->rate, l->base_q, l->base_v, l->u, l->r, l->q1, l->v1, l->a1);
         along_rows(n, l->n_needed, l->needed, s->reach, l->v1, l->a1, l->speed, l->acceleration);
         turn_phases(l->drive, n, s->reach, h, state->q, l->q1, state->phase, l->phase1);
-        machine_forces(l->drive, nf, t + h, t + 0.5 * h, l->phase1, l->speed, l->acceleration, l->f1, l->fr1);
+        machine_forces(l->drive, nf, t + h, t + 0.5 * h, l->phase1, l->speed, l->acceleration, l->held, l->f1,
+                       l->fr1);
         limited_forces(l, l->q1, l->speed, l->f1, l->fr1);
         copy(n, l->constant, l->u);
         for (int64_t i = 0; i < n; i++) l->r[i] = 0.0;

@@ -1,8 +1,7 @@
 /* Own sin, cos and exp: the same bits from every compiler, within one unit in the last place. */
 #ifndef TORSION_ELEMENTARY_H
 #define TORSION_ELEMENTARY_H
-#include <math.h>
-#include <stdint.h>
+#include "lanes.h"
 #include <string.h>
 
 typedef struct { double sine, cosine; } sincos_t;
@@ -60,28 +59,67 @@ static inline double from_quadrant(double x, double *low, int64_t *quadrant)
     return high;
 }
 
+/* Sine and cosine of r + y, y what r lost. Taylor: what follows is below 1e-19 on |r| ≤ π/4. */
+#define NEAR_ZERO(number, name)                                                                                \
+    static inline void name(number r, number y, number *sine, number *cosine)                                  \
+    {                                                                                                          \
+        number z = r * r, half = 0.5 * z, w = 1.0 - half, s, c;                                                \
+        s = -1.0 / 6.0 + z * (1.0 / 120.0 + z * (-1.0 / 5040.0 + z * (1.0 / 362880.0 + z * (-1.0 / 39916800.0  \
+            + z * (1.0 / 6227020800.0 + z * (-1.0 / 1307674368000.0 + z * (1.0 / 355687428096000.0)))))));     \
+        c = 1.0 / 24.0 + z * (-1.0 / 720.0 + z * (1.0 / 40320.0 + z * (-1.0 / 3628800.0                        \
+            + z * (1.0 / 479001600.0 + z * (-1.0 / 87178291200.0 + z * (1.0 / 20922789888000.0                 \
+            + z * (-1.0 / 6402373705728000.0)))))));                                                           \
+        *sine = r + (z * r * s + y * (1.0 - half));                                                            \
+        *cosine = w + (((1.0 - w) - half) + (z * z * c - r * y));                                              \
+    }
+NEAR_ZERO(double, near_zero)
+
 static inline sincos_t sin_cos(double x)
 {
     int64_t quadrant;
     double low, high = from_quadrant(x, &low, &quadrant);
-    double r = high + low, y = (high - r) + low, z = r * r, s, c, half = 0.5 * z, w;
-    sincos_t found;
-    /* Taylor: what follows is below 1e-19 on |r| ≤ π/4 */
-    s = -1.0 / 6.0 + z * (1.0 / 120.0 + z * (-1.0 / 5040.0 + z * (1.0 / 362880.0 + z * (-1.0 / 39916800.0
-        + z * (1.0 / 6227020800.0 + z * (-1.0 / 1307674368000.0 + z * (1.0 / 355687428096000.0)))))));
-    c = 1.0 / 24.0 + z * (-1.0 / 720.0 + z * (1.0 / 40320.0 + z * (-1.0 / 3628800.0 + z * (1.0 / 479001600.0
-        + z * (-1.0 / 87178291200.0 + z * (1.0 / 20922789888000.0 + z * (-1.0 / 6402373705728000.0)))))));
-    s = r + (z * r * s + y * (1.0 - half));
-    w = 1.0 - half;
-    c = w + (((1.0 - w) - half) + (z * z * c - r * y));
+    double r = high + low, s, c;
+    sincos_t wave;
+    near_zero(r, (high - r) + low, &s, &c);
     switch (quadrant & 3) {
-    case 0: found.sine = s; found.cosine = c; break;
-    case 1: found.sine = c; found.cosine = -s; break;
-    case 2: found.sine = -s; found.cosine = -c; break;
-    default: found.sine = -c; found.cosine = s; break;
+    case 0: wave.sine = s; wave.cosine = c; break;
+    case 1: wave.sine = c; wave.cosine = -s; break;
+    case 2: wave.sine = -s; wave.cosine = -c; break;
+    default: wave.sine = -c; wave.cosine = s; break;
     }
-    return found;
+    return wave;
 }
+
+#if LANES == 1
+typedef sincos_t waves_t;
+static inline waves_t waves_of(lane_t x) { return sin_cos(x); }
+#else
+typedef struct { lane_t sine, cosine; } waves_t;
+NEAR_ZERO(lane_t, near_zeros)
+
+/* The same of every lane. */
+static inline waves_t waves_of(lane_t x)
+{
+    lane_t counted = x * 0x1.45f306dc9c883p-1 + ROUNDER, k = counted - ROUNDER;
+    mask_t quadrant = (mask_t)counted; /* its last bits count the quadrants */
+    mask_t odd = -(quadrant & 1), large = magnitude(x) > LARGEST_EXACT;
+    lane_t a = x - k * HALF_PI_A, b = -(k * HALF_PI_B), high = a + b, of_b = high - a;
+    lane_t low = ((a - (high - of_b)) + (b - of_b)) - k * HALF_PI_C;
+    lane_t r = high + low, s, c;
+    waves_t waves;
+    near_zeros(r, (high - r) + low, &s, &c);
+    waves.sine = (lane_t)((mask_t)choose(odd, c, s) ^ (quadrant & 2) << 62);
+    waves.cosine = (lane_t)((mask_t)choose(odd, s, c) ^ ((quadrant + 1) & 2) << 62);
+    for (int l = 0; any(large) && l < LANES; l++) {
+        sincos_t wave;
+        if (!large[l]) continue;
+        wave = sin_cos(x[l]);
+        waves.sine[l] = wave.sine;
+        waves.cosine[l] = wave.cosine;
+    }
+    return waves;
+}
+#endif
 
 /* 2^k for −1022 ≤ k ≤ 1023. */
 static inline double power_of_two(int64_t k)

@@ -6,7 +6,22 @@
 
 typedef struct { double value, slope; } point_t;
 
+/* The piece of a curve on which each lane stands: it holds from `low` to below `high`. */
+typedef struct { lane_t low, high, knot, cubic[4]; } held_t;
+
+enum { HELD = sizeof(held_t) / sizeof(double), CURVES_OF_MOTOR = 2 };
+
 static const double TURN = 12.566370614359172; /* 4π: half a phase is a load angle */
+
+/* Doubles that the pieces of all curves take. */
+static inline int64_t held_room(const drive_t *d) { return HELD * (CURVES_OF_MOTOR * d->n_motors + d->n_loads); }
+
+/* No lane stands on any piece yet. */
+static inline void hold_none(const drive_t *d, held_t *held)
+{
+    for (int64_t k = 0; k < CURVES_OF_MOTOR * d->n_motors + d->n_loads; k++)
+        held[k] = (held_t){all(HUGE_VAL), all(-HUGE_VAL), all(0.0), {all(0.0), all(0.0), all(0.0), all(0.0)}};
+}
 
 /* Segment of a table that holds x, which lies within it. */
 static inline int64_t segment(const double *knots, int64_t count, double x)
@@ -20,20 +35,33 @@ static inline int64_t segment(const double *knots, int64_t count, double x)
     return low;
 }
 
-/* Value and slope of a curve, held constant outside its knots. */
-static inline point_t on_curve(const curves_t *curves, int64_t which, double x)
+/* A lane steps on the piece of a curve that holds x; outside its knots a curve is constant. */
+static inline void hold(const curves_t *curves, int64_t which, int64_t lane, double x, held_t *held)
 {
-    const double *knots = curves->knots + which * curves->longest;
-    const double *cubics = curves->cubics + 4 * which * curves->longest;
-    int64_t last = curves->counts[which] - 1, low;
-    const double *c;
-    double s;
-    if (x <= knots[0]) return (point_t){cubics[0], 0.0};
-    if (x >= knots[last]) return (point_t){cubics[4 * last], 0.0};
-    low = segment(knots, last + 1, x);
-    s = x - knots[low];
-    c = cubics + 4 * low;
-    return (point_t){c[0] + s * (c[1] + s * (c[2] + s * c[3])), c[1] + s * (2.0 * c[2] + 3.0 * s * c[3])};
+    const int64_t curve = lane * curves->n + which, last = curves->counts[curve] - 1;
+    const double *knots = curves->knots + curve * curves->longest;
+    const double *cubics = curves->cubics + 4 * curve * curves->longest;
+    const double inside = nextafter(knots[0], HUGE_VAL); /* at the first knot the slope is still zero */
+    int64_t low = x < inside ? 0 : x >= knots[last] ? last : segment(knots, last + 1, x);
+    int varies = x >= inside && x < knots[last];
+    AT(held->low, lane) = x < inside ? -HUGE_VAL : low == 0 ? inside : knots[low];
+    AT(held->high, lane) = x < inside ? inside : varies ? knots[low + 1] : HUGE_VAL;
+    AT(held->knot, lane) = knots[low];
+    AT(held->cubic[0], lane) = cubics[4 * low];
+    for (int j = 1; j < 4; j++) AT(held->cubic[j], lane) = varies ? cubics[4 * low + j] : 0.0;
+}
+
+/* Value and slope of a curve. */
+static inline lane_t on_curve(const curves_t *curves, int64_t which, lane_t x, held_t *held, lane_t *slope)
+{
+    const mask_t left = (x < held->low) | (x >= held->high);
+    const lane_t *c = held->cubic;
+    lane_t s;
+    for (int l = 0; any(left) && l < LANES; l++)
+        if (AT(left, l)) hold(curves, which, l, AT(x, l), held);
+    s = x - held->knot;
+    *slope = c[1] + s * (2.0 * c[2] + 3.0 * s * c[3]);
+    return c[0] + s * (c[1] + s * (c[2] + s * c[3]));
 }
 
 /* Modulo 4π, as a fraction of a turn from zero up. */
@@ -46,115 +74,147 @@ static inline double in_turn(double phase)
     return phase;
 }
 
+static inline lane_t in_turns(lane_t phase)
+{
+    const mask_t out = (phase >= TURN) | (phase < 0.0);
+    for (int l = 0; any(out) && l < LANES; l++) AT(phase, l) = in_turn(AT(phase, l));
+    return phase;
+}
+
 /* What is electrical besides the curves: transient at breaker closing, field. */
-static inline point_t electrical(const drive_t *d, int64_t m, double t, double inside, double phase,
+static inline point_t electrical(const drive_t *d, int64_t m, int l, double t, double inside, double phase,
                                  double phase_rate)
 {
+    const int64_t k = m * LANES + l;
     point_t torque = {0.0, 0.0};
-    if (d->shock[m] != 0.0) { /* e^(−rate t) sin ωt */
-        double size = d->shock[m] * exponential(-d->shock_rate[m] * t);
-        sincos_t wave = sin_cos(d->shock_omega * t);
+    if (d->shock[k] != 0.0) { /* e^(−rate t) sin ωt */
+        double size = d->shock[k] * exponential(-d->shock_rate[k] * t), omega = d->shock_omega[l];
+        sincos_t wave = sin_cos(omega * t);
         torque.value += size * wave.sine;
-        torque.slope += size * (d->shock_omega * wave.cosine - d->shock_rate[m] * wave.sine);
+        torque.slope += size * (omega * wave.cosine - d->shock_rate[k] * wave.sine);
     }
-    if (inside >= d->field_time[m]) { /* (1 − e^(−rate t)) sin δ */
-        double grown = 1.0, growth = 0.0, since = t - d->field_time[m];
-        sincos_t wave = sin_cos(0.5 * phase + d->polarity[m]);
-        if (!isinf(d->field_rate[m])) {
-            double left = exponential(-d->field_rate[m] * (since > 0.0 ? since : 0.0));
+    if (inside >= d->field_time[k]) { /* (1 − e^(−rate t)) sin δ */
+        double grown = 1.0, growth = 0.0, since = t - d->field_time[k];
+        sincos_t wave = sin_cos(0.5 * phase + d->polarity[k]);
+        if (!isinf(d->field_rate[k])) {
+            double left = exponential(-d->field_rate[k] * (since > 0.0 ? since : 0.0));
             grown = 1.0 - left;
-            growth = d->field_rate[m] * left;
+            growth = d->field_rate[k] * left;
         }
-        torque.value += d->pull_out[m] * grown * wave.sine;
-        torque.slope += d->pull_out[m] * (growth * wave.sine + grown * wave.cosine * 0.5 * phase_rate);
+        torque.value += d->pull_out[k] * grown * wave.sine;
+        torque.slope += d->pull_out[k] * (growth * wave.sine + grown * wave.cosine * 0.5 * phase_rate);
     }
     return torque;
 }
 
-static inline void motor_forces(const drive_t *d, double t, double inside, const double *phase,
-                                const double *speed, const double *acceleration, double *force,
-                                double *force_rate)
+/* With the field on the cage has another torque: a curve of its own, or one in proportion to slip. */
+static inline point_t with_field(const drive_t *d, int64_t m, int l, double x, double speed)
 {
-    for (int64_t m = 0; m < d->n_motors; m++) {
-        int64_t f = d->motor_force[m];
-        double x = speed[f] / d->motor_speed[m], dx = acceleration[f] / d->motor_speed[m];
-        double phase_rate = 2.0 * (d->line_omega - d->pole_pairs[m] * speed[f]);
-        int on = inside >= d->field_time[m];
-        point_t more;
-        point_t average, pulsating;
-        sincos_t wave;
-        if (d->connected[m] == 0.0) continue;
-        average = on_curve(&d->curves, on ? d->with_field[m] : d->average[m], x);
-        pulsating = on_curve(&d->curves, d->pulsating[m], x);
-        wave = sin_cos(phase[m]);
-        more = electrical(d, m, t, inside, phase[m], phase_rate);
-        if (on && d->cage[m] == d->cage[m]) { /* a torque in proportion to slip, not the curve */
-            average.value = d->cage[m] * (d->motor_speed[m] - speed[f]);
-            average.slope = -d->cage[m] * d->motor_speed[m];
+    const int64_t k = m * LANES + l;
+    held_t piece;
+    point_t torque;
+    if (d->cage[k] == d->cage[k])
+        return (point_t){d->cage[k] * (d->motor_speed[k] - speed), -d->cage[k] * d->motor_speed[k]};
+    hold(&d->curves, d->with_field[m], l, x, &piece);
+    x -= AT(piece.knot, l);
+    torque.value = AT(piece.cubic[0], l)
+                   + x * (AT(piece.cubic[1], l) + x * (AT(piece.cubic[2], l) + x * AT(piece.cubic[3], l)));
+    torque.slope = AT(piece.cubic[1], l) + x * (2.0 * AT(piece.cubic[2], l) + 3.0 * x * AT(piece.cubic[3], l));
+    return torque;
+}
+
+static inline void motor_forces(const drive_t *d, lane_t t, lane_t inside, const lane_t *phase, const lane_t *speed,
+                                const lane_t *acceleration, held_t *held, lane_t *force, lane_t *force_rate)
+{
+    const lane_t line = *lanes_of(d->line_omega);
+    for (int64_t m = 0; m < d->n_motors; m++, held += CURVES_OF_MOTOR) {
+        const int64_t f = d->motor_force[m];
+        const lane_t own = lanes_of(d->motor_speed)[m];
+        const lane_t x = speed[f] / own, dx = acceleration[f] / own;
+        const lane_t phase_rate = 2.0 * (line - lanes_of(d->pole_pairs)[m] * speed[f]);
+        const mask_t on = inside >= lanes_of(d->field_time)[m];
+        lane_t average, steepness, pulsating, growth, more = all(0.0), more_rate = all(0.0);
+        waves_t wave;
+        if (d->connected[m * LANES] == 0.0) continue; /* in all lanes */
+        average = on_curve(&d->curves, d->average[m], x, held, &steepness);
+        pulsating = on_curve(&d->curves, d->pulsating[m], x, held + 1, &growth);
+        wave = waves_of(phase[m]);
+        for (int l = 0; l < LANES && any(on | (lanes_of(d->shock)[m] != 0.0)); l++) {
+            point_t torque = electrical(d, m, l, AT(t, l), AT(inside, l), AT(phase[m], l), AT(phase_rate, l));
+            AT(more, l) = torque.value;
+            AT(more_rate, l) = torque.slope;
+            if (!AT(on, l)) continue;
+            torque = with_field(d, m, l, AT(x, l), AT(speed[f], l));
+            AT(average, l) = torque.value;
+            AT(steepness, l) = torque.slope;
         }
-        force[f] += average.value + pulsating.value * wave.sine + more.value;
-        force_rate[f] += (average.slope + pulsating.slope * wave.sine) * dx
-                         + pulsating.value * wave.cosine * phase_rate + more.slope;
+        force[f] += average + pulsating * wave.sine + more;
+        force_rate[f] += (steepness + growth * wave.sine) * dx
+                         + pulsating * wave.cosine * phase_rate + more_rate;
     }
 }
 
 /* Loads oppose motion; near standstill they pass smoothly through zero. */
-static inline void load_forces(const drive_t *d, const double *speed, const double *acceleration,
-                               double *force, double *force_rate)
+static inline void load_forces(const drive_t *d, const lane_t *speed, const lane_t *acceleration, held_t *held,
+                               lane_t *force, lane_t *force_rate)
 {
     for (int64_t k = 0; k < d->n_loads; k++) {
-        int64_t f = d->load_force[k];
-        double x = speed[f] / d->load_speed[k], z = speed[f] / d->soft_speed[k];
-        point_t torque = on_curve(&d->curves, d->load_curve[k], fabs(x));
-        double sign = 1.0, turn = 0.0;
-        if (z < 1.0) {
-            double soft = z > -1.0 ? 1.0 : 0.0;
-            z = z > -1.0 ? z : -1.0;
-            sign = z * (1.5 - 0.5 * z * z);
-            turn = 1.5 * (1.0 - z * z) / d->soft_speed[k] * soft;
+        const int64_t f = d->load_force[k];
+        const lane_t own = lanes_of(d->load_speed)[k], soft = lanes_of(d->soft_speed)[k];
+        const lane_t x = speed[f] / own, z = speed[f] / soft;
+        const mask_t slow = z < 1.0;
+        lane_t sign = all(1.0), turn = all(0.0), side = all(1.0), torque, slope;
+        for (int l = 0; any(slow) && l < LANES; l++) {
+            double at = AT(z, l);
+            if (!AT(slow, l)) continue;
+            at = at > -1.0 ? at : -1.0;
+            AT(sign, l) = at * (1.5 - 0.5 * at * at);
+            AT(turn, l) = AT(z, l) > -1.0 ? 1.5 * (1.0 - at * at) / AT(soft, l) : 0.0;
+            AT(side, l) = AT(x, l) >= 0.0 ? 1.0 : -1.0;
         }
-        force[f] -= torque.value * sign;
-        force_rate[f] -= (torque.slope * (x >= 0.0 ? 1.0 : -1.0) / d->load_speed[k] * sign
-                          + torque.value * turn) * acceleration[f];
+        torque = on_curve(&d->curves, d->load_curve[k], magnitude(x), held + k, &slope);
+        force[f] -= torque * sign;
+        force_rate[f] -= (slope * side / own * sign + torque * turn) * acceleration[f];
     }
 }
 
 /* Tables against time, read on the segment that holds `inside`: a jump at the end of a step is not seen
  * before it happens. */
-static inline void timed_forces(const drive_t *d, double t, double inside, double *force,
-                                double *force_rate)
+static inline void timed_forces(const drive_t *d, lane_t t, lane_t inside, lane_t *force, lane_t *force_rate)
 {
-    for (int64_t k = 0; k < d->n_timed; k++) {
-        const double *times = d->times + k * d->most_timed, *torques = d->torques + k * d->most_timed;
-        int64_t last = d->timed_count[k] - 1, f = d->timed_force[k];
-        if (inside >= times[last]) {
-            force[f] += torques[last];
-        } else if (inside >= times[0]) {
-            int64_t low = segment(times, last + 1, inside);
-            double slope = (torques[low + 1] - torques[low]) / (times[low + 1] - times[low]);
-            force[f] += torques[low] + slope * (t - times[low]);
-            force_rate[f] += slope;
+    for (int64_t k = 0; k < d->n_timed; k++)
+        for (int l = 0; l < LANES; l++) {
+            const int64_t table = l * d->n_timed + k, last = d->timed_count[table] - 1, f = d->timed_force[k];
+            const double *times = d->times + table * d->most_timed, *torques = d->torques + table * d->most_timed;
+            const double at = AT(inside, l);
+            if (at >= times[last]) {
+                AT(force[f], l) += torques[last];
+            } else if (at >= times[0]) {
+                int64_t low = segment(times, last + 1, at);
+                double slope = (torques[low + 1] - torques[low]) / (times[low + 1] - times[low]);
+                AT(force[f], l) += torques[low] + slope * (AT(t, l) - times[low]);
+                AT(force_rate[f], l) += slope;
+            }
         }
-    }
 }
 
 /* Every force but those of dampers, and its rate. */
-static inline void machine_forces(const drive_t *d, int64_t n_forces, double t, double inside,
-                                  const double *phase, const double *speed, const double *acceleration,
-                                  double *force, double *force_rate)
+static inline void machine_forces(const drive_t *d, int64_t n_forces, lane_t t, lane_t inside, const lane_t *phase,
+                                  const lane_t *speed, const lane_t *acceleration, held_t *held, lane_t *force,
+                                  lane_t *force_rate)
 {
-    for (int64_t f = 0; f < n_forces; f++) force[f] = force_rate[f] = 0.0;
-    motor_forces(d, t, inside, phase, speed, acceleration, force, force_rate);
-    load_forces(d, speed, acceleration, force, force_rate);
+    for (int64_t f = 0; f < n_forces; f++) force[f] = force_rate[f] = all(0.0);
+    motor_forces(d, t, inside, phase, speed, acceleration, held, force, force_rate);
+    load_forces(d, speed, acceleration, held + CURVES_OF_MOTOR * d->n_motors, force, force_rate);
     timed_forces(d, t, inside, force, force_rate);
 }
 
-static inline void damper_forces(int64_t n, const int64_t *on, const double *viscous, const double *speed,
-                                 const double *acceleration, double *force, double *force_rate)
+static inline void damper_forces(int64_t n, const int64_t *on, const double *viscous, const lane_t *speed,
+                                 const lane_t *acceleration, lane_t *force, lane_t *force_rate)
 {
     for (int64_t k = 0; k < n; k++) {
-        force[on[k]] -= viscous[k] * speed[on[k]];
-        force_rate[on[k]] -= viscous[k] * acceleration[on[k]];
+        force[on[k]] -= lanes_of(viscous)[k] * speed[on[k]];
+        force_rate[on[k]] -= lanes_of(viscous)[k] * acceleration[on[k]];
     }
 }
 #endif

@@ -3,6 +3,9 @@
  * Arrays are of double or int64_t, C-contiguous; shapes stand beside them. SI throughout. A force is a torque
  * at one station; `reach` maps forces to modes and modal to station angles alike. Nothing is allocated in a loop:
  * room to work in comes with the call. No global state.
+ *
+ * A start without events runs alone or beside others, one a lane. What varies by lane is marked (…; lanes): its last
+ * axis are the lanes, one of them where a start runs alone, and in the loop with events.
  */
 #ifndef TORSION_KERNELS_H
 #define TORSION_KERNELS_H
@@ -10,59 +13,82 @@
 
 /* Torque against speed as piecewise cubics, held constant outside their knots. */
 typedef struct {
-    int64_t longest;       /* knots there is room for */
-    const double *knots;   /* (n_curves, longest) fraction of synchronous speed */
-    const double *cubics;  /* (n_curves, longest, 4) from each knot on [N m] */
-    const int64_t *counts; /* (n_curves) knots in use */
+    int64_t n, longest;    /* curves of a lane; knots there is room for */
+    const double *knots;   /* (lanes, n, longest) fraction of synchronous speed */
+    const double *cubics;  /* (lanes, n, longest, 4) from each knot on [N m] */
+    const int64_t *counts; /* (lanes, n) knots in use */
 } curves_t;
 
 /* Motors, loads and torques against time. */
 typedef struct {
     curves_t curves;
     int64_t n_motors;
-    const int64_t *motor_force, *average, *pulsating, *with_field; /* force; curves */
-    const double *motor_speed, *pole_pairs;                        /* (n_motors) [rad/s, 1] */
-    double line_omega;                                             /* [rad/s] */
-    const double *shock, *shock_rate;           /* transient at breaker closing [N m, 1/s] */
-    double shock_omega;                         /* [rad/s] */
-    const double *field_time, *field_rate;      /* infinite: none, at once [s, 1/s] */
-    const double *pull_out, *cage, *polarity;   /* [N m, N m s/rad (nan: the curve), rad] */
-    const double *connected;                    /* 0: tripped */
+    const int64_t *motor_force, *average, *pulsating, *with_field; /* (n_motors) force; curves */
+    const double *motor_speed, *pole_pairs;     /* (n_motors; lanes) [rad/s, 1] */
+    const double *line_omega;                   /* (lanes) [rad/s] */
+    const double *shock, *shock_rate;           /* (n_motors; lanes) transient at breaker closing [N m, 1/s] */
+    const double *shock_omega;                  /* (lanes) [rad/s] */
+    const double *field_time, *field_rate;      /* (n_motors; lanes) infinite: none, at once [s, 1/s] */
+    const double *pull_out, *cage, *polarity;   /* (n_motors; lanes) [N m, N m s/rad (nan: the curve), rad] */
+    const double *connected;                    /* (n_motors; lanes) 0: tripped, in all lanes alike */
     int64_t n_loads;
-    const int64_t *load_force, *load_curve;
-    const double *load_speed, *soft_speed;      /* [rad/s] */
+    const int64_t *load_force, *load_curve;     /* (n_loads) */
+    const double *load_speed, *soft_speed;      /* (n_loads; lanes) [rad/s] */
     int64_t n_timed, most_timed;
-    const int64_t *timed_force, *timed_count;   /* (n_timed) */
-    const double *times, *torques;              /* (n_timed, most_timed) [s, N m] */
+    const int64_t *timed_force;                 /* (n_timed) */
+    const int64_t *timed_count;                 /* (lanes, n_timed) */
+    const double *times, *torques;              /* (lanes, n_timed, most_timed) [s, N m] */
 } drive_t;
 
 /* Modes of one linear system. */
 typedef struct {
     int64_t n, n_forces;
-    const double *stiffness, *rate;  /* (n) λ and d [1/s², 1/s] */
-    const double *reach;             /* (n_forces, n) [rad/√(kg m²)] */
-    const double *mean_speed;        /* (n) mean speed from modal velocities */
+    const double *stiffness, *rate;  /* (n; lanes) λ and d [1/s², 1/s] */
+    const double *reach;             /* (n_forces, n; lanes) [rad/√(kg m²)] */
+    const double *mean_speed;        /* (n; lanes) mean speed from modal velocities */
     int64_t n_dampers;
     const int64_t *damper_force;     /* (n_dampers) */
-    const double *viscous;           /* (n_dampers) [N m s/rad] */
+    const double *viscous;           /* (n_dampers; lanes) [N m s/rad] */
 } system_t;
 
 /* State between two steps, updated. */
 typedef struct {
-    double *q, *v;               /* (n) modal position and velocity */
-    double *phase;               /* (n_motors) of each pulsation, modulo 4π [rad] */
-    double *force, *force_rate;  /* (n_forces) [N m, N m/s] */
+    double *q, *v;               /* (n; lanes) modal position and velocity */
+    double *phase;               /* (n_motors; lanes) of each pulsation, modulo 4π [rad] */
+    double *force, *force_rate;  /* (n_forces; lanes) [N m, N m/s] */
 } state_t;
 
-/* A row a step. */
+/* A row a step of the loop with events. */
 typedef struct {
     double *q, *v;               /* (rows, n) */
     double *force, *force_rate;  /* (rows, n_forces) */
     double *time;                /* (rows) [s] */
-    double *phase;               /* (rows, n_motors); the linear loop leaves it */
-    int64_t *piece;              /* (rows); likewise */
+    double *phase;               /* (rows, n_motors) */
+    int64_t *piece;              /* (rows) */
     int64_t rows;                /* room */
 } output_t;
+
+/* Torques of elements as linear functions of modes, their velocities and forces. */
+typedef struct {
+    int64_t n;               /* outputs */
+    const double *position;  /* (n, modes; lanes) [N m] */
+    const double *velocity;  /* the same; none: all zero [N m s] */
+    const double *force;     /* (n, forces; lanes) [1] */
+} torques_t;
+
+/* What a start without events leaves: a row a step, and where it is wanted each turning point. */
+typedef struct {
+    int64_t rows;                  /* room */
+    double *time, *speed;          /* (rows; lanes) [s, rad/s] */
+    double *torque, *torque_rate;  /* (rows, n; lanes), or none [N m, N m/s] */
+    double *last_time;             /* (lanes) of the last row, updated [s] */
+    double *last, *last_rate;      /* (n; lanes) its torques, updated */
+    double *before, *before_rate;  /* (n; lanes) those of the row before it, updated */
+    double *largest;               /* (n; lanes) magnitude so far, updated [N m] */
+    int64_t room;                  /* turning points of a torque; 0: none are wanted */
+    double *when, *value;          /* (n, lanes, room) [s, N m] */
+    int64_t *count;                /* (n, lanes) how many, updated */
+} samples_t;
 
 /* Linear systems by contact state: one table entry a piece. */
 typedef struct {
@@ -106,30 +132,35 @@ typedef struct {
     int64_t room, n;   /* rows; rows written */
 } log_t;
 
-/* Steps of a linear train: stretches of equal ones. */
+/* Steps of starts without events: stretches of equal ones. */
 typedef struct {
-    int64_t n;
-    const int64_t *counts;   /* (n) steps of each */
-    const double *steps;     /* (n) length of each [s] */
-    int64_t newmark;         /* 1: average acceleration; 0: exponential */
-    double target_speed;     /* mean speed at which to stop [rad/s] */
-    int64_t at, taken;       /* present stretch and its steps taken, updated */
-    double time;             /* at the beginning of the stretch, updated [s] */
+    int64_t newmark;             /* 1: average acceleration; 0: exponential */
+    int64_t most;                /* stretches there is room for */
+    const int64_t *n;            /* (lanes) stretches */
+    const int64_t *counts;       /* (lanes, most) steps of each */
+    const double *steps;         /* (lanes, most) length of each [s] */
+    const double *target_speed;  /* (lanes) mean speed at which to stop [rad/s] */
+    int64_t *at, *taken;         /* (lanes) present stretch and its steps taken, updated */
+    double *time;                /* (lanes) at the beginning of the stretch, updated [s] */
+    int64_t *reason;             /* (lanes) why it ended; MORE: it goes on; updated */
+    int64_t *done;               /* (lanes) rows of this call */
 } stretches_t;
 
 /* Why a loop came back: room is full, end time, speed reached, load angle reached, a piece has to be made, no
  * progress, damper forces without a solution in double precision. */
 enum { MORE, AT_TIME, SPEED, ANGLE, NEW_PIECE, STUCK, DIVIDED };
 
-int64_t linear_room(const system_t *system, const drive_t *drive);
+int64_t linear_room(int64_t lanes, const system_t *system, const drive_t *drive);
 int64_t contact_room(const pieces_t *pieces, const drive_t *drive);
 void start_forces(double t, double inside, const double *phase, const double *speed,
-                  const double *acceleration, const drive_t *drive, const system_t *system, double *force,
-                  double *force_rate);
-void forces_at(double t, double inside, const system_t *system, const drive_t *drive, state_t *state,
-               double *room);
-int64_t advance_start(stretches_t *plan, const system_t *system, const drive_t *drive, state_t *state,
-                      output_t *out, double *room, int64_t *done);
+                  const double *acceleration, const drive_t *drive, const system_t *system, double *room,
+                  double *force, double *force_rate);
+/* Of starts without events, and how many lanes are calculated at once; lanes: how many the arrays have. */
+int64_t lanes_at_once(void);
+void begin_starts(int64_t lanes, const system_t *system, const drive_t *drive, const torques_t *torques,
+                  state_t *state, samples_t *out, double *room);
+void advance_starts(int64_t lanes, stretches_t *plan, const system_t *system, const drive_t *drive,
+                    const torques_t *torques, state_t *state, samples_t *out, double *room);
 int64_t advance_pieces(clock_t_ *clock, const pieces_t *pieces, flanks_t *flanks, const drive_t *drive,
                        state_t *state, output_t *out, log_t *log, double *room, int64_t *done);
 void polynomial_step(int64_t n, const double *stiffness, const double *rate, double h, double *free,
@@ -146,6 +177,8 @@ void drive_coupled(int64_t n_steps, int64_t n_state, int64_t n_modes, const doub
                    const double *forced, const double *cubic, double *state, double *out, double *room);
 int64_t turning_points(int64_t n, const double *t, const double *y, const double *slope, double *when,
                        double *value);
+int64_t turning_to_end(int64_t n, const double *when, const double *value, double size, double first, double end,
+                       const double *last, double *to_when, double *to_value);
 int64_t rainflow(int64_t n, const double *point, int64_t *first, int64_t *second, double *count,
                  int64_t *open);
 const char *about(void); /* compiler, target, digest of the sources */

@@ -156,12 +156,13 @@ static inline map_t newmark_map(double stiffness, double rate, double h)
     return map;
 }
 
-/* Coefficients of one mode among n, the modes along the last axis. */
-static inline void put_map(const map_t *map, int64_t n, int64_t i, double *free, double *forced)
+/* Coefficients of one mode of n, in one of several lanes; the modes along the last axis but that of the lanes. */
+static inline void put_map(const map_t *map, int64_t n, int64_t i, int64_t lanes, int64_t lane, double *free,
+                           double *forced)
 {
     for (int a = 0; a < 2; a++) {
-        for (int b = 0; b < 2; b++) free[(2 * a + b) * n + i] = map->free[a][b];
-        for (int b = 0; b < 4; b++) forced[(4 * a + b) * n + i] = map->forced[a][b];
+        for (int b = 0; b < 2; b++) free[((2 * a + b) * n + i) * lanes + lane] = map->free[a][b];
+        for (int b = 0; b < 4; b++) forced[((4 * a + b) * n + i) * lanes + lane] = map->forced[a][b];
     }
 }
 #endif

@@ -9,8 +9,9 @@ import numpy as np
 
 from engine.arrays import Floats
 from engine.errors import ModelError
+from engine.start.side_by_side import side_by_side
 from engine.start.start_fatigue import judged_shafts
-from engine.studies.nearby_start import near_start, near_train
+from engine.studies.nearby_start import NearStart, near_start, near_train
 from engine.studies.sensitivities.plan import NARROW, WHOLE, WIDE, DerivativeUnit
 from engine.studies.variation import Change, varied_case
 
@@ -51,11 +52,13 @@ def differences(unit: DerivativeUnit) -> Differences:
     """
     n, judged = len(unit.case.elements), len(judged_shafts(unit.case))
     quantity, name = unit.parameter
-    answers = []
+
+    def changed(share: float) -> NearStart:
+        case = varied_case(unit.case, [Change(quantity, name, 1.0 + share)])
+        return near_start(case, unit.recipe, near_train(case, unit.recipe))
+
     try:
-        for share in (-WHOLE, -WIDE, -NARROW, 0.0, NARROW, WIDE, WHOLE):
-            case = varied_case(unit.case, [Change(quantity, name, 1.0 + share)])
-            answers.append(near_start(case, unit.recipe, near_train(case, unit.recipe)))
+        answers = side_by_side(changed, (-WHOLE, -WIDE, -NARROW, 0.0, NARROW, WIDE, WHOLE))
     except ModelError as error:
         e, j = np.zeros((2, n)), np.zeros((2, judged))
         return Differences(unit.index, e[0], e[1], j[0], j[1], e, j, str(error))

@@ -7,6 +7,7 @@ drawn once, in the plan, so the answers do not depend on how the work is divided
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -22,6 +23,7 @@ from engine.numerics.sample_statistics import FEWEST_SAMPLES
 from engine.results.results import Results
 from engine.run import planned_start, run
 from engine.start.pieces import analysis_for_start
+from engine.start.side_by_side import side_by_side
 from engine.start.start_fatigue import judged_shafts
 from engine.studies.nearby_start import (
     LINEAR,
@@ -285,32 +287,38 @@ def evaluate(unit: Unit) -> Evaluated:
         starts=np.full((n, judged), math.inf),
         by_step=np.zeros((n, 2)),
     )
-    outcomes: dict[str, int] = {}
-    troubles: list[str] = []
-    for i, values in enumerate(unit.values):
-        case = varied_case(unit.case, changes_of(unit.factors, values))
-        try:
-            near = near_train(case, recipe)
-            evaluated.frequency[i], evaluated.margin[i] = near.frequency, near.margin
-            if recipe.start != NO_START:
-                start = near_start(case, recipe, near)
-                if recipe.start == LINEAR and (unit.first + i) % CHECKED_EVERY == 0:
-                    evaluated.by_step[i] = _change(near_start(case, recipe, near, 0.5), start)
-                    evaluated.checked[i] = start.counted
-                if start.reversed and unit.replan:
-                    own = planned_start(case, analysis_for_start(case))
-                    start = read_start(case, recipe, own.model, own.start.outcome, own.start)
-                evaluated.counted[i] = start.counted
-                evaluated.reversed[i] = bool(start.reversed)
-                evaluated.sensitive[i] = start.sensitive
-                evaluated.torque[i] = start.largest
-                evaluated.starts[i] = start.starts
-                word = start.outcome.outcome
-                outcomes[word] = outcomes.get(word, 0) + 1
-            evaluated.known[i] = True
-        except ModelError as error:
-            troubles.append(str(error))
-    return replace(evaluated, outcomes=tuple(outcomes.items()), troubles=tuple(troubles))
+    words = side_by_side(lambda i: _evaluate_sample(unit, i, evaluated), range(n))
+    outcomes = Counter(word for word, trouble in words if word and not trouble)
+    troubles = tuple(trouble for _, trouble in words if trouble)
+    return replace(evaluated, outcomes=tuple(outcomes.items()), troubles=troubles)
+
+
+def _evaluate_sample(unit: Unit, i: int, evaluated: Evaluated) -> tuple[str, str]:
+    """Answers of one sample, written into its row; how its start ended, and why there are none."""
+    recipe, values = unit.recipe, unit.values[i]
+    case = varied_case(unit.case, changes_of(unit.factors, values))
+    word = ""
+    try:
+        near = near_train(case, recipe)
+        evaluated.frequency[i], evaluated.margin[i] = near.frequency, near.margin
+        if recipe.start != NO_START:
+            start = near_start(case, recipe, near)
+            if recipe.start == LINEAR and (unit.first + i) % CHECKED_EVERY == 0:
+                evaluated.by_step[i] = _change(near_start(case, recipe, near, 0.5), start)
+                evaluated.checked[i] = start.counted
+            if start.reversed and unit.replan:
+                own = planned_start(case, analysis_for_start(case))
+                start = read_start(case, recipe, own.model, own.start.outcome, own.start)
+            evaluated.counted[i] = start.counted
+            evaluated.reversed[i] = bool(start.reversed)
+            evaluated.sensitive[i] = start.sensitive
+            evaluated.torque[i] = start.largest
+            evaluated.starts[i] = start.starts
+            word = start.outcome.outcome
+        evaluated.known[i] = True
+    except ModelError as error:
+        return word, str(error)
+    return word, ""
 
 
 def _change(fine: NearStart, coarse: NearStart) -> tuple[float, float]:

@@ -141,20 +141,25 @@ def simulated(
     electrical[7][:] = polarity
     structs = structs_of(model)
     q, v = np.zeros(1), np.array([speed * math.sqrt(INERTIA)])
+    angle = kernels.torques_struct(
+        np.full((1, 1), 1.0 / math.sqrt(INERTIA)), None, np.zeros((1, 1))
+    )
     phase, done = model.phase.copy(), 0
     speeds, angles = [np.array([speed])], [np.zeros(1)]
     for stop in (round(FIELD_TIME / h), round(end / h)):
         count = stop - done
-        rows = {name: np.empty((count, 1)) for name in ("time", "q", "v", "force", "force_rate")}
+        rows = {name: np.empty((count, 1)) for name in ("time", "speed", "torque", "torque_rate")}
         state = struct("state_t", q=q, v=v, phase=phase, force=np.zeros(1), force_rate=np.zeros(1))
         plan = struct(
-            "stretches_t", n=1, counts=np.array([count]), steps=np.array([h]), time=h * done,
-            target_speed=1e9,
+            "stretches_t", most=1, n=np.array([1]), counts=np.array([count]), steps=np.array([h]),
+            target_speed=np.array([1e9]), at=np.array([0]), taken=np.array([0]),
+            time=np.array([h * done]), reason=np.array([kernels.MORE]), done=np.array([0]),
         )  # fmt: skip
-        out, (drive, system) = struct("output_t", rows=count, **rows), structs
-        kernels.advance_start(plan, system, drive, state, out, kernels.room_for(system, drive))
-        speeds.append(rows["v"][:, 0] / math.sqrt(INERTIA))
-        angles.append(rows["q"][:, 0] / math.sqrt(INERTIA))
+        out, (drive, system) = struct("samples_t", rows=count, **rows), structs
+        room = kernels.room_for(1, system, drive)
+        kernels.advance_starts(1, plan, system, drive, angle, state, out, room)
+        speeds.append(rows["speed"][:, 0])
+        angles.append(rows["torque"][:, 0])
         electrical[3][:] = FIELD_TIME
         done = stop
     return np.concatenate(speeds), np.concatenate(angles)
