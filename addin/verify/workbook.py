@@ -98,22 +98,20 @@ def verify_workbook(
         return not_calculated(about, problems, findings)
     counts, more = _compared(workbook, run, about)
     findings += more
+    same_words = about.same_version or not _is_known(about)
     if recorded.digest == inputs:
-        findings += compare_input_copy(read, inputs)
+        findings += compare_input_copy(read, inputs, same_version=same_words)
     findings += _on_studies(read)
     findings += missing_tables(workbook)
     findings += odd_columns(workbook)
     try:
-        same_texts = about.same_version or not _is_known(about)
         findings += compare_appearance(workbook)
-        findings += compare_texts(workbook, same_texts and has_every_column(workbook))
+        findings += compare_texts(workbook, same_words and has_every_column(workbook))
     except PackageError as error:  # a part that nobody needs for the numbers cannot be read
         sentence = f"formats, hidden cells and texts were not checked: {error}"
         findings.append(Finding("not judged", "", "", sentence))
         about = replace(about, looked_at=())
-    findings += typed_over(
-        workbook, (about.same_version or not _is_known(about)) and has_every_column(workbook)
-    )
+    findings += typed_over(workbook, same_words and has_every_column(workbook))
     return concluded(about, counts, findings)
 
 

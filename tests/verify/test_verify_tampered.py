@@ -130,6 +130,64 @@ def test_another_formula_in_place_of_ours_is_judged_by_what_it_shows(
     assert (sheet, cell, "edited") in {(f.sheet, f.cell, f.kind) for f in failing(found)}
 
 
+@pytest.mark.first_ones(2)
+@pytest.mark.parametrize(
+    "formula",
+    [
+        '"INCOMPLETE: "&amp;COUNTA(Verdicts[Check])&amp;" checks"',
+        'IF(COUNTA(Verdicts[Check])&gt;0,"{banner}","")',
+        "IF(TRUE,OverallVerdict)",
+    ],
+)
+def test_a_verdict_on_another_sheet_that_is_not_the_overall_one_is_seen(train, tampered, formula):
+    """Its value follows from its formula, which nobody reads."""
+    banner = open_workbook(train, read_only=True).shown_value("Summary", "B9")
+    text = formula.format(banner=banner)
+    shown = banner if "COUNTA(Verdicts[Check])&amp;" not in formula else "INCOMPLETE: 9 checks"
+
+    def edit(package):
+        package.change(
+            package.part_of_sheet("Margins"),
+            lambda xml: re.sub(
+                "<f>OverallVerdict</f><v>[^<]*</v>", lambda _: f"<f>{text}</f><v>{shown}</v>", xml
+            ),
+        )
+
+    found = tampered(edit)
+    assert not found.passes
+    assert ("Margins", "edited") in {(f.sheet, f.kind) for f in failing(found)}
+
+
+@pytest.mark.first_ones(2)
+@pytest.mark.parametrize(
+    ("name", "how"),
+    [
+        ("OverallVerdict", ("IFERROR(InputsChanged,1)", "FALSE")),
+        ("OverallVerdict", ("=IF(", '=IF(NOW()>60000,"PASS: all 9 checks",', ")")),
+        ("InputsChanged", ("=AND(", "=AND(NOW()<60000,")),
+    ],
+)
+def test_a_banner_that_will_say_something_else_after_an_edit_is_seen(edited, name, how):
+    """It shows the right verdict now."""
+
+    def edit(workbook):
+        at = workbook.defined_names[name]
+        cell = cell_name(at.rect.top, at.rect.left)
+        held = workbook.value(at.sheet, cell)
+        old, new, *end = how
+        text = f"={held.text}".replace(old, "=IF(" + new[4:] + "IF(" if end else new, 1)
+        workbook.set_cell(
+            at.sheet, cell, Formula("".join([text.removeprefix("="), *end]), held.cached),
+            replace_formula=True,
+        )  # fmt: skip
+
+    found = verify_file(edited(edit))
+    assert not found.passes
+    at = open_workbook(found.source, read_only=True).defined_names[name]
+    cell = cell_name(at.rect.top, at.rect.left)
+    assert (at.sheet, cell, "edited") in {(f.sheet, f.cell, f.kind) for f in failing(found)}
+
+
 @pytest.mark.slow
 def test_a_formula_of_ours_written_otherwise_with_the_same_value_is_a_note(edited):
     def edit(workbook):
