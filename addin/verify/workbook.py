@@ -31,7 +31,7 @@ from addin.verify.fixed_texts import compare_texts
 from addin.verify.formulas import earlier_banner, old_values, restore, typed_over, unjudged
 from addin.verify.input_copy import compare_input_copy
 from addin.verify.key_units import compare_units
-from addin.verify.structure import has_every_column, missing_tables, odd_columns
+from addin.verify.structure import has_every_column, led_astray, missing_tables, odd_columns
 from addin.verify.tables import TablePair, compare_tables
 from addin.writing.recalculate import recalculate_case
 from addin.writing.results_json import overall_words
@@ -104,6 +104,7 @@ def verify_workbook(
     findings += _on_studies(read)
     findings += missing_tables(workbook)
     findings += odd_columns(workbook)
+    findings += led_astray(workbook)
     try:
         findings += compare_appearance(workbook)
         findings += compare_texts(workbook, same_words and has_every_column(workbook))
