@@ -132,13 +132,22 @@ def is_speed(unit: str, stored: str, was_speed: bool, speeds: str) -> str:
     return f"IF(EXACT({unit},{stored}),{int(was_speed)},SUMPRODUCT(1*({speeds}={unit})))"
 
 
-def changed_words(live: str, copy: str) -> str:
-    """How many cells of a column, or whether a scalar, hold other words."""
+def changed_words(live: str, copy: str, renamed: str = "") -> str:
+    """How many cells of a column, or whether a scalar, hold other words; `renamed` as of `changed_numbers`."""
     # EXACT tells capitals apart; where it takes no ranges, what differs otherwise is found still.
-    return _unless_resized(live, copy, f"SUMPRODUCT(1*(({live}<>{copy})+1-EXACT({live},{copy})>0))")
+    count = f"SUMPRODUCT(1*(({live}<>{copy})+1-EXACT({live},{copy})>0))"
+    return _unless_resized(live, copy, count, renamed)
 
 
-def changed_numbers(live: str, copy: str, factor: str = "", speed: str = "", full: str = "") -> str:
+def is_renamed(header: str, name: str) -> str:
+    """Whether a column has another header: formulas follow the column, the reader of the inputs its header."""
+    quoted = name.replace('"', '""')
+    return f'NOT(EXACT({header},"{quoted}"))'
+
+
+def changed_numbers(
+    live: str, copy: str, factor: str = "", speed: str = "", full: str = "", renamed: str = ""
+) -> str:
     """How many cells of a column, or whether a scalar, hold another quantity.
 
     Parameters
@@ -149,6 +158,8 @@ def changed_numbers(live: str, copy: str, factor: str = "", speed: str = "", ful
         Cell of what the present unit is worth; empty where there is none. [A1]
     speed, full : str
         `is_speed` of the present unit, and full speeds; empty for other quantities. [expression, A1]
+    renamed : str
+        `is_renamed` of a column; empty for a scalar. [expression]
     """
     then = f"{copy}*(1+{speed}*({full}-1))" if speed else copy
     then = f"{then}/{factor}" if factor else then
@@ -156,10 +167,13 @@ def changed_numbers(live: str, copy: str, factor: str = "", speed: str = "", ful
     # one side of a number both are below it or neither; which is the lower one depends on the sign.
     other = f"({live}<>{then})*(({live}>{then}*(1+{_SAME}))=({live}>{then}*(1-{_SAME})))"
     filled = f'({live}<>"")<>({copy}<>"")'
-    return _unless_resized(live, copy, f'SUMPRODUCT(({filled})+({copy}<>"")*{other})')
+    return _unless_resized(live, copy, f'SUMPRODUCT(({filled})+({copy}<>"")*{other})', renamed)
 
 
-def _unless_resized(live: str, copy: str, count: str) -> str:
-    """A count of changed cells; another number of rows, or an error, is a change."""
-    resized = f"IF(ROWS({live})<>ROWS({copy}),1,{count})" if "[" in live else count
+def _unless_resized(live: str, copy: str, count: str, renamed: str) -> str:
+    """A count of changed cells; another number of rows, another header, or an error, is a change."""
+    other = f"ROWS({live})<>ROWS({copy})"
+    if renamed:
+        other = f"OR({other},{renamed})"
+    resized = f"IF({other},1,{count})" if "[" in live else count
     return f"=IFERROR({resized},1)"

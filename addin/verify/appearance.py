@@ -46,9 +46,11 @@ LOOKED_AT = (
 )
 #: What a reader sees and nobody looks at here.
 NOT_JUDGED = (
-    "texts that were added beside the results, in cells, headers or shapes",
-    "axes, colours and labels of charts",
-    "columns too narrow for their numbers",
+    "what was added beside the results, in cells, sheets, headers, comments, input messages or links",
+    "axes, colours and labels of charts, and shapes inside them",
+    "cells too small for their numbers or texts, indents and turned texts",
+    "colours of verdicts that can be read",
+    "zoom and windows",
     "pictures behind a sheet",
     "styles of tables",
     "print settings",

@@ -29,15 +29,17 @@ from addin.contract.tables import INPUT_TABLES, RESULT_TABLES, WORKBOOK_TABLES, 
 from addin.verify.compare import RecordedValue, agreement, plain_value, value_in_words
 from addin.verify.findings import Agreement, Finding
 from addin.verify.structure import plain, present_sheet
-from addin.xlsx import Formula, PackageError, Table, Workbook
-from addin.xlsx.references import Rect, cell_name, parse_cell
+from addin.xlsx import DefinedName, Formula, PackageError, Table, Workbook
+from addin.xlsx.references import Rect, cell_name, parse_cell, quoted_sheet
 
 #: Where labels are looked for.
 _LABELS = Rect(1, 1, 1000, 60)
 _QUOTED = re.compile(r'("(?:[^"]|"")*")')
 
 
-_BANNER = "overall verdict"
+_BANNER, _ANY_CHANGED = "overall verdict", "any input changed"
+#: What a formula of the copy of the inputs says.
+COMPARISON = "comparison of inputs"
 #: The verdict with which a banner begins.
 _CAPITALS = re.compile(r"(?:[A-Z]+(?: [A-Z]+)*\b)?")
 
@@ -65,6 +67,8 @@ class OwnFormula:
         value = part.value(self.row, self.column)
         if isinstance(value, Formula):
             return bare(value.text) == bare(self.formula) or self._is_earlier_banner(value.text)
+        if not self.table:  # a formula of one cell shares none
+            return False
         return (self.row, self.column) in part.formulas
 
     def _is_earlier_banner(self, text: str) -> bool:
@@ -128,7 +132,7 @@ def own_formulas(workbook: Workbook) -> list[OwnFormula]:
     name = workbook.defined_names.get(CHANGED_NAME)
     if name is not None and name.sheet is not None and name.rect is not None:
         place = (name.sheet, name.rect.top, name.rect.left)
-        formulas.append(OwnFormula(*place, CHANGED_FORMULA, "any input changed"))
+        formulas.append(OwnFormula(*place, CHANGED_FORMULA, _ANY_CHANGED))
     for sheet, beside in _labelled(workbook):
         formulas += _beside_labels(workbook, sheet, beside)
     return [*formulas, *_lines(workbook)]
@@ -233,7 +237,7 @@ def typed_over(workbook: Workbook, same_template: bool) -> Iterator[Finding]:
     """
     for own in own_formulas(workbook):
         if not own.stands(workbook):
-            yield replaced(workbook, own)
+            yield replaced(workbook, own, same_version=same_template)
     for sheet, formulas in _labelled(workbook):
         standing = {words for _, _, words in _words_of(workbook, sheet)}
         for label in formulas:
@@ -243,6 +247,12 @@ def typed_over(workbook: Workbook, same_template: bool) -> Iterator[Finding]:
     yield from _verdict_astray(workbook)
 
 
+#: Formulas of which every word counts: with another one a banner may show the same now, and not after an edit.
+_TO_THE_LETTER = (_BANNER, _ANY_CHANGED, COMPARISON)
+#: Functions whose value follows from no cell that is compared here: from clock, chance, file or computer.
+_OF_THE_MOMENT = re.compile(
+    r"(?<![\w.])(NOW|TODAY|RAND|RANDBETWEEN|RANDARRAY|CELL|INFO|INDIRECT|OFFSET)\(", re.IGNORECASE
+)
 #: What the overall verdict may say.
 _VERDICT = re.compile(
     r"(PASS|PASS WITHIN ITS ERROR|FAIL|INCOMPLETE): (all )?\d+ (of \d+ )?checks.*|"
@@ -274,21 +284,50 @@ def _verdict_astray(workbook: Workbook) -> Iterator[Finding]:
             shown, held = part.constant(row, column), part.value(row, column)
             if not isinstance(shown, str) or not _VERDICT.fullmatch(shown.strip()):
                 continue
-            is_constant = isinstance(held, Formula) and reads_nothing(workbook, held.text)
-            if (row, column) in part.formulas and not is_constant:
-                continue
             if any(area.has(row, column) for area in areas):
                 continue
             if name and (name.sheet, name.rect) == (sheet, Rect(row, column, row, column)):
                 continue  # reported as a formula typed over
-            sentence = (
-                f"the verdict '{shortened(shown, 60)}' is typed here, not calculated by a formula"
-            )
-            yield Finding("edited", sheet, cell_name(row, column), sentence, found=shown)
+            cell = cell_name(row, column)
+            if (row, column) not in part.formulas:
+                sentence = f"the verdict '{shortened(shown, 60)}' is typed here, not calculated by a formula"
+                yield Finding("edited", sheet, cell, sentence, found=shown)
+            elif not isinstance(held, Formula) or not _shows_the_verdict(name, held.text):
+                text = f" ={shortened(held.text, 60)}" if isinstance(held, Formula) else ""
+                sentence = (
+                    f"the verdict '{shortened(shown, 60)}' comes from the formula{text}, not from "
+                    "the overall verdict"
+                )
+                yield Finding("edited", sheet, cell, sentence, found=shown)
 
 
-def replaced(workbook: Workbook, own: OwnFormula) -> Finding:
-    """What is said of a cell that does not hold the formula it should."""
+def _shows_the_verdict(name: DefinedName | None, text: str) -> bool:
+    """Whether a formula is nothing but a reference to the overall verdict, by its name or its cell."""
+    shown = {"OVERALLVERDICT"}
+    if name is not None and name.sheet is not None and name.rect is not None:
+        cell = cell_name(name.rect.top, name.rect.left)
+        shown |= {cell, f"{name.sheet}!{cell}", f"{quoted_sheet(name.sheet)}!{cell}"}
+    return bare(text) in {bare(one) for one in shown}
+
+
+def replaced(workbook: Workbook, own: OwnFormula, *, same_version: bool = True) -> Finding:
+    """What is said of a cell that does not hold the formula it should.
+
+    Parameters
+    ----------
+    workbook : Workbook
+        As it stands.
+    own : OwnFormula
+        What should stand there.
+    same_version : bool
+        Whether this version wrote it; another one may have worded a banner otherwise. [flag]
+
+    Returns
+    -------
+    Finding
+        A formula that shows the same value is a note, unless it reads no cell, reads clock, chance or
+        computer, or belongs to a banner.
+    """
     value = workbook.sheet_part(own.sheet).value(own.row, own.column)
     if not isinstance(value, Formula):
         shown = plain_value(value)
@@ -299,10 +338,22 @@ def replaced(workbook: Workbook, own: OwnFormula) -> Finding:
         f"{own.what}: the formula is ={shortened(value.text, 90)}, different from that of "
         "this version"
     )
-    nothing = reads_nothing(workbook, value.text)
+    of_the_moment = _OF_THE_MOMENT.search("".join(_QUOTED.split(value.text)[::2]))
+    fails = True
+    if reads_nothing(workbook, value.text):
+        sentence = f"{sentence}; it refers to no cell"
+    elif of_the_moment:
+        sentence = (
+            f"{sentence}; {of_the_moment[1].upper()} shows something else at another time or place"
+        )
+    elif own.what in _TO_THE_LETTER:
+        sentence = f"{sentence}; it may show something else after an edit"
+        fails = same_version
+    else:
+        fails = False
     return Finding(
-        "edited", own.sheet, own.cell, f"{sentence}; it refers to no cell" if nothing else sentence,
-        own.table, "", own.header, value.text, bare(own.formula), fails=nothing,
+        "edited", own.sheet, own.cell, sentence, own.table, "", own.header, value.text,
+        bare(own.formula), fails=fails,
     )  # fmt: skip
 
 

@@ -3,19 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 from addin.contract.input_copy import CHECKS
 from addin.reading.workbook import WorkbookInput
 from addin.verify.compare import RecordedValue, agreement, plain_value, value_in_words
 from addin.verify.findings import Agreement, Finding
-from addin.verify.formulas import OwnFormula, replaced
+from addin.verify.formulas import COMPARISON, OwnFormula, replaced
 from addin.writing.input_copy import input_copy
 from addin.xlsx import Formula, TableData, Workbook
 from addin.xlsx.references import cell_name
 
+#: Kind of a finding that is told together with its like.
+_REWORDED = "reworded"
 
-def compare_input_copy(read: WorkbookInput, digest: str) -> Iterator[Finding]:
+
+def compare_input_copy(
+    read: WorkbookInput, digest: str, *, same_version: bool = True
+) -> Iterator[Finding]:
     """What stands in the copy against what a calculation of the inputs in the file would write.
 
     Parameters
@@ -24,25 +30,32 @@ def compare_input_copy(read: WorkbookInput, digest: str) -> Iterator[Finding]:
         Inputs with the digest that the results have. [SI]
     digest : str
         It. [hexadecimal]
+    same_version : bool
+        Whether this version wrote the copy; another one may have worded its formulas otherwise. [flag]
 
     Yields
     ------
     Finding
-        Cells that were edited fail; formulas worded otherwise are one note.
+        Cells that were edited fail; formulas worded otherwise are one finding, a note of another version.
     """
     workbook = read.workbook
     reworded = []
     for data in input_copy(read, digest, _units(workbook)):
         for finding in _compared(workbook, data):
-            if finding.fails:
-                yield finding
-            else:
+            if finding.kind == _REWORDED:
                 reworded.append(finding)
+            else:
+                yield finding
     if reworded:
         first, more = reworded[0], len(reworded) - 1
         also = f"; so are {more} more on this sheet" if more else ""
-        sentence = f"{first.sentence}{also}"
-        yield Finding("edited", first.sheet, first.cell, sentence, first.table, fails=False)
+        sentence = f"{first.sentence}{also}: it may show something else after an edit"
+        yield Finding("edited", first.sheet, first.cell, sentence, first.table, fails=same_version)
+
+
+def _of_formula(finding: Finding) -> Finding:
+    """A formula that still reads cells and is worded otherwise is told together with its like."""
+    return finding if finding.fails else replace(finding, kind=_REWORDED)
 
 
 def _units(workbook: Workbook) -> dict[str, str]:
@@ -82,9 +95,9 @@ def _cell(
 ) -> Iterator[Finding]:
     sheet = workbook.tables[table].sheet
     if isinstance(expected, Formula):
-        own = OwnFormula(sheet, *at, expected.text, "comparison of inputs", table, column)
+        own = OwnFormula(sheet, *at, expected.text, COMPARISON, table, column)
         if not own.stands(workbook):
-            yield replaced(workbook, own)
+            yield _of_formula(replaced(workbook, own, same_version=False))
         return
     stands = workbook.sheet_part(sheet).constant(*at)
     if agreement(RecordedValue(stands, cell_name(*at)), expected) > Agreement.DIGITS:

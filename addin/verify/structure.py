@@ -3,11 +3,18 @@
 from __future__ import annotations
 
 import unicodedata
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from addin.contract.problems import shortened
+from addin.contract.scalars import SCALAR_SHEET
 from addin.contract.sheets import Sheet
-from addin.contract.tables import INPUT_TABLES, RESULT_TABLES, WORKBOOK_TABLES, TableSpec
+from addin.contract.tables import (
+    INPUT_TABLES,
+    RESULT_TABLES,
+    SCALARS,
+    WORKBOOK_TABLES,
+    TableSpec,
+)
 from addin.verify.findings import Finding
 from addin.xlsx import Table, Workbook
 from addin.xlsx.references import Rect, cell_name
@@ -39,6 +46,56 @@ def missing_tables(workbook: Workbook) -> Iterator[Finding]:
                 "the table with that name, or recalculate in a new template"
             )
         yield Finding("table missing", *(at or ("", "")), sentence, spec.name)
+
+
+def led_astray(workbook: Workbook) -> Iterator[Finding]:
+    """Inputs and results that are read elsewhere than where a reader sees them.
+
+    Yields
+    ------
+    Finding
+        A name of a scalar that refers to another cell than the one beside its label, and headers of a
+        table that stand on its sheet outside the table.
+    """
+    for scalar in SCALARS:
+        name = workbook.defined_names.get(scalar.name)
+        if name is None or name.sheet not in workbook.sheet_names or name.rect is None:
+            continue
+        at, label = (name.rect.top, name.rect.left), plain(scalar.name_in_words)
+        beside = _beside_label(workbook, name.sheet, label)
+        if not beside and name.sheet != SCALAR_SHEET and SCALAR_SHEET in workbook.sheet_names:
+            beside = _beside_label(workbook, SCALAR_SHEET, label)
+            at = (0, 0)
+        if beside and at not in beside:
+            cell = cell_name(name.rect.top, name.rect.left)
+            sentence = (
+                f"the name {scalar.name} refers to this cell, not to {cell_name(*beside[0])}, which stands "
+                f"beside its label '{scalar.name_in_words}'"
+            )
+            yield Finding("edited", name.sheet, cell, sentence)  # type: ignore[arg-type]
+    for spec in (*INPUT_TABLES, *RESULT_TABLES, *WORKBOOK_TABLES):
+        table = workbook.tables.get(spec.name)
+        if table is None:
+            continue
+        for sheet in dict.fromkeys((spec.sheet, table.sheet)):
+            at_cells = _as_cells(workbook, spec, (sheet,))
+            if at_cells is not None:
+                sentence = (
+                    f"the headers of {spec.name} stand here outside the table: what stands under them was not "
+                    f"compared. The table is {table.ref} on sheet {table.sheet}"
+                )
+                yield Finding("edited", *at_cells, sentence, spec.name)
+                break
+
+
+def _beside_label(workbook: Workbook, sheet: str, label: str) -> list[tuple[int, int]]:
+    """Cells right of a label."""
+    part = workbook.sheet_part(sheet)
+    return [
+        (row, column + 1)
+        for row, column in part.filled_cells(_EVERYTHING)
+        if plain(part.constant(row, column)) == label
+    ]
 
 
 def has_every_column(workbook: Workbook) -> bool:
@@ -103,11 +160,13 @@ def _unknown_columns(workbook: Workbook, table: Table, spec: TableSpec) -> Itera
         )  # fmt: skip
 
 
-def _as_cells(workbook: Workbook, spec: TableSpec) -> tuple[str, str] | None:
-    """Sheet and cell where the headers of a table that is none any more begin."""
+def _as_cells(
+    workbook: Workbook, spec: TableSpec, sheets: Sequence[str] = ()
+) -> tuple[str, str] | None:
+    """Sheet and cell where the headers of a table stand in no table; on any sheet unless some are named."""
     wanted = [plain(field.name) for field in spec.workbook_columns[:_TELLING]]
-    for sheet in workbook.sheet_names:
-        if not workbook.sheet_bytes(sheet):
+    for sheet in sheets or workbook.sheet_names:
+        if sheet not in workbook.sheet_names or not workbook.sheet_bytes(sheet):
             continue
         part = workbook.sheet_part(sheet)
         inside = [table.ref for table in workbook.tables.values() if table.sheet == sheet]

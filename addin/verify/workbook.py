@@ -31,7 +31,7 @@ from addin.verify.fixed_texts import compare_texts
 from addin.verify.formulas import earlier_banner, old_values, restore, typed_over, unjudged
 from addin.verify.input_copy import compare_input_copy
 from addin.verify.key_units import compare_units
-from addin.verify.structure import has_every_column, missing_tables, odd_columns
+from addin.verify.structure import has_every_column, led_astray, missing_tables, odd_columns
 from addin.verify.tables import TablePair, compare_tables
 from addin.writing.recalculate import recalculate_case
 from addin.writing.results_json import overall_words
@@ -98,22 +98,21 @@ def verify_workbook(
         return not_calculated(about, problems, findings)
     counts, more = _compared(workbook, run, about)
     findings += more
+    same_words = about.same_version or not _is_known(about)
     if recorded.digest == inputs:
-        findings += compare_input_copy(read, inputs)
+        findings += compare_input_copy(read, inputs, same_version=same_words)
     findings += _on_studies(read)
     findings += missing_tables(workbook)
     findings += odd_columns(workbook)
+    findings += led_astray(workbook)
     try:
-        same_texts = about.same_version or not _is_known(about)
         findings += compare_appearance(workbook)
-        findings += compare_texts(workbook, same_texts and has_every_column(workbook))
+        findings += compare_texts(workbook, same_words and has_every_column(workbook))
     except PackageError as error:  # a part that nobody needs for the numbers cannot be read
         sentence = f"formats, hidden cells and texts were not checked: {error}"
         findings.append(Finding("not judged", "", "", sentence))
         about = replace(about, looked_at=())
-    findings += typed_over(
-        workbook, (about.same_version or not _is_known(about)) and has_every_column(workbook)
-    )
+    findings += typed_over(workbook, same_words and has_every_column(workbook))
     return concluded(about, counts, findings)
 
 

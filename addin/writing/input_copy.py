@@ -28,6 +28,7 @@ from addin.contract.input_copy import (
     copy_columns,
     copy_name,
     factor_now,
+    is_renamed,
     is_speed,
     may_be_speed,
     quantity_of,
@@ -44,8 +45,8 @@ from addin.contract.units import (
 )
 from addin.reading.typed_case import Entry, PerUnitBases, Typed, ratios_of
 from addin.reading.workbook import WorkbookInput
-from addin.xlsx import Formula, TableData
-from addin.xlsx.references import Rect, absolute_range, parse_cell, quoted_sheet
+from addin.xlsx import Formula, Table, TableData
+from addin.xlsx.references import Rect, absolute_range, cell_name, parse_cell, quoted_sheet
 
 
 def input_copy(
@@ -82,6 +83,7 @@ class _Input:
     name: str  #: Its name on the sheet.
     live: str  #: It, in a formula. [reference]
     row: int  #: Its row in table `InputChecks`, counted from 1 on the sheet.
+    renamed: str = ""  #: Whether its column has another header. [expression]
 
 
 @dataclass(frozen=True)
@@ -173,8 +175,19 @@ class _Copy:
                 at = self.read.locations.columns.get((spec.name, field.name))
                 if at is not None:
                     live = f"{table.name}[{table.columns[at - table.ref.left]}]"
-                    yield self._check(_Input(field, spec.name, live, live, row))
+                    renamed = self._renamed(table, at)
+                    yield self._check(_Input(field, spec.name, live, live, row, renamed))
                     row += 1
+
+    def _renamed(self, table: Table, column: int) -> str:
+        """Whether the header in a column is another; empty where no cell shows it as the table has it."""
+        name, head = table.columns[column - table.ref.left], table.header_row
+        if (
+            head is None
+            or self.read.workbook.sheet_part(table.sheet).constant(head, column) != name
+        ):
+            return ""
+        return is_renamed(_reference(table.sheet, cell_name(head, column)), name)
 
     def _check(self, one: _Input) -> list[Any]:
         """Name, value of a scalar, unit, what it is worth, what the present one is worth, and the check."""
@@ -188,10 +201,24 @@ class _Copy:
             else:
                 value = self.read.workbook.shown_value(*self.read.locations.scalars[one.field.name])
         if not one.field.is_number:
-            return [one.name, value, None, None, None, Formula(changed_words(one.live, copy))]
+            return [
+                one.name,
+                value,
+                None,
+                None,
+                None,
+                Formula(changed_words(one.live, copy, one.renamed)),
+            ]
         unit_at = self.read.locations.units.get((one.table, one.field.name))
         if not one.field.has_unit or unit_at is None:
-            return [one.name, value, None, None, None, Formula(changed_numbers(one.live, copy))]
+            return [
+                one.name,
+                value,
+                None,
+                None,
+                None,
+                Formula(changed_numbers(one.live, copy, renamed=one.renamed)),
+            ]
         return [one.name, value, *self._with_unit(one, copy, unit_at)]
 
     def _with_unit(self, one: _Input, copy: str, unit_at: tuple[str, str]) -> Sequence[Any]:
@@ -221,7 +248,7 @@ class _Copy:
             text or None,
             self._worth(scale),
             Formula(factor_now(at, stored, factor, of_quantity, known)),
-            Formula(changed_numbers(one.live, copy, now, speed, full)),
+            Formula(changed_numbers(one.live, copy, now, speed, full, one.renamed)),
         ]
 
     # ---- cells of the sheet --------------------------------------------------------------------

@@ -182,6 +182,13 @@ class CellLooks:
         return self._list("dxfs")
 
     @cached_property
+    def _indexed(self) -> list[str]:
+        """The colours that have a number: those of the file where it has its own."""
+        held = next((one for one in self._list("colors") if _name(one) == "indexedColors"), None)
+        own = [] if held is None else [one.get("rgb", "")[-6:].upper() for one in held]
+        return [*own, *_INDEXED[len(own) :]]
+
+    @cached_property
     def _codes(self) -> dict[str, str]:
         return {
             entry.get("numFmtId", ""): entry.get("formatCode", "")
@@ -261,7 +268,9 @@ class CellLooks:
             colour = self._theme[int(theme)].upper()
         elif indexed is not None and indexed.isdigit():
             at = int(indexed)
-            colour = _INDEXED[at] if at < len(_INDEXED) else {64: BLACK, 65: WHITE}.get(at)
+            colour = {64: BLACK, 65: WHITE}.get(at)
+            if colour is None and at < len(self._indexed):
+                colour = self._indexed[at]
         else:
             return None
         tint = entry.get("tint", "")

@@ -14,7 +14,9 @@ _EMU_PER_POINT, _EMU_PER_PIXEL = 12_700, 9_525
 _PIXELS_PER_CHARACTER, _PADDING = 7, 5
 #: Less of a cell than this hides nothing. [EMU]
 _EDGE = 4 * _EMU_PER_PIXEL
-_KINDS = {"pic": "a picture", "sp": "a text box or shape", "grpSp": "a group of shapes",
+#: Lines up to this width hide nothing. [EMU]
+_LINE = 6 * _EMU_PER_POINT
+_KINDS = {"pic": "a picture", "sp": "a text box or shape", "grpSp": "a group of shapes", "cxnSp": "a wide line",
           "graphicFrame": "a chart", "contentPart": "ink"}  # fmt: skip
 
 
@@ -31,7 +33,7 @@ class LyingOver:
 def lying_over(workbook: WorkbookState, sheet: str) -> Iterator[LyingOver]:
     """Everything that lies over the cells of a sheet.
 
-    Lines and shapes that have neither ground nor text hide nothing and are left out.
+    Thin lines, and shapes that have neither ground nor text, hide nothing and are left out.
     """
     part = workbook.structure.worksheet_part(sheet)
     for related in workbook.structure.relationships(part) if part else ():
@@ -66,8 +68,13 @@ def _of_drawing(root: Element, cells: SheetPart) -> Iterator[LyingOver]:
 
 def _covers(shape: Element) -> bool:
     """Whether a shape has a ground or a text; pictures and charts have."""
-    if _name(shape) != "sp":
+    if _name(shape) not in ("sp", "cxnSp"):
         return _name(shape) != "grpSp"
+    lines = (one.get("w", "") for one in shape.iter() if _name(one) == "ln")
+    if any((whole_number(width, 10**9) or 0) > _LINE for width in lines):
+        return True
+    if _name(shape) == "cxnSp":
+        return False
     if any((one.text or "").strip() for one in shape.iter() if _name(one) == "t"):
         return True
     if any(one.get("textlink") for one in shape.iter()):
@@ -77,7 +84,7 @@ def _covers(shape: Element) -> bool:
     if "noFill" in grounds:
         return False
     by_style = [one for one in shape.iter() if _name(one) == "fillRef"]
-    return bool(grounds & {"solidFill", "gradFill", "blipFill", "pattFill"}) or any(
+    return bool(grounds & {"solidFill", "gradFill", "blipFill", "pattFill", "grpFill"}) or any(
         one.get("idx", "0") != "0" for one in by_style
     )
 

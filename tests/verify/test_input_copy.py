@@ -41,6 +41,8 @@ def write(table, row, column, value):
         (write("InputUnits", 3, "Factor", 7.0), "has 7"),
         (write("InputChecks", "Stations[Inertia]", "Changed", 0.0), "in place of a live formula"),
         (write("InputChecks", "Stations[Inertia]", "Changed", Formula("0*1")), "refers to no cell"),
+        (write("InputChecks", "Stations[Inertia]", "Changed", Formula("0*ROWS(Stations[Inertia])")),
+         "after an edit"),
         (lambda book: book.write_table("CalculatedMeshes", [[None] * 17]), "1 rows instead of 4"),
         (lambda book: book.set_name("InputsChanged", False, replace_formula=True), "any input changed"),
     ],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 
 import openpyxl
@@ -276,10 +277,55 @@ _TEXT = "<xdr:txBody><a:bodyPr/><a:p><a:r><a:t>1,234</a:t></a:r></a:p></xdr:txBo
 _WHITE = "<a:solidFill><a:srgbClr val='FFFFFF'/></a:solidFill>"
 
 
+def test_a_wide_line_over_a_result_is_found(train, tmp_path):
+    package = Package(train)
+    sheet = package.part_of_sheet("Summary")
+    rels = package.parts[f"xl/worksheets/_rels/{sheet.rsplit('/', 1)[1]}.rels"].decode()
+    drawing = "xl/drawings/" + rels.split("drawings/")[1].split('"')[0]
+    end = "<xdr:to><xdr:col>12</xdr:col><xdr:colOff>0</xdr:colOff><xdr:row>16</xdr:row><xdr:rowOff>0</xdr:rowOff></xdr:to>"
+    line = f"<a:ln w='1270000'>{_WHITE}</a:ln>"
+    anchor = _ANCHOR.format(kind="twoCell", column=6, row=11, end=end, ground=line, text="")
+    anchor = anchor.replace("<xdr:sp>", "<xdr:cxnSp>").replace("</xdr:sp>", "</xdr:cxnSp>")
+    package.change(drawing, lambda text: text.replace("</xdr:wsDr>", f"{anchor}</xdr:wsDr>"))
+    workbook = open_workbook(package.store(tmp_path / "line.xlsx"), read_only=True)
+    found = [one.sentence for one in compare_appearance(workbook) if one.fails]
+    assert found
+    assert all("a wide line ('Box') lies over the cell" in one for one in found)
+
+
+def test_a_palette_of_the_file_that_makes_ink_white_is_found(train, tmp_path):
+    package = Package(train)
+    white = (
+        "<colors><indexedColors>" + '<rgbColor rgb="00FFFFFF"/>' * 64 + "</indexedColors></colors>"
+    )
+    ink = '<color indexed="8"/>'
+    package.change(
+        "xl/styles.xml", lambda text: re.sub(r"<color (?:theme|rgb)[^>]*/>(?=<name)", ink, text)
+    )
+    plain = open_workbook(package.store(tmp_path / "plain.xlsx"), read_only=True)
+    package.change(
+        "xl/styles.xml", lambda text: text.replace("</styleSheet>", f"{white}</styleSheet>")
+    )
+    workbook = open_workbook(package.store(tmp_path / "white.xlsx"), read_only=True)
+    unread = [
+        [one for one in compare_appearance(book) if "nobody can read" in one.sentence]
+        for book in (plain, workbook)
+    ]
+    assert any("#FFFFFF on #FFFFFF" in one.sentence for one in unread[1])
+    assert not any("#FFFFFF on #FFFFFF" in one.sentence for one in unread[0])
+
+
 @pytest.mark.first_ones(2)
 @pytest.mark.parametrize(
     ("ground", "text", "covers"),
-    [(_WHITE, "", True), ("<a:noFill/>", _TEXT, True), ("<a:noFill/>", "", False)],
+    [
+        (_WHITE, "", True),
+        ("<a:noFill/>", _TEXT, True),
+        ("<a:noFill/>", "", False),
+        (f"<a:noFill/><a:ln w='12700'>{_WHITE}</a:ln>", "", False),
+        (f"<a:noFill/><a:ln w='1270000'>{_WHITE}</a:ln>", "", True),
+        ("<a:grpFill/>", "", True),
+    ],
 )
 @pytest.mark.parametrize("kind", ["twoCell", "oneCell"])
 def test_a_shape_over_a_result_is_found_and_a_ring_around_it_is_none(

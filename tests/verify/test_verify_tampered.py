@@ -130,6 +130,64 @@ def test_another_formula_in_place_of_ours_is_judged_by_what_it_shows(
     assert (sheet, cell, "edited") in {(f.sheet, f.cell, f.kind) for f in failing(found)}
 
 
+@pytest.mark.first_ones(2)
+@pytest.mark.parametrize(
+    "formula",
+    [
+        '"INCOMPLETE: "&amp;COUNTA(Verdicts[Check])&amp;" checks"',
+        'IF(COUNTA(Verdicts[Check])&gt;0,"{banner}","")',
+        "IF(TRUE,OverallVerdict)",
+    ],
+)
+def test_a_verdict_on_another_sheet_that_is_not_the_overall_one_is_seen(train, tampered, formula):
+    """Its value follows from its formula, which nobody reads."""
+    banner = open_workbook(train, read_only=True).shown_value("Summary", "B9")
+    text = formula.format(banner=banner)
+    shown = banner if "COUNTA(Verdicts[Check])&amp;" not in formula else "INCOMPLETE: 9 checks"
+
+    def edit(package):
+        package.change(
+            package.part_of_sheet("Margins"),
+            lambda xml: re.sub(
+                "<f>OverallVerdict</f><v>[^<]*</v>", lambda _: f"<f>{text}</f><v>{shown}</v>", xml
+            ),
+        )
+
+    found = tampered(edit)
+    assert not found.passes
+    assert ("Margins", "edited") in {(f.sheet, f.kind) for f in failing(found)}
+
+
+@pytest.mark.first_ones(2)
+@pytest.mark.parametrize(
+    ("name", "how"),
+    [
+        ("OverallVerdict", ("IFERROR(InputsChanged,1)", "FALSE")),
+        ("OverallVerdict", ("=IF(", '=IF(NOW()>60000,"PASS: all 9 checks",', ")")),
+        ("InputsChanged", ("=AND(", "=AND(NOW()<60000,")),
+    ],
+)
+def test_a_banner_that_will_say_something_else_after_an_edit_is_seen(edited, name, how):
+    """It shows the right verdict now."""
+
+    def edit(workbook):
+        at = workbook.defined_names[name]
+        cell = cell_name(at.rect.top, at.rect.left)
+        held = workbook.value(at.sheet, cell)
+        old, new, *end = how
+        text = f"={held.text}".replace(old, "=IF(" + new[4:] + "IF(" if end else new, 1)
+        workbook.set_cell(
+            at.sheet, cell, Formula("".join([text.removeprefix("="), *end]), held.cached),
+            replace_formula=True,
+        )  # fmt: skip
+
+    found = verify_file(edited(edit))
+    assert not found.passes
+    at = open_workbook(found.source, read_only=True).defined_names[name]
+    cell = cell_name(at.rect.top, at.rect.left)
+    assert (at.sheet, cell, "edited") in {(f.sheet, f.cell, f.kind) for f in failing(found)}
+
+
 @pytest.mark.slow
 def test_a_formula_of_ours_written_otherwise_with_the_same_value_is_a_note(edited):
     def edit(workbook):
@@ -244,3 +302,80 @@ def test_a_number_format_without_digits_hides_the_number(tampered):
     found = tampered(edit)
     assert {f.kind for f in failing(found)} == {"shown otherwise"}
     assert all("'none'" in f.sentence for f in failing(found))
+
+
+def with_cells(package: Package, sheet: str, row: int, cells: str) -> None:
+    """More cells at the end of a row."""
+    package.change(
+        package.part_of_sheet(sheet),
+        lambda xml: re.sub(
+            rf'(<row r="{row}"[^>]*>.*?)(</row>)', rf"\1{cells}\2", xml, count=1, flags=re.DOTALL
+        ),
+    )
+
+
+def test_an_input_that_is_read_elsewhere_than_beside_its_label_is_seen(train, tampered):
+    """The copy of the inputs is led to the same cell; the digest is that of the inputs."""
+    workbook = open_workbook(train, read_only=True)
+    at = workbook.defined_names["StartsRequired"]
+    column, row = cell_name(at.rect.top, at.rect.left)[0], at.rect.top
+    value = workbook.shown_value("Case", f"{column}{row}")
+
+    def edit(package):
+        with_cells(package, "Case", row, f'<c r="AZ{row}"><v>{value}</v></c>')
+        package.change_cell("Case", f"{column}{row}", "<v>99999</v>")
+        for part in ("xl/workbook.xml", package.part_of_sheet("Inputs calculated")):
+            package.change(
+                part, lambda xml: xml.replace(f"Case!${column}${row}", f"Case!$AZ${row}")
+            )
+
+    found = tampered(edit)
+    assert found.same_inputs
+    assert [(f.cell, f.kind) for f in failing(found)] == [(f"AZ{row}", "edited")]
+
+
+def test_a_scalar_moved_with_its_label_is_no_finding(train, tampered):
+    at = open_workbook(train, read_only=True).defined_names["StartsRequired"]
+    row, left = at.rect.top, at.rect.left
+
+    def edit(package):
+        part = package.part_of_sheet("Case")
+        for k in (-1, 0, 1):
+            old, new = cell_name(row, left + k), cell_name(row, left + k + 40)
+            package.change(part, lambda xml, old=old, new=new: xml.replace(f'"{old}"', f'"{new}"'))
+        for name in ("xl/workbook.xml", package.part_of_sheet("Inputs calculated")):
+            old, new = (
+                f"Case!${cell_name(row, c)[: -len(str(row))]}${row}" for c in (left, left + 40)
+            )
+            package.change(name, lambda xml, old=old, new=new: xml.replace(old, new))
+
+    assert not [f for f in tampered(edit).findings if "its label" in f.sentence]
+
+
+@pytest.mark.first_ones(1)
+@pytest.mark.parametrize("table", ["Materials", "AllowableStarts"])
+def test_a_table_that_is_read_elsewhere_than_where_it_stands_is_seen(train, tampered, table):
+    """Its cells again far to the right, where nobody looks; what everybody sees can then be typed over."""
+    held = open_workbook(train, read_only=True).table(table)
+
+    def far(row, column):
+        return cell_name(row, column + 60)
+
+    def edit(package):
+        part = package.part_of_sheet(held.sheet)
+        for row in range(held.ref.top - 1, held.data.bottom + 1):
+            copies = ""
+            for column in range(held.ref.left, held.ref.right + 1):
+                cell = cell_name(row, column)
+                found = re.search(
+                    rf'<c r="{cell}"[^>]*?(?:/>|>.*?</c>)', package.parts[part].decode(), re.DOTALL
+                )
+                copies += found[0].replace(f'"{cell}"', f'"{far(row, column)}"') if found else ""
+            with_cells(package, held.sheet, row, copies)
+        place = f"{far(held.ref.top, held.ref.left)}:{far(held.ref.bottom, held.ref.right)}"
+        package.change(
+            package.part_of_table(table), lambda xml: re.sub('ref="[^"]*"', f'ref="{place}"', xml)
+        )
+
+    head = cell_name(held.ref.top, held.ref.left)
+    assert (head, "edited") in {(f.cell, f.kind) for f in failing(tampered(edit))}

@@ -267,6 +267,27 @@ def test_formulas_in_inputs_count_with_what_they_show(calculated: Path, calc: An
     assert wrong(expected, calc(steps)) == []
 
 
+def test_columns_whose_headers_are_exchanged_are_a_change(calculated: Path, calc: Any) -> None:
+    """The reader of the inputs goes by the headers, the formulas of a program by the columns."""
+    at = {p.name: p for p in places(read_workbook(calculated))}
+    table = read_workbook(calculated).locations.tables["Elements"]
+    cells = [
+        re.sub(r"\d+", str(table.header_row), at[f"Elements.{name}"].cells[0])
+        for name in ("OD", "ID")
+    ]
+    steps: list[tuple[object, ...]] = [("open", calculated), BANNER]
+    expected = [("as calculated", False)]
+    for headers, is_change in ((("ID", "OD"), True), (("OD", "ID"), False), (("OD", "Bore"), True)):
+        steps += [("text", table.sheet, cells[0], "other")]
+        steps += [
+            ("text", table.sheet, cell, text)
+            for cell, text in reversed(list(zip(cells, headers, strict=True)))
+        ]
+        steps.append(BANNER)
+        expected.append((f"OD and ID called {headers}", is_change))
+    assert wrong(expected, calc(steps)) == []
+
+
 def test_every_banner_says_so(calculated: Path, calc: Any) -> None:
     workbook = open_workbook(calculated)
     strips = [
@@ -364,6 +385,6 @@ def test_the_formulas_are_plain_ones_of_excel_2010(calculated: Path) -> None:
     assert not part.arrays
     functions = {word for text in texts for word in re.findall(r"([A-Z][A-Z.0-9]*)\(", text)}
     assert functions <= {
-        "AND", "COUNT", "EXACT", "IF", "IFERROR", "INDEX", "ROWS", "SUM", "SUMPRODUCT",
+        "AND", "COUNT", "EXACT", "IF", "IFERROR", "INDEX", "NOT", "OR", "ROWS", "SUM", "SUMPRODUCT",
     }  # fmt: skip
     assert max(map(len, texts)) < 1000
