@@ -57,7 +57,7 @@ def notes_of_check(data: CaseData) -> list[str]:
     case = Case(**vars(data))
     train = build_train(case)
     facts = full_speed(case, train)
-    impossible = [one.sentence for one in impossible_train(facts)]
+    impossible = [one.sentence for one in impossible_train(case, train, facts)]
     return [*impossible, *implausible(case), *unusual_train(case, train, facts)]
 
 
