@@ -59,7 +59,7 @@ def _plausible(read: CaseInput) -> tuple[tuple[str, ...], str]:
     facts = full_speed(case, train)
     notes = (
         *read.warnings,
-        *(one.sentence for one in impossible_train(facts)),
+        *(one.sentence for one in impossible_train(case, train, facts)),
         *implausible(case),
         *unusual_train(case, train, facts),
     )

@@ -510,6 +510,12 @@ def _shapes(case: CaseData) -> Iterator[str]:
                 f"MotorTorque, Average of '{station}' is {at_rest.average or 0.0:.4g} N m at rest: nothing "
                 "starts. Check that Speed is the speed, from 0 to 100 %, and not the slip."
             )
+        if largest and not any(p.pulsating for p in points):
+            yield (
+                f"MotorTorque, Pulsating of '{station}' is zero at every speed: nothing excites the modes in "
+                "the start. A synchronous motor pulsates at twice the slip frequency until it is in "
+                "step, usually with 0.2 to 1 × RatedTorque."
+            )
         running = [p for p in points if (p.speed or 0.0) < BEFORE_PULL_OUT]
         if len(running) > 1 and all((p.pulsating or 0.0) > abs(p.average or 0.0) for p in running):
             yield (

@@ -27,6 +27,13 @@ LARGE_INERTIA = 10.0
 LARGEST_LOAD = 1.2
 #: Torques below this share of the largest, referred, count as none. [1]
 NO_TORQUE = 1e-9
+#: No shaft is of a stronger material; maraging steels end at 2.8 GPa. [Pa]
+LARGEST_STRENGTH = 5e9
+#: Nominal stress of a shaft that carries at least `CARRYING` of the largest torque, referred; usual are
+#: 10 to 80 MPa. [Pa, 1]
+LEAST_STRESS, CARRYING = 20e3, 0.01
+#: A limit of torque above this multiple of rated torque judges nothing. [1]
+LARGEST_LIMIT = 100.0
 
 _CARRIED = "under the torque that it transmits"
 OWN_INERTIA = UsualRange(
@@ -92,13 +99,17 @@ class Implausible:
         return f"{self.finding[:1].upper()}{self.finding[1:]}: no verdict is given. {self.advice}"
 
 
-def impossible_train(facts: FullSpeed) -> tuple[Implausible, ...]:
+def impossible_train(case: CaseData, train: Train, facts: FullSpeed) -> tuple[Implausible, ...]:
     """What no motor train has, of what is known before any calculation.
 
     Parameters
     ----------
+    case : CaseData
+        A case without errors. [SI]
+    train : Train
+        Its train. [SI]
     facts : FullSpeed
-        The train at full speed. [SI]
+        It at full speed. [SI]
 
     Returns
     -------
@@ -123,7 +134,61 @@ def impossible_train(facts: FullSpeed) -> tuple[Implausible, ...]:
                     "and RatedTorque or RatedPower.",
                 )
             )
-    return tuple(impossible)
+    return (*impossible, *_impossible_strengths(case), *_impossible_elements(case, train))
+
+
+def _impossible_strengths(case: CaseData) -> Iterator[Implausible]:
+    """Strengths of a wrong unit: every stress beside them is small, and every check passes."""
+    strengths = [
+        (column, row.material, value_of(row, column))
+        for column, rows in (
+            ("UTS", case.materials),
+            ("Yield", case.materials),
+            ("Endurance", case.materials),
+            ("Stress", case.sn_points),
+        )
+        for row in rows
+    ]
+    for column, material, strength in strengths:
+        if strength is not None and strength > LARGEST_STRENGTH:
+            name = "S-N stress" if column == "Stress" else column
+            yield Implausible(
+                f"{name} of '{material}' {strength / 1e6:.3g} MPa (steels: to 2,500)",
+                "Check its unit.",
+            )
+            return
+
+
+def _impossible_elements(case: CaseData, train: Train) -> Iterator[Implausible]:
+    """Shafts that are stressed by nothing, and limits that nothing reaches."""
+    ratios, torque = case.element_speed_ratios, transmitted_torque(case, train).element
+    names = [str(e.element) for e in case.elements]
+    carried = dict(zip(names, np.abs(torque).tolist(), strict=True))
+    largest = max((t * ratios[name] for name, t in carried.items()), default=0.0)
+    for e in case.elements:
+        name = str(e.element)
+        if not e.stress_diameter or carried[name] * ratios[name] < CARRYING * largest:
+            continue
+        stress = _stress(carried[name], e.stress_diameter, e.stress_bore)
+        if stress is not None and 0.0 < stress < LEAST_STRESS:
+            yield Implausible(
+                f"nominal stress of '{name}' {stress / 1e6:.2g} MPa under the torque that it transmits "
+                "(usual: 10 to 80 MPa)",
+                "Check the unit of its Stress diameter.",
+            )
+            break
+    rated = case.ratings.rated_torque
+    if not rated:
+        return
+    for e in case.elements:
+        for usual in LIMITS:
+            limit, referred = value_of(e, usual.quantity), ratios[e.element] / rated
+            if limit and limit * referred > LARGEST_LIMIT:
+                yield Implausible(
+                    f"{usual.quantity} of '{e.element}' {limit * referred:.3g} × rated torque",
+                    "Check its unit.",
+                )
+                return
 
 
 def unusual_train(case: CaseData, train: Train, facts: FullSpeed) -> tuple[str, ...]:

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+import numpy as np
+
 from engine.case.result_words import Outcome
 from engine.fatigue.stress import stress_of_unit_torque
 from engine.operation.full_speed import full_speed
@@ -16,6 +18,8 @@ from engine.results.results import Results
 
 #: A first torsional mode below this is none of a motor train. [Hz]
 LOWEST_MODE = 0.5
+#: Nor does one that starts have its first mode above this; direct trains of 0.5 MW have 100 to 200 Hz. [Hz]
+HIGHEST_FIRST_MODE = 500.0
 #: A start from rest to its end takes no less and no longer. [s]
 RUN_UP = (0.2, 120.0)
 #: Peak torque of a start without events over rated torque; the largest published are about 8. [1]
@@ -41,13 +45,15 @@ def implausible_results(results: Results) -> tuple[Implausible, ...]:
 
 
 def _of_the_train(results: Results) -> Iterator[Implausible]:
+    case, train = results.case, results.train
     first = results.modes.elastic_frequency[results.modes.twists[results.modes.n_rigid :]][:1]
-    if len(first) and first[0] < LOWEST_MODE:
+    is_too_stiff = results.start is not None and bool(np.any(first > HIGHEST_FIRST_MODE))
+    if len(first) and (first[0] < LOWEST_MODE or is_too_stiff):
         yield Implausible(
             f"first torsional mode at {first[0]:.3g} Hz",
             "Check the units of stiffnesses and inertias.",
         )
-    yield from impossible_train(full_speed(results.case, results.train))
+    yield from impossible_train(case, train, full_speed(case, train))
 
 
 def _of_the_start(results: Results) -> Iterator[Implausible]:

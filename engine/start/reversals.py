@@ -32,6 +32,9 @@ from engine.start.start import Start
 #: Torque above zero by less than this share of the largest of its element is rounding: teeth apart.
 ROUNDING = 1e-9
 
+#: A torque that comes below zero by less than the hysteresis, in words.
+NEAR_ZERO = f"does not reverse (below zero by less than {NOTABLE_REVERSAL:.1%} of its largest)"
+
 #: Halvings of a bracket of a zero crossing: from any step down to the rounding of the time.
 BISECTIONS = 60
 
@@ -163,7 +166,8 @@ def _verdict(
     """The maker's limit judges; without one a reversal is reported, not judged."""
     reverses = minimum < -hysteresis
     parts = contact is not None and contact.impacts > 0
-    sentence = f"{element.element}: torque {'reverses' if reverses else 'stays positive'}"
+    lowest = "stays positive" if minimum >= 0.0 else NEAR_ZERO
+    sentence = f"{element.element}: torque {'reverses' if reverses else lowest}"
     if contact is not None and parts:
         reached = "reverses" if reverses else "falls to zero"
         sentence = f"{element.element}: torque {reached}, teeth re-engage {contact.impacts} times"

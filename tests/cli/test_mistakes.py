@@ -57,7 +57,7 @@ def notes_of_check(data: CaseData) -> list[str]:
     case = Case(**vars(data))
     train = build_train(case)
     facts = full_speed(case, train)
-    impossible = [one.sentence for one in impossible_train(facts)]
+    impossible = [one.sentence for one in impossible_train(case, train, facts)]
     return [*impossible, *implausible(case), *unusual_train(case, train, facts)]
 
 
@@ -261,6 +261,18 @@ def metres(cells: Mapping[str, Any]) -> dict[str, Any]:
     return times(cells, "Elements", "Stress diameter", 0.0254 if us else 0.001)
 
 
+def no_pulsation(cells: Mapping[str, Any]) -> dict[str, Any]:
+    return times(cells, "MotorTorque", "Pulsating", 0.0)
+
+
+def newtons_under_meganewtons(cells: Mapping[str, Any]) -> dict[str, Any]:
+    return times(cells, "Elements", "Peak torque limit", 1e6)
+
+
+def millimetres(cells: Mapping[str, Any]) -> dict[str, Any]:
+    return times(cells, "Elements", "Stress diameter", 25.4)
+
+
 def no_scf(cells: Mapping[str, Any]) -> dict[str, Any]:
     return without(cells, "Elements", "SCF")
 
@@ -276,6 +288,9 @@ V6 = [
     (pole_pairs, "Meshes, Pitch radius drive of 'Mesh': pitch line velocity of 158.3 m/s"),
     (metres, "Elements, Stress diameter of 'Motor shaft' (and 5 more)"),
     (no_scf, "Elements, SCF is blank at all 6 shafts"),
+    (no_pulsation, "MotorTorque, Pulsating of 'Motor' is zero at every speed"),
+    (newtons_under_meganewtons, "× rated torque: no verdict is given. Check its unit."),
+    (millimetres, "nominal stress of 'Motor shaft' 0.00"),
 ]
 
 

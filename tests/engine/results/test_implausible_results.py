@@ -44,9 +44,17 @@ def scaled(case: Case, **factors: float) -> Case:
         ({"load_torque__torque": 5.6, "motor_torque__average": 2.0}, "× rated torque at full speed"),
         ({"motor_torque__pulsating": 60.0}, "peak torque of "),
         ({"elements__stress_diameter": 0.25}, "stress of 'HP compressor shaft' "),
+        ({"elements__stiffness": 1e6}, "first torsional mode at "),
+        ({"elements__stiffness": 1e3}, "first torsional mode at "),
+        ({"elements__stress_diameter": 25.4}, "nominal stress of 'Motor shaft' "),
+        ({"materials__uts": 145.0, "materials__yield_": 145.0}, "UTS of 'alloy steel' "),
+        ({"materials__endurance": 145.0, "sn_points__stress": 145.0}, "Endurance of 'alloy steel' "),
+        ({"sn_points__stress": 145.0}, "S-N stress of 'alloy steel' "),
+        ({"elements__peak_torque_limit": 1e3}, "Peak torque limit of 'LS coupling' "),
     ],
     ids=["MN as N", "GD² and more", "inertias in t m²", "long start", "load at motor speed",
-         "pulsating", "m under mm"],
+         "pulsating", "m under mm", "N under MN", "N under kN", "mm under in", "psi under MPa",
+         "endurance in psi under MPa", "S-N points in psi under MPa", "N m under kN m"],
 )  # fmt: skip
 def test_a_gross_mistake_takes_the_place_of_the_verdict(
     factors: dict[str, float], words: str

@@ -80,7 +80,9 @@ def test_trembling_within_the_hysteresis_is_no_reversal(start):
     assert r.minimum_torque < 0.0
     assert (r.reversals, r.time_unloaded, r.first_time) == (0, 0.0, None)
     assert r.verdict == "pass"
-    assert "stays positive" in r.sentence
+    assert (
+        r.sentence == "Mesh: torque does not reverse (below zero by less than 0.1% of its largest)"
+    )
 
 
 def test_two_dips_without_a_rise_above_zero_are_one_reversal(start):
