@@ -144,6 +144,8 @@ def _time_spent(spent: Iterable[tuple[str, float]]) -> Iterator[tuple[str, str]]
 def _percent(share: float) -> str:
     """A share in per cent with two digits, never in powers of ten."""
     shown = 100.0 * share
+    if not math.isfinite(shown):
+        return "unknown"
     if shown == 0.0:
         return "0 %"
     if abs(shown) < 1e-6:

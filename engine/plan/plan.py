@@ -31,6 +31,9 @@ from engine.plan.decision import EffectDecision, Finding, decide, percent, quote
 from engine.plan.effects import FINDINGS
 from engine.plan.evidence import Evidence, reversing_minima
 
+#: Effects whose numbers are those of the latest run.
+OF_THE_RUN = ("fast modes", "cycle counting")
+
 
 @dataclass(frozen=True)
 class Plan:
@@ -100,7 +103,7 @@ def first_plan(case: CaseData, evidence: Evidence) -> Plan:
 
 
 def revised_plan(case: CaseData, plan: Plan, evidence: Evidence) -> Plan:
-    """A new plan where a run has found the old one wrong; else the same, with the stresses of that run.
+    """A new plan where a run has found the old one wrong; else the same, with stresses and modes of that run.
 
     The evidence holds the start of that run as `event`. A new plan has every clearance, if the old one had
     or an element with one reversed.
@@ -120,14 +123,22 @@ def revised_plan(case: CaseData, plan: Plan, evidence: Evidence) -> Plan:
     if evidence.event.must_count and not counting.on and counting.choice == "auto":
         reasons.append("stresses rose above endurance, so cycles must be counted")
     if not reasons:
-        finding = FINDINGS[counting.effect](case, evidence, modelled)
-        latest, _ = decide(EFFECTS[counting.effect], counting.choice, finding, None)
-        latest = replace(latest, time=counting.time)
-        return replace(
-            plan, decisions=tuple(latest if d is counting else d for d in plan.decisions)
+        decisions = tuple(
+            _again(case, evidence, d, modelled) if d.effect in OF_THE_RUN else d
+            for d in plan.decisions
         )
+        return replace(plan, decisions=decisions)
     reason = f"In the run of plan {plan.number}: " + "; ".join(reasons) + "."
     return _plan(case, evidence, plan.number + 1, reason, modelled)
+
+
+def _again(
+    case: CaseData, evidence: Evidence, decision: EffectDecision, modelled: tuple[str, ...]
+) -> EffectDecision:
+    """The same decision by what the latest run has found."""
+    finding = FINDINGS[decision.effect](case, evidence, modelled)
+    latest, _ = decide(EFFECTS[decision.effect], decision.choice, finding, None)
+    return replace(latest, time=decision.time)
 
 
 def with_times(plan: Plan, times: Mapping[str, float]) -> Plan:

@@ -170,6 +170,8 @@ def outcome_of(
         word = Outcome.ASYNCHRONOUS if tends_to >= ASYNCHRONOUS_ABOVE else Outcome.STALLED
         numbers["end_share"] = settings.end_speed / synchronous
         return StartOutcome.with_numbers(word, end, speed, **numbers)
+    speed = float(np.interp(end, trajectory.time, trajectory.mean_speed))
+    numbers = {"share": speed / synchronous, "rpm": speed * 30.0 / math.pi}
     outcome = StartOutcome.with_numbers(Outcome.TIME_OUT, end, speed, **numbers)
     if not math.isfinite(float(runup.time[-1])):
         return outcome

@@ -20,6 +20,7 @@ from engine.model.modal_analysis import ModalAnalysis, analyse
 from engine.results.results import AccuracyRow
 from engine.run import PlannedStart, planned_start
 from engine.start.start import Start
+from engine.start.start_fatigue import starts_of
 from engine.studies.accuracy.answers import Answers, answers_of, errors_between, timed_runs
 
 #: Methods of the rows: the start as it is calculated, and what else could be.
@@ -64,7 +65,7 @@ def alternatives(
     setting = _described(start)
     if start.repeatability is not None:
         stated = max(stated, start.repeatability.spread)
-    rows = [AccuracyRow(CHOSEN, setting, stated, None, taken)]
+    rows = [AccuracyRow(CHOSEN, setting, stated, _stated_of_starts(case, planned), taken)]
     for words, other, found in _others(case, analysis, planned):
         on_stage(words)
         try:
@@ -127,6 +128,18 @@ def _described(start: Start) -> str:
     if start.repeatability is not None:
         return f"{modes}, ensemble of {start.repeatability.runs} runs"
     return modes
+
+
+def _stated_of_starts(case: CaseData, planned: PlannedStart) -> float | None:
+    """Error of the starts as stated, with what is left out; None where none are limited."""
+    starts, errors = starts_of(case, planned.start, planned.full)
+    shafts = starts.shafts if starts is not None else ()
+    stated = [
+        error + (shaft.left_out or 0.0)
+        for shaft, (_, error) in zip(shafts, errors, strict=True)
+        if error is not None
+    ]
+    return max(stated, default=None)
 
 
 def _others(

@@ -589,3 +589,13 @@ def test_run_length_forced_on_goes_on_after_pull_in_where_a_time_is_given():
     assert run(longer).start.outcome.time == pytest.approx(settled.time, rel=1e-9)
     assert forced.time == pytest.approx(settled.time + 1.5, rel=1e-9)
     assert forced.outcome == settled.outcome == "synchronised"
+
+
+def test_modes_of_a_start_with_events_are_those_that_it_keeps():
+    """The linear start leaves modes out, the one with clearances none: sheet Effects tells the latter."""
+    results = run(with_clearance(sample_case("proposed")))
+    assert results.start is not None
+    decision = results.plans[-1].decision("fast modes")
+    kept = results.start.kept_modes
+    assert decision.why == f"All {kept} modes integrated."
+    assert decision.bound == results.start.truncation_error == 0.0

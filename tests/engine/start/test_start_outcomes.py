@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from scipy.special import fresnel
 
 from engine.case.case import Case
@@ -97,6 +98,26 @@ def test_the_speed_at_a_time_out_is_that_at_its_end() -> None:
     end = started(case).outcome
     assert end.outcome == "time out"
     assert end.end_speed == pytest.approx(0.6 * RATED / inertia, rel=1e-3)
+
+
+def test_the_speed_at_a_time_out_swings_with_the_pulsation() -> None:
+    """A rigid train by another integrator; a line through the last tenth of the run leaves out the swing."""
+    case = geared(
+        maximum_time=1.0,
+        motor_torque=motor(curve=((0.0, 0.6, 0.5), (1.0, 0.6, 0.5))),
+        load_torque=(),
+    )
+    inertia = 50.0 + 20.0 + 9.0 * (1.0 + 4.0)
+    stiff = tuple(replace(e, stiffness=e.stiffness and 1e3 * e.stiffness) for e in case.elements)
+    end = started(replace(case, elements=stiff)).outcome
+
+    def rates(t: float, x: np.ndarray) -> list[float]:
+        pulsation = np.sin(2.0 * (120.0 * math.pi * t - 2.0 * x[0]))
+        return [x[1], RATED / inertia * (0.6 + 0.5 * pulsation)]
+
+    found = solve_ivp(rates, (0.0, end.time), [0.0, 0.0], "DOP853", rtol=1e-10, atol=1e-10)
+    assert end.outcome == "time out"
+    assert end.end_speed == pytest.approx(found.y[1, -1], rel=1e-4)
 
 
 def test_maximum_time_is_no_reason_to_watch_a_stalled_train_for_an_hour() -> None:

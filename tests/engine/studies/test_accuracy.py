@@ -7,6 +7,7 @@ from dataclasses import replace
 import pytest
 
 from engine.case.data import EffectChoiceRow, MeshRow, TorqueTimeRow
+from engine.run import run
 from engine.studies.accuracy.accuracy import AccuracyRow, AccuracyStudy, accuracy_study
 from engine.studies.accuracy.accuracy import _cost as cost
 from tests.sample_case import sample_case
@@ -68,6 +69,18 @@ def test_every_other_approximation_has_its_price(study):
     assert prices["all modes"].error_peak <= chosen.error_peak
     assert f"The start as calculated ({chosen.setting}) takes " in study.sentence
     assert "; all modes would take " in study.sentence
+
+
+def test_the_start_as_calculated_has_an_error_of_starts(study):
+    """As sheet Starts states it, with what is left out."""
+    (chosen,) = of(study, "chosen")
+    results = run(sample_case("modified"))
+    errors = dict(results.starts_error)
+    assert chosen.error_starts == max(
+        errors[s.element] + (s.left_out or 0.0)
+        for s in results.starts.shafts
+        if errors[s.element] is not None
+    )
 
 
 def test_an_effect_left_out_costs_what_it_is_worth():
