@@ -84,7 +84,7 @@ class ChartPart:
     def _without_points(self, data: bytes) -> bytes:
         """The part with places for its long runs of plain points, where what looks like a point is one."""
         declared_once = data.count(b"xmlns:c=") == 1 and _PREFIX in data
-        misleading = b"<!" in data or b"<?" in data[2:] or _PLACE_INDEX.encode() in data
+        misleading = b"<!" in data or data.find(b"<?", 2) >= 0 or _PLACE_INDEX.encode() in data
         if not declared_once or misleading or not is_utf8(data):
             return data
 
