@@ -52,6 +52,7 @@ _PLAIN_POINTS = re.compile(
 )
 _PLAIN_POINT = re.compile(rb'idx="([0-9]+)"><c:v>([^<]*)<')
 _PREFIX = b' xmlns:c="%s"' % CHART.encode()
+_NUMERIC = (bool, float)
 # Some whole columns; programs draw far fewer points.
 MOST_POINTS = 4 * 2**20
 
@@ -267,7 +268,9 @@ def _cache_xml(kind: str, areas: list[Area], shown: Shown, prefix: str) -> str:
         points = [_text_point(value) for value in values]
         return f'<{prefix}ptCount val="{len(points)}"/>{_points_xml(points, prefix)}'
     # Text and errors have none, as a spreadsheet program leaves them out too.
-    numbers = [_number_of(value) for value in values]
+    numbers = [
+        value if type(value) is float and isfinite(value) else _number_of(value) for value in values
+    ]
     xml = f'<{prefix}ptCount val="{len(numbers)}"/>{_points_xml(numbers, prefix)}'
     # Whole numbers without a point, as `number_text` writes them.
     return xml.replace(f".0</{prefix}v>", f"</{prefix}v>")
@@ -305,7 +308,7 @@ def _points_xml(points: Sequence[str | float | None], prefix: str) -> str:
 
 
 def _number_of(value: Constant) -> float | None:
-    return float(value) if isinstance(value, bool | float) and isfinite(value) else None
+    return float(value) if isinstance(value, _NUMERIC) and isfinite(value) else None
 
 
 def _text_point(value: Constant) -> str | None:
