@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
-from functools import cached_property
+from functools import cached_property, lru_cache
 from math import isclose, isfinite
 from xml.sax.saxutils import escape, unescape
 
@@ -53,6 +53,7 @@ _PLAIN_POINTS = re.compile(
 _PLAIN_POINT = re.compile(rb'idx="([0-9]+)"><c:v>([^<]*)<')
 _PREFIX = b' xmlns:c="%s"' % CHART.encode()
 _NUMERIC = (bool, float)
+_MOST_KEPT_STARTS = 4096
 # Some whole columns; programs draw far fewer points.
 MOST_POINTS = 4 * 2**20
 
@@ -298,13 +299,27 @@ def _levels_xml(areas: list[Area], shown: Shown, prefix: str) -> str:
 
 def _points_xml(points: Sequence[str | float | None], prefix: str) -> str:
     end = f"</{prefix}v></{prefix}pt>"
+    starts = _starts(prefix, max(64, 1 << (len(points) - 1).bit_length()))
     return "".join(
         [
-            f'<{prefix}pt idx="{index}"><{prefix}v>{point}{end}'
-            for index, point in enumerate(points)
+            f"{start}{point}{end}"
+            for start, point in zip(starts, points, strict=False)
             if point is not None
         ]
     )
+
+
+def _all_starts(prefix: str, count: int) -> list[str]:
+    """What stands before the value of each of so many points."""
+    return [f'<{prefix}pt idx="{index}"><{prefix}v>' for index in range(count)]
+
+
+_kept_starts = lru_cache(maxsize=8)(_all_starts)
+
+
+def _starts(prefix: str, count: int) -> list[str]:
+    """The same; those of the charts that are usual are kept."""
+    return (_kept_starts if count <= _MOST_KEPT_STARTS else _all_starts)(prefix, count)
 
 
 def _number_of(value: Constant) -> float | None:

@@ -607,11 +607,12 @@ class SheetPart:
                 return True
             place = row.element.makeelement(_C, r=f"{_PLACE_NAME}{len(self._texts)}")
             row.element.append(place)
-            row = self._indexed[number] = TextRow()
+            row = self._indexed[number] = TextRow(states_span=True)
             self._texts.append(row)
         row.exchange(rect, text)
-        if text:  # as in `Row.put_in`
+        if text and row.states_span:  # as in `Row.put_in`
             self._rows[number].attrib.pop("spans", None)
+            row.states_span = False
         return True
 
     def _forget_blocks(self, rect: Rect) -> None:

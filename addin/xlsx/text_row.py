@@ -65,6 +65,8 @@ class TextRow:
     texts: list[str] = field(default_factory=list)
     #: Style of each piece that is a single cell.
     styles: list[str | None] = field(default_factory=list)
+    #: Whether its element may state a span of columns.
+    states_span: bool = False
 
     def xml(self) -> str:
         """All its cells."""
@@ -106,10 +108,9 @@ class TextRow:
         while True:
             start = bisect_left(self.lasts, rect.left)
             stop = bisect_left(self.firsts, rect.right + 1)
-            run = next((k for k in range(start, stop) if self.firsts[k] < self.lasts[k]), None)
-            if run is None:
+            if self.firsts[start:stop] == self.lasts[start:stop]:
                 return range(start, stop)
-            self._part(run)
+            self._part(next(k for k in range(start, stop) if self.firsts[k] < self.lasts[k]))
 
     def _part(self, run: int) -> None:
         """Take a run apart into its cells."""
@@ -124,11 +125,10 @@ class TextRow:
 
 def text_row(number: int, cells: str) -> TextRow | None:
     """A plain row as text; None where its cells are out of order or bear names of other rows."""
-    found = _CELLS.findall(cells)
-    columns = [column_number(letters) for _, letters, _, _ in found]
-    ending = str(number)
-    in_order = all(one < other for one, other in zip(columns, columns[1:], strict=False))
-    if not in_order or columns[-1] > MAX_COLUMN or any(row != ending for _, _, row, _ in found):
+    texts, letters, rows, styles = zip(*_CELLS.findall(cells), strict=True)
+    columns = list(map(column_number, letters))
+    in_order = columns == sorted(set(columns))
+    if not in_order or columns[-1] > MAX_COLUMN or set(rows) != {str(number)}:
         return None
-    texts = [text for text, _, _, _ in found]
-    return TextRow(columns, columns.copy(), texts, [style or None for _, _, _, style in found])
+    held = [style or None for style in styles]
+    return TextRow(columns, columns.copy(), list(texts), held, states_span=True)
