@@ -84,6 +84,7 @@ def _measure(args: argparse.Namespace, workers: list[Worker], absent: list[Absen
         response,
         scaling,
         start,
+        warm_workbooks,
         whole_run,
     )
 
@@ -120,6 +121,7 @@ def _measure(args: argparse.Namespace, workers: list[Worker], absent: list[Absen
         "threads as found": whole_run.running_process(repeats, one_thread=False),
         "one thread": whole_run.running_process(repeats, one_thread=True),
     }
+    found["warm"] = warm_workbooks.warm_workbooks(repeats)
     found["programs"] = list(whole_run.program_runs(1 if args.quick else 5))
     timings = [r.timing for r in (*found["modes"], *found["responses"], *found["starts"])]
     busy = sorted(t.busy for t in timings if t is not None)

@@ -143,8 +143,13 @@ def _sections(
         Section(
             "A whole workbook",
             "The shipped example `proposed`, read, calculated and written. *Threads as found*: "
-            "numpy and scipy use the threads they choose; *one thread*: limited to one.",
-            (report.stage_table(found["stages"]), report.program_table(found["programs"])),
+            "numpy and scipy use the threads they choose; *one thread*: limited to one. A *calculated* "
+            "workbook is the result of the one *as shipped*: the everyday case.",
+            (
+                report.stage_table(found["stages"]),
+                report.warm_table(found["warm"]),
+                report.program_table(found["programs"]),
+            ),
         ),
     ]
 

@@ -15,6 +15,7 @@ from benchmarks.measure import Point, time_at
 from benchmarks.modes import OURS_ALL, ModesRow
 from benchmarks.response import ResponseRow
 from benchmarks.start import GrowthRow, StartRow, WholeStart
+from benchmarks.warm_workbooks import WarmWorkbook
 from benchmarks.whole_run import ProgramRun, StageTimes
 
 __all__ = [
@@ -205,6 +206,15 @@ def stage_table(found: Mapping[str, StageTimes]) -> Table:
     ]
     lines.append(("whole", *(milliseconds(f.whole.seconds) for f in found.values())))
     return Table("One workbook in a running process, ms", ("Stage", *found), tuple(lines))
+
+
+def warm_table(rows: Sequence[WarmWorkbook]) -> Table:
+    lines = tuple(
+        (r.label, *(milliseconds(seconds) for seconds in r.seconds.values()), str(r.rounds))
+        for r in rows
+    )
+    columns = ("Workbook", *(f"{name}, ms" for name in rows[0].seconds), "Rounds")
+    return Table("Processor time in a running process, one thread", columns, lines)
 
 
 def program_table(runs: Sequence[ProgramRun]) -> Table:

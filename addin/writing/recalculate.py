@@ -211,6 +211,7 @@ def _write_workbook(
         stamp,
         in_place=destination is None,
         ignore_lock=ignore_lock,
+        read=read,
     )
     if report.caches.method == "removed":
         left = (

@@ -35,7 +35,7 @@ from addin.contract.shown_cell import shown_cell
 from addin.contract.shown_units import ShownUnits, shown_units
 from addin.contract.tables import TableSpec
 from addin.contract.texts import NO_STUDY
-from addin.reading.workbook import read_workbook
+from addin.reading.workbook import WorkbookInput, read_workbook
 from addin.recorded.results import recorded_fact
 from addin.recorded.study_digests import stated_digests, twelve_digits
 from addin.writing.input_copy import input_copy
@@ -102,6 +102,7 @@ def write_results(
     *,
     in_place: bool = False,
     ignore_lock: bool = False,
+    read: WorkbookInput | None = None,
 ) -> SaveReport:
     """Write the results of a run into a workbook.
 
@@ -119,6 +120,8 @@ def write_results(
         Replace the source; it stays as ``.bak``. [flag]
     ignore_lock : bool
         Open it although a lock file says somebody has it open. [flag]
+    read : WorkbookInput, optional
+        What was read from the workbook, where it is open; by default it is read here. [SI]
 
     Returns
     -------
@@ -136,7 +139,7 @@ def write_results(
         workbook.allow_saving(ignore_lock=ignore_lock)
     else:
         workbook = open_workbook(source, ignore_lock=ignore_lock)
-    present = tables_to_write(workbook, run, stamp, chosen_elements(workbook))
+    present = tables_to_write(workbook, run, stamp, chosen_elements(workbook), read)
     workbook.write_tables(present)
     workbook.link_chart_titles(_title_links(workbook))
     _renew_banner(workbook)
@@ -159,7 +162,11 @@ def _renew_banner(workbook: Workbook) -> None:
 
 
 def tables_to_write(
-    workbook: Workbook, run: RunView, stamp: RunStamp, chosen: Sequence[str | None]
+    workbook: Workbook,
+    run: RunView,
+    stamp: RunStamp,
+    chosen: Sequence[str | None],
+    read: WorkbookInput | None = None,
 ) -> list[TableData]:
     """What recalculation writes into the tables of a workbook, in the units it shows.
 
@@ -173,6 +180,8 @@ def tables_to_write(
         Who, when, from which inputs.
     chosen : sequence of (str or None)
         Elements whose histories are drawn, see `chosen_elements`. [names]
+    read : WorkbookInput, optional
+        What was read from the workbook; by default it is read here. [SI]
 
     Returns
     -------
@@ -183,7 +192,7 @@ def tables_to_write(
     blocks = chart_blocks(run.case, units, run, chosen)
     wanted = [*_result_blocks(run, units), _run_facts(run, stamp, units)]
     wanted += [TableData(table.name, blocks[table.name], table.columns) for table in CHART_TABLES]
-    copied = input_copy(read_workbook(workbook), stamp.sha256)
+    copied = input_copy(read or read_workbook(workbook), stamp.sha256)
     if not copied and CHANGED_NAME in workbook.defined_names:
         problems = [*problems, COPY_LOST]
     wanted += copied

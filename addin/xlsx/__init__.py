@@ -16,7 +16,8 @@ module             responsibility
 `container`        the zip file: guards before opening, raw copy of untouched parts
 `sheet_ranges`     ranges stated beside the cells: formats, validations and sparklines that follow
                    a table
-`sheet_row`        one row of a sheet: cells by column, and runs of cells that are still text
+`sheet_row`        one row of a sheet with its cells as elements
+`text_row`         one row of a sheet that holds nothing but values and stays text
 `values`           what a cell may hold, and its XML
 `charts`           chart ranges and the values that charts carry
 `formula_text`     references inside a formula

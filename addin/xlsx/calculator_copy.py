@@ -232,7 +232,7 @@ def _without_rich_values(data: bytes) -> bytes:
 
 def reads_other_workbook(formula: str) -> bool:
     """Whether a formula reads another workbook, whose cells are not here."""
-    return _EXTERNAL.search(formula) is not None
+    return "[" in formula and _EXTERNAL.search(formula) is not None
 
 
 def _without_formulas(data: bytes, left_out: Collection[str]) -> bytes:

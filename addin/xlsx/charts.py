@@ -10,14 +10,22 @@ from __future__ import annotations
 import re
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
-from functools import cached_property
+from functools import cached_property, lru_cache
 from math import isclose, isfinite
-from xml.sax.saxutils import escape
+from xml.sax.saxutils import escape, unescape
 
 from addin.xlsx.chart_titles import TitleLink, link_titles
-from addin.xlsx.references import Rect, parse_range, retargeted, split_areas, split_sheet
+from addin.xlsx.errors import WorkbookRefused
+from addin.xlsx.references import (
+    Rect,
+    parse_range,
+    retargeted,
+    split_areas,
+    split_sheet,
+    whole_number,
+)
 from addin.xlsx.values import Constant, ErrorValue
-from addin.xlsx.xml_part import CHART, Element, parse_part, serialise
+from addin.xlsx.xml_part import CHART, Element, is_utf8, parse_part, serialise
 
 Area = tuple[str, Rect]
 Shown = Callable[[str, Rect], Sequence[Constant]]
@@ -35,7 +43,17 @@ _LABELS, _LABELS_F, _LABELS_CACHE = (
     f"{{{_C15}}}{tag}" for tag in ("datalabelsRange", "f", "dlblRangeCache")
 )
 # Where points go that are still text: a point with an index that no chart has.
+_PLACE_INDEX = "points-"
 _PLACE = re.compile(rb"<[^<>]*pt idx=\"points-([0-9]{1,7})\"/>")
+# Points as the parser would write them again, to the last byte, so many that they are worth leaving alone.
+_PLAIN_TEXT = rb"(?:[ -%'-;=?-~]|&(?:amp|lt|gt);){0,300}+"
+_PLAIN_POINTS = re.compile(
+    rb'(?:<c:pt idx="[0-9]{1,7}"><c:v>' + _PLAIN_TEXT + rb"</c:v></c:pt>){8,}+"
+)
+_PLAIN_POINT = re.compile(rb'idx="([0-9]+)"><c:v>([^<]*)<')
+_PREFIX = b' xmlns:c="%s"' % CHART.encode()
+_NUMERIC = (bool, float)
+_MOST_KEPT_STARTS = 4096
 # Some whole columns; programs draw far fewer points.
 MOST_POINTS = 4 * 2**20
 
@@ -55,11 +73,28 @@ class ChartPart:
         self.part = part
         self.changed = False
         self._original = data
-        self._root = parse_part(data, part)
-        # Points of renewed caches. They stay text until the part is stored: as elements they would cost more than all
-        # the rest of it.
+        # Points stay text, those that the file has and those of renewed caches: as elements they would cost more than
+        # all the rest of it.
         self._points: list[bytes] = []
+        try:
+            self._root = parse_part(self._without_points(data), part)
+        except WorkbookRefused:
+            # Said of the part as it is stored, with the places in it.
+            self._root = parse_part(data, part)
         self._points_left = MOST_POINTS
+
+    def _without_points(self, data: bytes) -> bytes:
+        """The part with places for its long runs of plain points, where what looks like a point is one."""
+        declared_once = data.count(b"xmlns:c=") == 1 and _PREFIX in data
+        misleading = b"<!" in data or data.find(b"<?", 2) >= 0 or _PLACE_INDEX.encode() in data
+        if not declared_once or misleading or not is_utf8(data):
+            return data
+
+        def place(found: re.Match[bytes]) -> bytes:
+            self._points.append(found[0])
+            return b'<c:pt idx="%s%d"/>' % (_PLACE_INDEX.encode(), len(self._points) - 1)
+
+        return _PLAIN_POINTS.sub(place, data)
 
     def retarget(self, sheet: str, old: Rect, new: Rect) -> None:
         """Let ranges that covered exactly the old rows of a block cover its new rows."""
@@ -104,7 +139,9 @@ class ChartPart:
             if areas is None:
                 continue
             changed, perhaps = (any(test(*area) for area in areas) for test in touched)
-            if not changed and not (perhaps and _is_old(reference.tag, cache, areas, shown)):
+            if not changed and not (
+                perhaps and _is_old(reference.tag, self._held(cache), areas, shown)
+            ):
                 continue
             self._fill(reference.tag, cache, areas, shown, known)
             self.changed = True
@@ -138,6 +175,19 @@ class ChartPart:
 
         return _PLACE.sub(points, data)
 
+    def _held(self, cache: Element) -> dict[str, str | None]:
+        """Values that a cache carries, by their index."""
+        held: dict[str, str | None] = {}
+        for point in cache.iter(_PT):
+            index = point.get("idx", "")
+            number = whole_number(index.removeprefix(_PLACE_INDEX), len(self._points) - 1)
+            if index.startswith(_PLACE_INDEX) and number is not None:
+                for at, text in _PLAIN_POINT.findall(self._points[number]):
+                    held[at.decode()] = unescape(text.decode())
+            else:
+                held[index] = point.findtext(f"{{{CHART}}}v")
+        return held
+
     def _fill(
         self,
         kind: str,
@@ -163,7 +213,7 @@ class ChartPart:
         # The schema wants format code, count and points in this order, extensions last.
         extensions = cache.find(_EXTENSIONS)
         at = len(cache) if extensions is None else cache.index(extensions)
-        cache.insert(at, cache.makeelement(_PT, idx=f"points-{len(self._points)}"))
+        cache.insert(at, cache.makeelement(_PT, idx=f"{_PLACE_INDEX}{len(self._points)}"))
         self._points.append(xml)
 
     @cached_property
@@ -186,12 +236,11 @@ def _rows_of_areas(reference: str) -> Iterator[tuple[str, int, int]]:
         yield sheet, rect.top, rect.bottom
 
 
-def _is_old(kind: str, cache: Element, areas: list[Area], shown: Shown) -> bool:
+def _is_old(kind: str, held: dict[str, str | None], areas: list[Area], shown: Shown) -> bool:
     """Whether a cache carries other values than its cells show; one with several levels is not judged."""
     if kind == _MULTI_LEVEL:
         return False
     values = [value for sheet, rect in areas for value in shown(sheet, rect)]
-    held = {point.get("idx"): point.findtext(f"{{{CHART}}}v") for point in cache.iter(_PT)}
     expected = {
         str(index): text
         for index, value in enumerate(values)
@@ -220,7 +269,9 @@ def _cache_xml(kind: str, areas: list[Area], shown: Shown, prefix: str) -> str:
         points = [_text_point(value) for value in values]
         return f'<{prefix}ptCount val="{len(points)}"/>{_points_xml(points, prefix)}'
     # Text and errors have none, as a spreadsheet program leaves them out too.
-    numbers = [_number_of(value) for value in values]
+    numbers = [
+        value if type(value) is float and isfinite(value) else _number_of(value) for value in values
+    ]
     xml = f'<{prefix}ptCount val="{len(numbers)}"/>{_points_xml(numbers, prefix)}'
     # Whole numbers without a point, as `number_text` writes them.
     return xml.replace(f".0</{prefix}v>", f"</{prefix}v>")
@@ -248,17 +299,31 @@ def _levels_xml(areas: list[Area], shown: Shown, prefix: str) -> str:
 
 def _points_xml(points: Sequence[str | float | None], prefix: str) -> str:
     end = f"</{prefix}v></{prefix}pt>"
+    starts = _starts(prefix, max(64, 1 << (len(points) - 1).bit_length()))
     return "".join(
         [
-            f'<{prefix}pt idx="{index}"><{prefix}v>{point}{end}'
-            for index, point in enumerate(points)
+            f"{start}{point}{end}"
+            for start, point in zip(starts, points, strict=False)
             if point is not None
         ]
     )
 
 
+def _all_starts(prefix: str, count: int) -> list[str]:
+    """What stands before the value of each of so many points."""
+    return [f'<{prefix}pt idx="{index}"><{prefix}v>' for index in range(count)]
+
+
+_kept_starts = lru_cache(maxsize=8)(_all_starts)
+
+
+def _starts(prefix: str, count: int) -> list[str]:
+    """The same; those of the charts that are usual are kept."""
+    return (_kept_starts if count <= _MOST_KEPT_STARTS else _all_starts)(prefix, count)
+
+
 def _number_of(value: Constant) -> float | None:
-    return float(value) if isinstance(value, bool | float) and isfinite(value) else None
+    return float(value) if isinstance(value, _NUMERIC) and isfinite(value) else None
 
 
 def _text_point(value: Constant) -> str | None:

@@ -10,6 +10,7 @@ from bisect import bisect_left, insort
 from collections import Counter, defaultdict
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property, lru_cache
 
 from addin.xlsx.formula_text import (
     NameReference,
@@ -27,6 +28,10 @@ _MOST_NAME_STEPS = 1_000
 # Formulas that read each other's columns may have steps like the square of their number.
 _MOST_STEPS = 2_000_000
 _LANGUAGE_WORDS = frozenset(["TRUE", "FALSE"])
+# What is kept of earlier workbooks: maps of so many, none of them larger, and of each what so many sets of changes reach.
+_MOST_MAPS = 16
+_MOST_FORMULAS_KEPT = 20_000
+_MOST_CHANGES_KEPT = 8
 
 
 @dataclass(frozen=True)
@@ -76,8 +81,23 @@ class ChangedCells:
         columns = self.rows.get(sheet, {})
         return any(_between(columns[column], rect) for column in _columns_in(columns, rect))
 
+    def frozen(self) -> Frozen:
+        """The same as something that can be looked up."""
+        return (
+            frozenset((sheet, frozenset(rects)) for sheet, rects in self.rects.items()),
+            frozenset(
+                (sheet, column, tuple(rows))
+                for sheet, columns in self.rows.items()
+                for column, rows in columns.items()
+            ),
+        )
+
     def __bool__(self) -> bool:
         return bool(self.rects or self.rows)
+
+
+#: Changed cells as something that can be looked up: rectangles by sheet, rows by sheet and column.
+Frozen = tuple[frozenset[tuple[str, frozenset[Rect]]], frozenset[tuple[str, int, tuple[int, ...]]]]
 
 
 def _columns_in(columns: Collection[int], area: Rect) -> list[int]:
@@ -295,6 +315,74 @@ class DependencyGraph:
                         reached.add(reader)
                         wave.append(reader)
         return reached
+
+
+class FormulaMap:
+    """The formulas of a workbook, what each of them reads, and which depend on which.
+
+    It follows from texts, names and tables alone, not from any value. Workbooks of one template share it, hence the last
+    ones are kept in the process (`formula_map`).
+
+    Parameters
+    ----------
+    cells : tuple of FormulaCell
+        The formulas.
+    sheets : tuple of str
+        Sheet names of the workbook.
+    names : tuple of DefinedName
+        All defined names.
+    tables : tuple of Table
+        All tables, with the size that they have now.
+    """
+
+    def __init__(
+        self,
+        cells: tuple[FormulaCell, ...],
+        sheets: tuple[str, ...],
+        names: tuple[DefinedName, ...],
+        tables: tuple[Table, ...],
+    ) -> None:
+        self.cells = cells
+        self.tables = tables
+        self.reads = ReferenceResolver(sheets, names, tables).reads
+        #: What each formula reads; None = possibly everything. All are resolved here: threads may share the map.
+        self.areas = [self.reads(cell) for cell in cells]
+        self._reached: dict[Frozen, frozenset[int]] = {}
+
+    @cached_property
+    def known_areas(self) -> frozenset[tuple[str, Rect]]:
+        """What the formulas read of which that is known."""
+        return frozenset(area for found in self.areas for area in found or ())
+
+    @cached_property
+    def graph(self) -> DependencyGraph:
+        """Which formula depends on which."""
+        return DependencyGraph(self.cells, self.reads)
+
+    def downstream_of_cells(self, changed: ChangedCells) -> frozenset[int]:
+        """As `DependencyGraph.downstream_of_cells`; the answers to the last questions are kept."""
+        asked = changed.frozen()
+        reached = self._reached.get(asked)
+        if reached is None:
+            reached = frozenset(self.graph.downstream_of_cells(changed))
+            if len(self._reached) >= _MOST_CHANGES_KEPT:
+                self._reached = {}
+            self._reached[asked] = reached
+        return reached
+
+
+def formula_map(
+    cells: tuple[FormulaCell, ...],
+    sheets: tuple[str, ...],
+    names: tuple[DefinedName, ...],
+    tables: tuple[Table, ...],
+) -> FormulaMap:
+    """The map of a workbook's formulas; that of an equal workbook before it where that is kept."""
+    make = _kept_map if len(cells) <= _MOST_FORMULAS_KEPT else FormulaMap
+    return make(cells, sheets, names, tables)
+
+
+_kept_map = lru_cache(maxsize=_MOST_MAPS)(FormulaMap)
 
 
 class _FormulaIndex:

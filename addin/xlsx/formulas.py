@@ -17,16 +17,16 @@ import math
 import re
 import zipfile
 from collections import defaultdict
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from addin.xlsx.calculator_copy import calculator_copy, reads_other_workbook
 from addin.xlsx.dependents import (
     ChangedCells,
-    DependencyGraph,
     FormulaCell,
-    ReferenceResolver,
+    FormulaMap,
+    formula_map,
     spill_rect,
 )
 from addin.xlsx.formula_text import (
@@ -87,13 +87,15 @@ def refresh_formula_caches(workbook: WorkbookState) -> CacheReport:
     """
     if not workbook.changed:
         return CacheReport("not needed")
-    everything = list(_formula_cells(workbook))
-    resolver = ReferenceResolver(
-        workbook.sheet_names, workbook.structure.names, workbook.tables.values()
+    formulas = formula_map(
+        tuple(_formula_cells(workbook)),
+        tuple(workbook.sheet_names),
+        tuple(workbook.structure.names),
+        tuple(workbook.tables.values()),
     )
-    graph = DependencyGraph(everything, resolver.reads)
-    reached = graph.downstream_of_cells(workbook.changed)
-    reached |= graph.downstream_of_formulas(_over_shown_rows(workbook, everything, resolver.reads))
+    everything = formulas.cells
+    reached = formulas.downstream_of_cells(workbook.changed)
+    reached |= formulas.graph.downstream_of_formulas(_over_shown_rows(workbook, formulas))
     affected = [everything[index] for index in sorted(reached)]
     # And those that we wrote, which nothing else makes us calculate.
     affected += [
@@ -103,21 +105,17 @@ def refresh_formula_caches(workbook: WorkbookState) -> CacheReport:
     ]
     if not affected:
         return CacheReport("not needed", formulas=len(everything))
-    return _Refresh(workbook, everything, affected, resolver.reads).run()
+    return _Refresh(workbook, formulas, affected).run()
 
 
-def _over_shown_rows(
-    workbook: WorkbookState,
-    cells: Sequence[FormulaCell],
-    reads: Callable[[FormulaCell], list[tuple[str, Rect]] | None],
-) -> list[int]:
+def _over_shown_rows(workbook: WorkbookState, formulas: FormulaMap) -> list[int]:
     """Formulas that passed over rows which were hidden then, by their index."""
     if not workbook.shown_rows:
         return []
     return [
         index
-        for index in _looking_at_hidden_rows(workbook, cells)
-        if any(workbook.shown_rows.touch(*area) for area in reads(cells[index]) or ())
+        for index in _looking_at_hidden_rows(workbook, formulas.cells)
+        if any(workbook.shown_rows.touch(*area) for area in formulas.areas[index] or ())
     ]
 
 
@@ -148,11 +146,16 @@ def _names_looking_at_hidden_rows(workbook: WorkbookState) -> set[str]:
     return found
 
 
+def _has_formula(data: bytes) -> bool:
+    # Looked for without pattern first, as sheets are long.
+    return (b"<f" in data or b":f" in data) and _HAS_FORMULA.search(data) is not None
+
+
 def _formula_cells(workbook: WorkbookState) -> Iterator[FormulaCell]:
     for sheet in workbook.sheet_names:
         data = workbook.sheet_bytes(sheet)
         # The quick look spares parsing long sheets of numbers; a sheet already open may have gained formulas.
-        if data and (workbook.is_loaded(sheet) or _HAS_FORMULA.search(data)):
+        if data and (workbook.is_loaded(sheet) or _has_formula(data)):
             yield from _formulas_of(workbook.sheet_part(sheet))
 
 
@@ -245,16 +248,18 @@ class _Refresh:
     def __init__(
         self,
         workbook: WorkbookState,
-        everything: Sequence[FormulaCell],
+        formulas: FormulaMap,
         affected: Sequence[FormulaCell],
-        reads: Callable[[FormulaCell], list[tuple[str, Rect]] | None],
     ) -> None:
         self.workbook = workbook
-        self.everything = everything
+        self.formulas = formulas
+        self.everything = formulas.cells
         self.affected = affected
-        self.reads = reads
+        self.reads = formulas.reads
         self.rich_values = _rich_values(workbook)
         self.left_out: Collection[str] = frozenset()
+        # Formulas, by the id of their record, whose value came back as it was.
+        self.as_before: set[int] = set()
         self.changed = 0
         self.removed = 0
 
@@ -268,7 +273,7 @@ class _Refresh:
         for cell in self.affected:
             if recalculated is None or cell in suspects:
                 self._remove(cell)
-            else:
+            elif id(cell) not in self.as_before:
                 self._renew(cell, recalculated)
         if recalculated is not None:
             reason = "Some formulas cannot be recalculated reliably." if self.removed else ""
@@ -281,10 +286,9 @@ class _Refresh:
             reason,
         )
 
-    def _areas(self) -> set[tuple[str, Rect]] | None:
+    def _areas(self) -> frozenset[tuple[str, Rect]] | None:
         """What formulas read; None when some formula may read anything."""
-        areas = [self.reads(cell) for cell in self.everything]
-        return None if None in areas else {area for found in areas for area in found or ()}
+        return None if None in self.formulas.areas else self.formulas.known_areas
 
     def _with_values_to_keep(self, recalculated: _Recalculated) -> set[str]:
         """Formulas with functions that the calculator does not know and values that no change has made old.
@@ -305,15 +309,14 @@ class _Refresh:
 
     def _recalculate(self) -> tuple[_Recalculated | None, str]:
         """A recalculated copy of the whole, or else of the formulas of which is known what they read."""
-        areas = [self.reads(cell) for cell in self.everything]
-        known = {area for found in areas for area in found or ()}
+        areas, known = self.formulas.areas, self.formulas.known_areas
         recalculated, reason = self._calculated(self._areas())
         if recalculated is not None:
             return recalculated, reason
         # Formulas that may read anything need more tables than the calculator takes, or are what it refuses; and it
         # refuses circles, which spreadsheet programs leave or calculate round by round. It is not given what would be
         # beyond spreadsheet programs.
-        circles = DependencyGraph(self.everything, self.reads).in_circles()
+        circles = self.formulas.graph.in_circles()
         left_out = {self.everything[index].text for index in circles}
         left_out |= {cell.text for cell in self._over_hidden_rows()}
         left_out |= {
@@ -429,8 +432,8 @@ class _Refresh:
         ]
         if not sources:
             return set()
-        graph = DependencyGraph(self.everything, self.reads)
-        return {self.everything[index] for index in graph.downstream_of_formulas(sources)}
+        reached = self.formulas.graph.downstream_of_formulas(sources)
+        return {self.everything[index] for index in reached}
 
     def _is_doubtful(self, cell: FormulaCell, affected: bool, recalculated: _Recalculated) -> bool:
         if cell.is_data_table or cell.text in self.left_out:
@@ -444,18 +447,23 @@ class _Refresh:
         sheet = self.workbook.sheet_part(cell.sheet)
         again = recalculated.sheet(cell.sheet)
         if again is sheet:
+            self.as_before.add(id(cell))
             return False
         home = (cell.rect.top, cell.rect.left)
         if sheet.arrays.get(home) != again.arrays.get(home):
             return True
+        same = True
         for row, column in self._places(cell):
             old, new = sheet.constant(row, column), again.constant(row, column)
             if old == new:
                 continue
+            same = False
             if isinstance(new, ErrorValue) and new.code not in _HONEST_ERRORS:
                 return True
             if not affected and old is not None and not _alike(old, new, _SAME_RESULT):
                 return True
+        if same:
+            self.as_before.add(id(cell))
         return False
 
     def _meets_rich_value(self, cell: FormulaCell) -> bool:

@@ -1,7 +1,8 @@
 """The cells of one worksheet part.
 
-The part is parsed once; cells are changed in the tree and the tree is written back. Blocks of cells are built as text,
-parsed in one go and put in place row by row, which keeps the cost in proportion to the number of cells.
+The part is parsed once; cells are changed in the tree and the tree is written back. Rows that hold nothing but values stay
+text (`text_row`) until somebody asks for a cell of them: in the tree, one place stands for their cells. Blocks of cells are
+built as text and put in place row by row, which keeps the cost in proportion to the number of cells.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from typing import NamedTuple, cast
 
 from lxml import etree
 
-from addin.xlsx.errors import CellRefused, damaged
+from addin.xlsx.errors import CellRefused, WorkbookRefused, damaged
 from addin.xlsx.formula_text import shifted_formula
 from addin.xlsx.references import (
     MAX_COLUMN,
@@ -27,6 +28,7 @@ from addin.xlsx.references import (
 )
 from addin.xlsx.sheet_ranges import read_range, resize_ranges, retarget_sparklines
 from addin.xlsx.sheet_row import Row, index_row
+from addin.xlsx.text_row import TextRow, text_row, with_places
 from addin.xlsx.values import (
     FORMULA_MARK,
     CellValue,
@@ -40,11 +42,9 @@ from addin.xlsx.values import (
 from addin.xlsx.xml_part import MAIN, Element, main, parse_part, serialise
 
 _C, _F, _V, _ROW = (main(tag) for tag in ("c", "f", "v", "row"))
-# Where cells go that are still text: a cell with a name that no cell has.
+# Where the cells of a row go that are text: a cell with a name that no cell has.
 _PLACE_NAME = "written-"
-_PLACE = re.compile(rb'<c r="written-([0-9]{1,9})"/>')
-# Blocks of so many rows stay text.
-_LONG = 8
+_PLACE = re.compile(rb'><c r="written-([0-9]{1,9})"/>(</row>)?')
 _XML_SPACE = "{http://www.w3.org/XML/1998/namespace}space"
 
 #: Of rows and columns for which a file says nothing. [point], [characters]
@@ -82,23 +82,41 @@ class SheetPart:
         self._bytes: bytes | None = None
         self._original = data
         self.shared_strings = shared_strings
-        self._root = parse_part(data, part)
+        # Cells of rows that are text, by the number of their place: as in the file, or as they are now. A sheet that
+        # writes its tags with a prefix cannot take text as it is built here, and one in which something bears the name
+        # of a place would be mistaken.
+        self._texts: list[bytes | TextRow] = []
+        self._may_wait = _PLACE_NAME.encode() not in data
+        self._root = self._parsed(data) if self._may_wait else parse_part(data, part)
+        self._may_wait = self._may_wait and self._root.prefix is None
         self._data = self._root.find(main("sheetData"))
         if self._data is None:
             raise damaged(f"Sheet {name} has no cell data.")
         self._rows: dict[int, Element] = {}
         self._row_numbers: list[int] = []
-        self._indexed: dict[int, Row] = {}
+        self._indexed: dict[int, Row | TextRow] = {}
         self._index_rows()
         self._formula_before: dict[tuple[int, int], bool] = {}
         self._extent: Rect | None = None
         # Long blocks that still stand as they were written; they do not overlap.
         self._blocks: list[_Block] = []
-        # Rows of long blocks stay text until somebody asks for one of their cells or the part is stored: as elements
-        # they would cost more than all the rest. A sheet that writes its tags with a prefix cannot take the text as it
-        # is, and one in which something bears the name of a place would be mistaken.
-        self._texts: list[str] = []
-        self._may_wait = self._root.prefix is None and _PLACE_NAME.encode() not in data
+
+    def _parsed(self, data: bytes) -> Element:
+        """The part as a tree, with places for the cells of plain rows."""
+
+        def place(cells: bytes) -> bytes:
+            self._texts.append(cells)
+            return b'<c r="%s%d"/>' % (_PLACE_NAME.encode(), len(self._texts) - 1)
+
+        with_text = with_places(data, place)
+        try:
+            root = parse_part(with_text, self.part)
+            if root.prefix is None:
+                return root
+        except WorkbookRefused:
+            pass  # it is said of the part as it is stored, with the places in it
+        self._texts.clear()
+        return parse_part(data, self.part)
 
     @property
     def changed(self) -> bool:
@@ -140,29 +158,27 @@ class SheetPart:
 
     def style(self, row: int, column: int) -> str | None:
         """Style index that a cell has, or would have if it were written now."""
-        cell = self._cell(row, column)
-        if cell is not None:
-            return cell.get("s")  # type: ignore[no-any-return]
-        return self._default_styles(row, self._column_styles(Rect(row, column, row, column)))[0]
+        here = Rect(row, column, row, column)
+        if row in self._rows and column in self._row_as_it_is(row).columns_in(here):
+            return self._row_styles(row, here, [None])[0]
+        return self._default_styles(row, self._column_styles(here))[0]
 
     def filled_cells(self, rect: Rect) -> Iterator[tuple[int, int]]:
         """Cells of a rectangle that hold a value or a formula."""
         for number in self._rows_between(rect.top, rect.bottom):
-            row = self._row(number)
-            for column in row.columns[bisect_left(row.columns, rect.left) :]:
-                if column > rect.right:
-                    break
+            row = self._row_as_it_is(number)
+            if isinstance(row, TextRow):
+                yield from ((number, column) for column in row.columns_in(rect, filled=True))
+                continue
+            for column in row.columns_in(rect):
                 if len(row.cells[column]):
                     yield number, column
 
     def cells_in(self, rect: Rect) -> Iterator[tuple[int, int]]:
         """Cells of a rectangle that are in the file, filled or not."""
         for number in self._rows_between(rect.top, rect.bottom):
-            columns = self._row(number).columns
-            for column in columns[bisect_left(columns, rect.left) :]:
-                if column > rect.right:
-                    break
-                yield number, column
+            row = self._row_as_it_is(number)
+            yield from ((number, column) for column in row.columns_in(rect))
 
     @cached_property
     def formulas(self) -> dict[tuple[int, int], Element]:
@@ -283,7 +299,11 @@ class SheetPart:
         self._forget_formulas(rect)
         self._forget_blocks(rect)
         for number in self._rows_between(rect.top, rect.bottom):
-            self._row(number).take_out(rect)
+            row = self._row_as_it_is(number)
+            if isinstance(row, TextRow):
+                row.exchange(rect, "")
+            else:
+                row.take_out(rect)
         self._touch()
 
     def move_row_cells(self, source: Rect, row: int) -> None:
@@ -424,10 +444,14 @@ class SheetPart:
         if self._bytes is None:
             self._update_dimension()
             data = serialise(self._root, self._original)
-            if self._texts:
-                data = _PLACE.sub(lambda found: self._texts[int(found[1])].encode(), data)
-            self._bytes = data
+            self._bytes = _PLACE.sub(self._cells_at, data) if self._texts else data
         return self._bytes
+
+    def _cells_at(self, place: re.Match[bytes]) -> bytes:
+        """Cells that are text; a row that has none is closed as every writer closes it."""
+        cells, end = self._texts[int(place[1])], place[2] or b""
+        text = cells if isinstance(cells, bytes) else cells.xml().encode()
+        return b">" + text + end if text or not end else b"/>"
 
     # ---- rows and cells ----------------------------------------------------------------------------------------
 
@@ -439,7 +463,8 @@ class SheetPart:
                 raise damaged(
                     f"The rows of sheet {self.name} after row {last} are out of order or beyond the end of a sheet."
                 )
-            element.set("r", str(number))
+            if element.get("r") != str(number):
+                element.set("r", str(number))
             self._rows[number] = element
             self._row_numbers.append(number)
             last = number
@@ -449,25 +474,38 @@ class SheetPart:
         return self._row_numbers[start : bisect_left(self._row_numbers, bottom + 1)]
 
     def _row(self, number: int) -> Row:
-        """Row with its cells indexed; it must exist."""
+        """Row with its cells as elements; it must exist."""
         row = self._row_as_it_is(number)
-        return self._with_cells(row) if row.waiting else row
-
-    def _with_cells(self, row: Row) -> Row:
-        """The row with elements for the cells that were text."""
-        for first, (_, number) in sorted(row.waiting.items()):
-            built = etree.fromstring(f'<row xmlns="{MAIN}">{self._texts[number]}</row>')
-            row.columns.remove(first)
-            row.element.remove(row.cells.pop(first))
-            row.put_in(built[:])
-        row.waiting.clear()
+        if isinstance(row, TextRow):
+            row = self._indexed[number] = self._with_elements(number, row.xml())
         return row
 
-    def _row_as_it_is(self, number: int) -> Row:
-        """Row in which runs of cells may still be text; it must exist."""
+    def _with_elements(self, number: int, cells: str) -> Row:
+        """The row with elements for its cells."""
+        element = self._rows[number]
+        element[:] = etree.fromstring(f'<row xmlns="{MAIN}">{cells}</row>')[:]
+        return index_row(self.name, number, element)
+
+    def _row_as_it_is(self, number: int) -> Row | TextRow:
+        """Row whose cells may be text; it must exist."""
         if number not in self._indexed:
-            self._indexed[number] = index_row(self.name, number, self._rows[number])
+            self._indexed[number] = self._at_first(number)
         return self._indexed[number]
+
+    def _at_first(self, number: int) -> Row | TextRow:
+        element = self._rows[number]
+        name = element[0].get("r") if self._texts and len(element) else None
+        if name is None or not name.startswith(_PLACE_NAME):
+            return index_row(self.name, number, element)
+        place = int(name.removeprefix(_PLACE_NAME))
+        stored = self._texts[place]
+        assert isinstance(stored, bytes)
+        cells = stored.decode()
+        row = text_row(number, cells)
+        if row is None:
+            return self._with_elements(number, cells)  # which says what is wrong
+        self._texts[place] = row
+        return row
 
     def _cell(self, row: int, column: int) -> Element | None:
         if (row, column) in self.formulas:
@@ -528,25 +566,25 @@ class SheetPart:
         if number not in self._rows:
             return new_styles
         row = self._row_as_it_is(number)
-        if row.right < rect.left:
-            return new_styles
-        if row.waits_in(rect):
-            self._with_cells(row)
-        start = bisect_left(row.columns, rect.left)
+        if isinstance(row, TextRow):
+            return row.styles_in(rect, new_styles)
         styles = list(new_styles)
-        for column in row.columns[start : bisect_left(row.columns, rect.right + 1)]:
+        for column in row.columns_in(rect):
             styles[column - rect.left] = row.cells[column].get("s")
         return styles
 
     def _graft(self, rect: Rect, texts: Sequence[str]) -> None:
         """Put rows of new cells, given as XML, in the place of the old cells of the rectangle."""
-        if self._may_wait and rect.height >= _LONG and not any(FORMULA_MARK in t for t in texts):
-            for number, text in enumerate(texts, rect.top):
-                self._put_text(number, rect, text)
+        left = [
+            (number, text)
+            for number, text in enumerate(texts, rect.top)
+            if not self._may_wait or FORMULA_MARK in text or not self._put_text(number, rect, text)
+        ]
+        if not left:
             return
-        body = "</row><row>".join(texts)
+        body = "</row><row>".join(text for _, text in left)
         built = etree.fromstring(f'<d xmlns="{MAIN}"><row>{body}</row></d>')
-        for number, new_row in enumerate(list(built), rect.top):
+        for (number, _), new_row in zip(left, list(built), strict=True):
             if number in self._rows:
                 row = self._row(number)
                 row.take_out(rect)
@@ -555,43 +593,27 @@ class SheetPart:
                 new_row.set("r", str(number))
                 self._insert_row(number, new_row)
 
-    def _put_text(self, number: int, rect: Rect, text: str) -> None:
-        """Put a row of new cells in the place of the old ones, as text."""
-        if number in self._rows:
-            row = self._row_as_it_is(number)
-            if row.right >= rect.left:
-                if row.waits_in(rect):
-                    self._with_cells(row)
-                row.take_out(rect)
-        elif text:
-            element = self._data.makeelement(_ROW, r=str(number))
-            self._insert_row(number, element)
-            row = self._indexed[number] = Row(element)
-        if not text:
-            return
-        if row.right < rect.left and row.columns and row.columns[-1] in row.waiting:
-            # Tables side by side: one run, which costs least.
-            first = row.columns[-1]
-            at = row.waiting[first][1]
-            self._texts[at] += text
-            row.waiting[first] = rect.right, at
-            row.right = rect.right
-            return
-        place = row.element.makeelement(_C, r=f"{_PLACE_NAME}{len(self._texts)}")
-        self._texts.append(text)
-        if row.right < rect.left:
+    def _put_text(self, number: int, rect: Rect, text: str) -> bool:
+        """Put new cells in the place of the old ones as text; False where the row has elements."""
+        if number not in self._rows:
+            if not text:
+                return True
+            self._insert_row(number, self._data.makeelement(_ROW, r=str(number)))
+        row = self._row_as_it_is(number)
+        if isinstance(row, Row):
+            if len(row.element):
+                return False
+            if not text:
+                return True
+            place = row.element.makeelement(_C, r=f"{_PLACE_NAME}{len(self._texts)}")
             row.element.append(place)
-            row.columns.append(rect.left)
-            row.right = rect.right
-        else:
-            position = bisect_left(row.columns, rect.left)
-            row.element.insert(position, place)
-            row.columns.insert(position, rect.left)
-            row.right = max(row.right, rect.right)
-        row.cells[rect.left] = place
-        if not row.waiting:  # as in `Row.put_in`
-            row.element.attrib.pop("spans", None)
-        row.waiting[rect.left] = rect.right, len(self._texts) - 1
+            row = self._indexed[number] = TextRow(states_span=True)
+            self._texts.append(row)
+        row.exchange(rect, text)
+        if text and row.states_span:  # as in `Row.put_in`
+            self._rows[number].attrib.pop("spans", None)
+            row.states_span = False
+        return True
 
     def _forget_blocks(self, rect: Rect) -> None:
         """Values of blocks that are changed in part are asked of the cells from now on."""

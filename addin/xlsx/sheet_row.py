@@ -1,4 +1,4 @@
-"""One row of a worksheet part: its cells by column, and runs of cells that are still text."""
+"""One row of a worksheet part with its cells as elements, by column."""
 
 from __future__ import annotations
 
@@ -21,17 +21,11 @@ class Row:
     element: Element
     cells: dict[int, Element] = field(default_factory=dict)
     columns: list[int] = field(default_factory=list)
-    # Runs of cells that are still text, by their first column: the last column of each and the number of its text. In
-    # `cells` a run is one element that keeps its place.
-    waiting: dict[int, tuple[int, int]] = field(default_factory=dict)
-    # No cell stands beyond this column.
-    right: int = 0
 
-    def waits_in(self, rect: Rect) -> bool:
-        """Whether some cell in the columns of the rectangle is still text."""
-        return any(
-            first <= rect.right and last >= rect.left for first, (last, _) in self.waiting.items()
-        )
+    def columns_in(self, rect: Rect) -> list[int]:
+        """Columns of a rectangle in which there are cells."""
+        start = bisect_left(self.columns, rect.left)
+        return self.columns[start : bisect_left(self.columns, rect.right + 1)]
 
     def take_out(self, rect: Rect) -> list[Element]:
         """Remove the cells that lie in the columns of the rectangle."""
@@ -54,7 +48,6 @@ class Row:
         self.element[position:position] = cells
         self.columns[position:position] = columns
         self.cells.update(zip(columns, cells, strict=True))
-        self.right = max(self.right, columns[-1])
         # The span is a hint for readers and wrong as soon as a cell lies outside it; without it nothing is lost.
         self.element.attrib.pop("spans", None)
 
@@ -89,5 +82,4 @@ def index_row(sheet: str, number: int, element: Element) -> Row:
     if len(row.columns) != len(row.element):
         # Positions of cells are used below: comments between them would shift these.
         etree.strip_tags(row.element, etree.Comment, etree.ProcessingInstruction)
-    row.right = last
     return row

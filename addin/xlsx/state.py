@@ -5,9 +5,8 @@ Formulas, table writing and the calculator's copy work on this; `workbook.Workbo
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Mapping, Sequence
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import TypeVar
 
 from lxml import etree
@@ -29,9 +28,11 @@ from addin.xlsx.tables import Table, apply_table, check_places, parse_table
 from addin.xlsx.values import CellValue, rich_text
 from addin.xlsx.workbook_part import DefinedName, WorkbookPart
 from addin.xlsx.written import Written
-from addin.xlsx.xml_part import Element, main, serialise
+from addin.xlsx.xml_part import Element, main, parse_part, serialise
 
 _T = TypeVar("_T")
+# Shared texts are the same in all workbooks of one template: those of the last parts are kept, none of more bytes.
+_MOST_KEPT = 2**20
 
 
 def in_any_capitals(named: Mapping[str, _T], name: str) -> _T | None:
@@ -39,6 +40,14 @@ def in_any_capitals(named: Mapping[str, _T], name: str) -> _T | None:
     if name in named:
         return named[name]
     return next((one for known, one in named.items() if known.casefold() == name.casefold()), None)
+
+
+def _shared_texts(data: bytes, part: str) -> tuple[str, ...]:
+    """The shared texts of a workbook."""
+    return tuple(rich_text(entry) for entry in parse_part(data, part).iterchildren(main("si")))
+
+
+_kept_texts = lru_cache(maxsize=8)(_shared_texts)
 
 
 class WorkbookState:
@@ -76,7 +85,6 @@ class WorkbookState:
         self.perhaps_changed = ChangedCells()
         self.written: dict[str, list[Written]] = {}
         self._sheets: dict[str, SheetPart] = {}
-        self._with_runs: dict[int, Element] = {}
         self._table_roots: dict[str, Element] = {}
         self._changed_tables: dict[str, bytes] = {}
         self.formulas_current = False
@@ -183,20 +191,24 @@ class WorkbookState:
         return self.container.read(part) if part else b""
 
     @cached_property
-    def _strings(self) -> list[str]:
+    def _strings(self) -> Sequence[str]:
         part = self.structure.related("sharedStrings")
         if part is None:
             return []
-        root = self.container.tree(part)
-        entries = list(root.iterchildren(main("si")))
-        runs = ((k, one) for k, one in enumerate(entries) if one.find(main("r")) is not None)
-        self._with_runs.update({k: copy.deepcopy(entry) for k, entry in runs})
-        return [rich_text(entry) for entry in entries]
+        data = self.container.charged(part)
+        return _kept_texts(data, part) if len(data) <= _MOST_KEPT else _shared_texts(data, part)
 
     def shared_runs(self, index: str) -> Element | None:
         """The shared text of an index, if parts of it have a font of their own."""
         self._shared_string(index)
         return self._with_runs.get(int(index))
+
+    @cached_property
+    def _with_runs(self) -> dict[int, Element]:
+        part = self.structure.related("sharedStrings")
+        root = None if part is None else parse_part(self.container.read(part), part)
+        entries = enumerate(() if root is None else root.iterchildren(main("si")))
+        return {k: one for k, one in entries if one.find(main("r")) is not None}
 
     def _shared_string(self, index: str) -> str:
         number = whole_number(index.strip(), len(self._strings) - 1)

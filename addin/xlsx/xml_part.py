@@ -116,14 +116,18 @@ def serialise(root: Element, original: bytes) -> bytes:
     )
 
 
+def is_utf8(data: bytes) -> bool:
+    """Whether a part states no other encoding than UTF-8, so that its bytes can be searched for tags."""
+    if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        return False
+    found = _DECLARATION.match(data)
+    encoding = _ENCODING.search(found.group(0)) if found is not None else None
+    return encoding is None or encoding.group(1).upper() in (b"UTF-8", b"US-ASCII")
+
+
 def declaration_of(original: bytes) -> bytes:
     """The XML declaration of a part; the usual one when the part was not UTF-8."""
-    if original[:2] in (b"\xff\xfe", b"\xfe\xff"):
+    if not is_utf8(original):
         return _STANDARD_DECLARATION
     found = _DECLARATION.match(original)
-    if found is None:
-        return b""
-    encoding = _ENCODING.search(found.group(0))
-    if encoding is not None and encoding.group(1).upper() not in (b"UTF-8", b"US-ASCII"):
-        return _STANDARD_DECLARATION
-    return found.group(0)
+    return b"" if found is None else found.group(0)

@@ -1,4 +1,4 @@
-"""Rows of long blocks stay text until somebody asks for a cell or the sheet is stored.
+"""Rows that hold nothing but values stay text until somebody asks for a cell or the sheet is stored.
 
 Expected: the same bytes and the same values as with rows that become elements at once.
 """
@@ -6,28 +6,33 @@ Expected: the same bytes and the same values as with rows that become elements a
 from __future__ import annotations
 
 import random
-from itertools import pairwise
+import re
 
 import pytest
 
 from addin.charts.rows import plain
+from addin.xlsx.errors import WorkbookRefused
 from addin.xlsx.references import Rect
 from addin.xlsx.sheet_part import SheetPart
 from addin.xlsx.values import CellValue, Formula
 from addin.xlsx.written import cleaned_row
-from addin.xlsx.xml_part import MAIN
+from addin.xlsx.xml_part import MAIN, parse_part, serialise
 
 SHEET = f"""<worksheet xmlns="{MAIN}"><cols><col min="3" max="4" style="5"/></cols><sheetData>
 <row r="2" spans="1:9" ht="20"><c r="A2" s="3"><v>1</v></c><c r="H2" t="str"><v>x</v></c></row>
 <row r="5" s="7" customFormat="1"><c r="B5" s="4"/><c r="C5"><f>1+1</f><v>2</v></c></row>
-<row r="9"/></sheetData></worksheet>""".encode()
+<row r="7" spans="2:6"><c r="B7" s="8"><v>1.5</v></c><c r="C7" s="9"/><c r="E7" t="inlineStr"><is><t>a &amp; b</t></is></c>
+<c r="F7"><v>3</v></c></row><row r="8"><c r="A8"><v>2</v></c><c r="D8" s="6"/><c r="H8"><v>-1e-9</v></c></row>
+<row r="9"/><row r="12"><c r="C12" s="2"><v>7</v></c></row></sheetData></worksheet>""".replace(
+    "</c>\n", "</c>"
+).encode()
 LAST = 30
 
 
 def _sheet(waits: bool, data: bytes = SHEET) -> SheetPart:
-    sheet = SheetPart("S", "s.xml", data, lambda index: index)
-    sheet._may_wait = sheet._may_wait and waits
-    return sheet
+    # In a sheet with a comment nothing waits.
+    data = data if waits else data.replace(b"<cols>", b"<!-- --><cols>")
+    return SheetPart("S", "s.xml", data, lambda index: index)
 
 
 def _value(chance: random.Random) -> CellValue:
@@ -68,19 +73,104 @@ def test_a_sheet_is_the_same_whether_its_rows_wait_or_not(seed: int) -> None:
         assert again.value(row, column) == at_once.value(row, column)
         assert again.style(row, column) == at_once.style(row, column)
     # Blanks between rows mean nothing; a row that is exchanged whole loses the one behind it.
-    assert stored.replace(b"\n", b"") == at_once.to_bytes().replace(b"\n", b"")
+    parsed = at_once.to_bytes().replace(b"<!-- -->", b"")
+    assert stored.replace(b"\n", b"") == parsed.replace(b"\n", b"")
 
 
-def test_rows_do_wait_side_by_side_as_one_run() -> None:
+def test_rows_stay_text_side_by_side() -> None:
     sheet = _sheet(waits=True)
     for left in (1, 4, 7):
         sheet.write_rows(Rect(10, left, 19, left + 2), [[1.5, 2.0, None]] * 10, styles=[None] * 3)
-    assert len(sheet._texts) == 10
+    assert not any(len(sheet._rows[row]) > 1 for row in range(10, 20))
     assert b'<row r="10"><c r="A10"><v>1.5</v></c><c r="B10"><v>2</v></c>' in sheet.to_bytes()
     assert sheet.value(19, 7) == 1.5  # asked for, it becomes cells, and nothing else changes
-    assert b"written-" not in sheet.to_bytes()
-    rows = [part.partition(b'"')[0] for part in sheet.to_bytes().split(b'<row r="')[1:]]
-    assert all(int(a) < int(b) for a, b in pairwise(rows))
+
+
+#: What may stand in a sheet, and whether its rows may stay text.
+OTHERWISE = {
+    "as it is": ("", "", True),
+    "an attribute of a newer Excel": ('<row r="7"', '<row r="7" x:dyDescent="0.2"', True),
+    "other letters": ("a &amp; b", "ä € &lt;", True),
+    "a prefix": ("", "", False),
+    "a comment": ("<row", "<!-- <row><c/></row> --><row", False),
+    "an instruction": ("<row", "<?x y?><row", False),
+    "character data": ("<v>7</v>", "<v><![CDATA[7]]></v>", False),
+    "the name of a place": ("<v>3</v>", "<v>written-1</v>", False),
+    "single quotes": ('r="C12"', "r='C12'", True),
+    "blanks in a row": ('<c r="E7"', '\n  <c r="E7"', True),
+    "an extension": ("<v>7</v></c>", "<v>7</v><extLst><ext/></extLst></c>", True),
+    "a row in an extension": (
+        "<v>7</v></c>",
+        '<v>7</v><extLst><row r="9"><c r="A1"><v>5</v></c></row></extLst></c>',
+        True,
+    ),
+    "a cell without a name": ('<c r="D8" s="6"/>', '<c s="6"/>', True),
+    "a text with a font": ("<is><t>a &amp; b</t></is>", "<is><r><t>a</t></r></is>", True),
+    "a rich value": ('<c r="D8"', '<c r="D8" vm="1"', True),
+}
+
+
+def _as_stored(how: str, encoding: str = "UTF-8") -> bytes:
+    there, instead, _ = OTHERWISE[how]
+    text = SHEET.decode().replace(there, instead) if there else SHEET.decode()
+    text = text.replace("<worksheet ", '<worksheet xmlns:x="http://x" ')
+    if how == "a prefix":
+        text = text.replace("xmlns=", "xmlns:m=").replace("</", "</m:")
+        text = re.sub(r"<(?=[a-z])", "<m:", text)
+    return f'<?xml version="1.0" encoding="{encoding}"?>{text}'.encode(encoding)
+
+
+@pytest.mark.parametrize("encoding", ["UTF-8", "UTF-16", "ISO-8859-15"])
+@pytest.mark.parametrize("how", OTHERWISE)
+def test_a_sheet_is_stored_as_if_it_had_been_parsed(how: str, encoding: str) -> None:
+    data = _as_stored(how, encoding)
+    root = parse_part(data, "s.xml")
+    sheet = SheetPart("S", "s.xml", data, lambda index: index)
+    assert sheet.to_bytes() == serialise(root, data)
+    assert bool(sheet._texts) is (OTHERWISE[how][2] and encoding == "UTF-8")
+    commented = data.decode(encoding).replace("sheetData>", "sheetData><!-- -->", 1)
+    parsed = SheetPart("S", "s.xml", commented.encode(encoding), lambda index: index)
+    for one in (sheet, parsed):
+        one.set_cached(12, 3, 8.5)
+        one.write_rows(Rect(8, 4, 8, 4), [[2.5]])
+        one.remove_cells(Rect(7, 2, 7, 9))
+    assert sheet.to_bytes() == parsed.to_bytes().replace(b"<!-- -->", b"")
+
+
+@pytest.mark.parametrize(
+    ("there", "broken"),
+    [
+        ("</sheetData>", "</sheetDat>"),
+        ("<v>7</v>", "<v>7</w>"),
+        ("<v>7</v>", "<v>\x01</v>"),
+        ("<v>7</v>", "<v>&no;</v>"),
+        ("<v>7</v>", "<v>\ufffe</v>"),
+        ('<row r="12">', '<row r="12" r="12">'),
+        ('<row r="12">', '<row r="12" y:z="1">'),
+        ('<row r="12">', '<row r="12"/>'),
+        ('<row r="12">', '<row r="8">'),
+        ("<sheetData>", "<sheetDatas>"),
+    ],
+)
+def test_what_is_wrong_is_said_of_the_part_as_it_is_stored(there: str, broken: str) -> None:
+    messages = []
+    for data in (SHEET, SHEET.replace(b"<sheetData>", b"<sheetData><!---->")):
+        wrong = data.decode().replace(there, broken).encode()
+        with pytest.raises(WorkbookRefused) as refused:
+            SheetPart("S", "s.xml", wrong, lambda index: index)
+        messages.append(re.sub("column [0-9]+", "", str(refused.value)))
+    assert messages[0] == messages[1]
+
+
+@pytest.mark.parametrize("cells", ["C8 B8", "B8 B8", "B9", "B18", "XFE8", "B8 C9"])
+def test_wrongly_placed_cells_are_refused_when_they_are_met(cells: str) -> None:
+    row = "".join(f'<c r="{cell}"><v>1</v></c>' for cell in cells.split())
+    data = f'<worksheet xmlns="{MAIN}"><sheetData><row r="8">{row}</row></sheetData></worksheet>'
+    sheet = SheetPart("S", "s.xml", data.encode(), lambda index: index)
+    with pytest.raises(WorkbookRefused, match="wrongly placed cell"):
+        sheet.write_rows(Rect(8, 4, 8, 4), [[2.5]])
+    with pytest.raises(WorkbookRefused, match="wrongly placed cell"):
+        sheet.value(8, 2)
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,134 @@
+"""Rows of a worksheet part that stay text.
+
+Most rows hold nothing but values, written as every program writes them. As elements their cells would cost more than all
+the rest of the workbook; as text they are cut where a table begins and ends, and what is between is exchanged.
+"""
+
+from __future__ import annotations
+
+import re
+from bisect import bisect_left
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+
+from addin.xlsx.references import MAX_COLUMN, Rect, column_number
+from addin.xlsx.xml_part import is_utf8
+
+# What a parser and a writer leave as it is, to the last byte: neither control characters nor brackets nor what could be
+# written shorter.
+_TEXT = rb"(?:[\t\n -%'-;=?-\xff]|&(?:amp|lt|gt);)++"
+_INSIDE = rb'<v>%s</v>|<is><t(?: xml:space="preserve")?>%s</t></is>|<is><t/></is>' % (_TEXT, _TEXT)
+_CELL = (
+    rb'<c r="[A-Z]{1,3}[1-9][0-9]{0,6}"(?: s="[0-9]{1,9}")?(?: t="[A-Za-z]{1,9}")?(?:/>|>(?:%s)</c>)'
+    % _INSIDE
+)
+_ROW = re.compile(rb"(<row [^<>]*>)((?:%s)++)(?=</row>)" % _CELL)
+_CELLS = re.compile(r'(<c r="([A-Z]+)([0-9]+)"(?: s="([0-9]+)")?[^>]*?(?:/>|>.*?</c>))', re.DOTALL)
+_NO_CHARACTERS = (b"\xef\xbf\xbe", b"\xef\xbf\xbf")
+
+
+def with_places(data: bytes, place: Callable[[bytes], bytes]) -> bytes:
+    """A sheet with places for the cells of its plain rows.
+
+    Parameters
+    ----------
+    data : bytes
+        The part.
+    place : callable
+        Takes the cells of a row, and gives what stands for them.
+    """
+    start, end = data.find(b"<sheetData>"), data.rfind(b"</sheetData>")
+    # In comments and the like, what looks like a row is none.
+    misleading = (
+        b"<!" in data or data.find(b"<?", 2) >= 0 or any(one in data for one in _NO_CHARACTERS)
+    )
+    if not 0 <= start < end or misleading or not is_utf8(data) or not _is_text(data):
+        return data
+    cells = _ROW.sub(lambda row: row[1] + place(row[2]), data[start:end])
+    return data[:start] + cells + data[end:]
+
+
+def _is_text(data: bytes) -> bool:
+    try:
+        return data.isascii() or bool(data.decode())
+    except UnicodeDecodeError:
+        return False
+
+
+@dataclass
+class TextRow:
+    """The cells of a row as pieces of text: single cells, or runs of neighbours that were written together."""
+
+    #: First and last column of each piece, in order.
+    firsts: list[int] = field(default_factory=list)
+    lasts: list[int] = field(default_factory=list)
+    texts: list[str] = field(default_factory=list)
+    #: Style of each piece that is a single cell.
+    styles: list[str | None] = field(default_factory=list)
+    #: Whether its element may state a span of columns.
+    states_span: bool = False
+
+    def xml(self) -> str:
+        """All its cells."""
+        return "".join(self.texts)
+
+    def styles_in(self, rect: Rect, new: Sequence[str | None]) -> Sequence[str | None]:
+        """Styles of the cells in the columns of a rectangle; those given for cells that are not there."""
+        if not self.lasts or self.lasts[-1] < rect.left:
+            return new
+        styles = list(new)
+        for at in self._pieces_in(rect):
+            styles[self.firsts[at] - rect.left] = self.styles[at]
+        return styles
+
+    def columns_in(self, rect: Rect, *, filled: bool = False) -> Iterator[int]:
+        """Columns of a rectangle in which there are cells, or cells that hold something."""
+        for at in self._pieces_in(rect):
+            if not filled or not self.texts[at].endswith('"/>'):
+                yield self.firsts[at]
+
+    def exchange(self, rect: Rect, text: str) -> None:
+        """Put new cells, or none, in the place of those in the columns of a rectangle."""
+        style = _CELLS.findall(text)[0][3] or None if text and rect.left == rect.right else None
+        if text and (not self.lasts or self.lasts[-1] < rect.left):
+            self.firsts.append(rect.left)
+            self.lasts.append(rect.right)
+            self.texts.append(text)
+            self.styles.append(style)
+            return
+        inside = self._pieces_in(rect)
+        here = slice(inside.start, inside.stop)
+        self.firsts[here] = [rect.left] if text else []
+        self.lasts[here] = [rect.right] if text else []
+        self.texts[here] = [text] if text else []
+        self.styles[here] = [style] if text else []
+
+    def _pieces_in(self, rect: Rect) -> range:
+        """Pieces in the columns of a rectangle, each of them a single cell."""
+        while True:
+            start = bisect_left(self.lasts, rect.left)
+            stop = bisect_left(self.firsts, rect.right + 1)
+            if self.firsts[start:stop] == self.lasts[start:stop]:
+                return range(start, stop)
+            self._part(next(k for k in range(start, stop) if self.firsts[k] < self.lasts[k]))
+
+    def _part(self, run: int) -> None:
+        """Take a run apart into its cells."""
+        cells = _CELLS.findall(self.texts[run])
+        columns = [column_number(letters) for _, letters, _, _ in cells]
+        here = slice(run, run + 1)
+        self.firsts[here] = columns
+        self.lasts[here] = columns
+        self.texts[here] = [text for text, _, _, _ in cells]
+        self.styles[here] = [style or None for _, _, _, style in cells]
+
+
+def text_row(number: int, cells: str) -> TextRow | None:
+    """A plain row as text; None where its cells are out of order or bear names of other rows."""
+    texts, letters, rows, styles = zip(*_CELLS.findall(cells), strict=True)
+    columns = list(map(column_number, letters))
+    in_order = columns == sorted(set(columns))
+    if not in_order or columns[-1] > MAX_COLUMN or set(rows) != {str(number)}:
+        return None
+    held = [style or None for style in styles]
+    return TextRow(columns, columns.copy(), list(texts), held, states_span=True)
