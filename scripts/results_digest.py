@@ -62,7 +62,11 @@ def cases() -> Iterator[tuple[str, str, dict[str, Any], list[str]]]:
 def _class_of(case: dict[str, Any]) -> str:
     """Whether a train has clearances."""
     gaps = ("backlash", "angular_backlash")
-    return CLEARANCES if any(row.get(gap) for row in case.get("meshes", ()) for gap in gaps) else LINEAR
+    return (
+        CLEARANCES
+        if any(row.get(gap) for row in case.get("meshes", ()) for gap in gaps)
+        else LINEAR
+    )
 
 
 def _long(stations: int) -> dict[str, Any]:

@@ -126,7 +126,7 @@ _FT = 12.0 * _IN
 _LB = 0.45359237
 _LBF = _LB * 9.80665
 _RPM = 2.0 * math.pi / 60.0
-_PSI = _LBF / _IN**2
+_PSI = _LBF / (_IN * _IN)
 
 _TORQUE = {
     "lbf*in": _LBF * _IN,

@@ -14,6 +14,7 @@ from engine.case.data import MaterialRow, SNPointRow
 from engine.errors import InternalError, ModelError
 from engine.fatigue.cycle_counting import read_only
 from engine.fatigue.stress import BENDING_TO_TORSION, in_megapascals
+from engine.numerics.same_bits import log, power
 
 #: An endurance limit this little above the last S-N stress is that stress, typed in another unit.
 _SAME_STRESS = 1.0 + 1e-9
@@ -76,12 +77,12 @@ class SNCurve:
     @property
     def slope(self) -> Floats:
         """Exponent k of each segment, N ∝ S^−k. [1]"""
-        return -np.diff(np.log(self.cycles)) / np.diff(np.log(self.stress))
+        return np.asarray(-np.diff(log(self.cycles)) / np.diff(log(self.stress)))
 
     @property
     def knee_cycles(self) -> float:
         """Life at the endurance limit. [1]"""
-        return float(self.cycles[-1] * (self.stress[-1] / self.endurance) ** self.slope[-1])
+        return float(self.cycles[-1] * power(self.stress[-1] / self.endurance, self.slope[-1]))
 
     def cycles_to_failure(self, amplitude: ArrayLike) -> Floats:
         """Life at a constant stress amplitude.
@@ -110,7 +111,7 @@ class SNCurve:
         # From the last point down, take that point, so that the knee and the last point agree.
         near = np.where(self.stress[-1] >= S, self.stress.size - 1, i)
         with np.errstate(divide="ignore", over="ignore"):
-            life = self.cycles[near] * (self.stress[near] / S) ** k[i]
+            life = self.cycles[near] * power(self.stress[near] / S, k[i])
             if self.below_endurance == BelowEndurance.NONE:
                 below = np.full(S.shape, np.inf)
             else:
@@ -119,7 +120,7 @@ class SNCurve:
                     if self.below_endurance == BelowEndurance.SAME_SLOPE
                     else 2.0 * k[-1] - 1.0
                 )
-                below = self.knee_cycles * (self.endurance / S) ** k2
+                below = self.knee_cycles * power(self.endurance / S, float(k2))
         return np.asarray(np.where(self.endurance >= S, below, life))
 
     def above_first_point(self, amplitude: ArrayLike) -> Mask:

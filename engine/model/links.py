@@ -9,6 +9,7 @@ from engine.case.choices import ElementKind
 from engine.case.data import ElementRow, MeshRow
 from engine.errors import ModelError
 from engine.model.gears import line_of_action
+from engine.numerics.same_bits import fourth
 
 
 def shaft_stiffness(od: float, bore: float, length: float, shear_modulus: float) -> float:
@@ -32,7 +33,7 @@ def shaft_stiffness(od: float, bore: float, length: float, shear_modulus: float)
     ----------
     Any strength-of-materials text, e.g. Timoshenko, Strength of Materials I, § 56.
     """
-    return shear_modulus * math.pi * (od**4 - bore**4) / (32.0 * length)
+    return shear_modulus * math.pi * (fourth(od) - fourth(bore)) / (32.0 * length)
 
 
 def shaft_inertia(od: float, bore: float, length: float, density: float) -> float:
@@ -52,7 +53,7 @@ def shaft_inertia(od: float, bore: float, length: float, density: float) -> floa
     float
         Inertia. [kg m²]
     """
-    return density * math.pi * (od**4 - bore**4) * length / 32.0
+    return density * math.pi * (fourth(od) - fourth(bore)) * length / 32.0
 
 
 @dataclass(frozen=True)

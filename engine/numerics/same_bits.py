@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from typing import Any, overload
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -42,6 +42,8 @@ __all__ = [
     "total",
 ]
 
+#: A number or an array of them.
+Numbers = TypeVar("Numbers", float, Floats)
 #: Matrices with more rows, columns and terms of each sum than this go to BLAS: they are not of 64 stations.
 LARGE = 256
 #: Degree 13 of the Padé approximation of the exponential serves up to this norm.
@@ -56,71 +58,73 @@ PADE = (
 # --- functions of numbers -------------------------------------------------------------------------
 
 
-@overload
-def _values(which: int, x: float, y: float | None = None) -> float: ...
-@overload
-def _values(which: int, x: ArrayLike, y: ArrayLike | None = None) -> Any: ...
 def _values(which: int, x: Any, y: Any = None) -> Any:
     """A function of numbers or of arrays of one shape; a float of a number."""
     if isinstance(x, (float, int)) and (y is None or isinstance(y, (float, int))):
-        one, other, found = ffi.new("double *", x), ffi.new("double *", y or 0.0), ffi.new("double *")
+        one, other, found = (
+            ffi.new("double *", x),
+            ffi.new("double *", y or 0.0),
+            ffi.new("double *"),
+        )
         library.function_values(which, 1, one, 0, other, 0, found)
         return float(found[0])
-    a = np.ascontiguousarray(x, dtype=np.float64)
-    b = a if y is None else np.ascontiguousarray(y, dtype=np.float64)
+    a = np.asarray(x, dtype=np.float64, order="C")
+    b = a if y is None else np.asarray(y, dtype=np.float64, order="C")
     shape = np.shape(x) if y is None else np.broadcast_shapes(np.shape(x), np.shape(y))
     steps = [int(np.size(v) > 1) for v in (a, b)]
     if any(step and v.shape != shape for step, v in zip(steps, (a, b), strict=True)):
         a, b = (np.ascontiguousarray(np.broadcast_to(v, shape)) for v in (a, b))
         steps = [1, 1]
     out = np.empty(shape)
-    library.function_values(which, out.size, address(a), steps[0], address(b), steps[1], address(out))
+    library.function_values(
+        which, out.size, address(a), steps[0], address(b), steps[1], address(out)
+    )
     return out if shape else float(out)
 
 
-def sin(x: Any) -> Any:
+def sin(x: Numbers) -> Numbers:
     """Sine, within one unit in the last place."""
-    return _values(library.SINE, x)
+    return _values(library.SINE, x)  # type: ignore[no-any-return]
 
 
-def cos(x: Any) -> Any:
+def cos(x: Numbers) -> Numbers:
     """Cosine, within one unit in the last place."""
-    return _values(library.COSINE, x)
+    return _values(library.COSINE, x)  # type: ignore[no-any-return]
 
 
-def exp(x: Any) -> Any:
+def exp(x: Numbers) -> Numbers:
     """Exponential, within one unit in the last place."""
-    return _values(library.EXPONENTIAL, x)
+    return _values(library.EXPONENTIAL, x)  # type: ignore[no-any-return]
 
 
-def log(x: Any) -> Any:
+def log(x: Numbers) -> Numbers:
     """Natural logarithm, within one unit in the last place."""
-    return _values(library.LOGARITHM, x)
+    return _values(library.LOGARITHM, x)  # type: ignore[no-any-return]
 
 
-def power(x: Any, y: Any) -> Any:
+def power(x: Numbers, y: Any) -> Numbers:
     """x to the power y, for x not negative, within one unit in the last place."""
-    return _values(library.POWER, x, y)
+    return _values(library.POWER, x, y)  # type: ignore[no-any-return]
 
 
-def atan2(y: Any, x: Any) -> Any:
+def atan2(y: Numbers, x: Numbers) -> Numbers:
     """Angle of the point (x, y), within one unit in the last place."""
-    return _values(library.ARCTANGENT, y, x)
+    return _values(library.ARCTANGENT, y, x)  # type: ignore[no-any-return]
 
 
-def hypot(x: Any, y: Any) -> Any:
+def hypot(x: Numbers, y: Numbers) -> Numbers:
     """√(x² + y²), within one unit in the last place."""
-    return _values(library.HYPOTENUSE, x, y)
+    return _values(library.HYPOTENUSE, x, y)  # type: ignore[no-any-return]
 
 
-def interp(x: Any, points: Floats, values: Floats) -> Any:
+def interp(x: Any, points: ArrayLike, values: ArrayLike) -> Any:
     """Straight lines between points, held outside them; a float of a number.
 
     Parameters
     ----------
     x : float or ndarray, shape (n,)
         Where. [any]
-    points, values : ndarray, shape (n_points,)
+    points, values : array_like, shape (n_points,)
         Rising points, and the values there. [any]
 
     Returns
@@ -128,8 +132,8 @@ def interp(x: Any, points: Floats, values: Floats) -> Any:
     float or ndarray, shape (n,)
         The values in between. [any]
     """
-    at = np.ascontiguousarray(x, dtype=np.float64)
-    p, v = (np.ascontiguousarray(a, dtype=np.float64) for a in (points, values))
+    at = np.asarray(x, dtype=np.float64, order="C")
+    p, v = (np.asarray(a, dtype=np.float64, order="C") for a in (points, values))
     if not len(p) or len(p) != len(v):
         raise InternalError(f"{len(p)} points and {len(v)} values to interpolate between")
     out = np.empty(at.shape)
@@ -153,9 +157,38 @@ def times(a: Complexes, b: Complexes) -> Complexes:
     return out
 
 
-def magnitude(a: Any) -> Any:
-    """Magnitude of complex numbers or of an array of them."""
-    return hypot(a.real, a.imag)
+def inverse(a: Complexes) -> Complexes:
+    """1/a of complex numbers, element by element."""
+    size = a.real * a.real + a.imag * a.imag
+    return np.asarray(a.real / size - 1j * (a.imag / size))
+
+
+def modulus(a: Any) -> Any:
+    """Magnitude of complex or real numbers, element by element."""
+    return hypot(a.real, a.imag) if np.iscomplexobj(a) else np.abs(a)
+
+
+def square(x: float) -> float:
+    """x². (`x**2` of a number is a power of the C library; of an array it is this.)"""
+    return x * x
+
+
+def fourth(x: float) -> float:
+    """x⁴."""
+    return (x * x) * (x * x)
+
+
+def doublings(x: float) -> int:
+    """How often one has to be doubled to reach x: the least k ≥ 0 with 2^k ≥ x."""
+    mantissa, exponent = math.frexp(x)
+    return max(exponent - (mantissa == 0.5), 0)
+
+
+def fading_sum(values: Floats, share: float) -> Floats:
+    """Each value and what is left of those before it, a share of it from one to the next, shape (n,). [any]"""
+    out = np.array(values, dtype=np.float64)
+    library.fading_sum(len(out), share, address(out))
+    return out
 
 
 # --- matrices -------------------------------------------------------------------------------------
@@ -211,6 +244,11 @@ def _complex_product(a: Any, b: Any) -> Any:
         out.real = real - product(a.imag, b.imag)
         out.imag = product(a.real, b.imag) + product(a.imag, b.real)
     return out
+
+
+def along_first(a: Any, b: Any) -> Any:
+    """Sum over the last axis of `a`, a matrix or a vector, and the first of `b`, which has any others."""
+    return product(a, b.reshape(len(b), -1)).reshape(a.shape[:-1] + b.shape[1:])
 
 
 def norm(vector: Floats) -> float:
@@ -308,6 +346,32 @@ def svd(a: Floats) -> tuple[Floats, Floats, Floats]:
     return (v, sigma[falling] * unit, u) if wide else (u, sigma[falling] * unit, v)
 
 
+def right_basis(a: Floats, rank: int) -> tuple[Floats, Floats]:
+    """All right singular vectors, also those of values that are zero, and the values, falling.
+
+    Parameters
+    ----------
+    a : ndarray, shape (m, n)
+        Matrix. [any]
+    rank : int
+        Number of its values that are not zero. [count]
+
+    Returns
+    -------
+    sigma : ndarray, shape (n,)
+        Singular values, zero from `rank` on. [any]
+    right : ndarray, shape (n, n)
+        Orthonormal columns. [1]
+    """
+    n = a.shape[1]
+    _, sigma, right = svd(np.concatenate([a, np.zeros((max(n - len(a), 0), n))]))
+    sigma[rank:] = 0.0
+    if rank < n:  # what the others leave of the space
+        rest = np.eye(n) - product(right[:, :rank], right[:, :rank].T)
+        right[:, rank:] = svd(rest)[0][:, : n - rank]
+    return sigma, right
+
+
 def singular_values(a: Floats) -> Floats:
     """Singular values, falling, shape (min(m, n),)."""
     return svd(a)[1]
@@ -323,7 +387,9 @@ def eigenvalues(a: Floats) -> Complexes:
     """
     n = len(a)
     real, imaginary = np.empty((2, n))
-    if not library.eigenvalues(n, address(np.array(a, order="C")), address(real), address(imaginary)):
+    if not library.eigenvalues(
+        n, address(np.array(a, order="C")), address(real), address(imaginary)
+    ):
         raise InternalError("the QR algorithm did not converge")
     return real + 1j * imaginary
 

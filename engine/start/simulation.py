@@ -9,6 +9,7 @@ import numpy as np
 from engine.arrays import Floats, Ints
 from engine.case.choices import Method
 from engine.errors import InternalError
+from engine.numerics.same_bits import doublings, product
 from engine.start.start_model import StartModel
 from engine.start.time_response import knots_of
 from engine.start.trajectory import KEPT_VALUES, Recorder, Trajectory
@@ -88,7 +89,7 @@ def simulate(
                 f"the start diverged before {time[-1]:.4g} s at a step of {step:.3g} s: torques "
                 "are no longer finite. Check stiffness, damping and torque curves"
             )
-        recorder.add(time.copy(), out_v @ model.mean_speed, *torques, np.empty((0, done)))
+        recorder.add(time.copy(), product(out_v, model.mean_speed), *torques, np.empty((0, done)))
         steps += done
     return recorder.trajectory(reason == kernels.SPEED, steps)[0]
 
@@ -104,7 +105,7 @@ def _step_plan(model: StartModel, step: float, maximum_time: float) -> tuple[Int
     at = 0.0
     # a ringing mode is sampled as finely as the pulsation is
     stretches = [
-        (until, step / 2 ** max(math.ceil(math.log2(omega / model.pulsation_omega)), 0))
+        (until, step / 2 ** doublings(omega / model.pulsation_omega))
         for until, omega in model.windows
     ]
     for until, h in [*stretches, (maximum_time, step)]:
@@ -129,10 +130,10 @@ def _torques(
 ) -> tuple[Floats, Floats]:
     """Output torques and rates, shape (n_outputs, n), from states, shape (n, …)."""
     y = model.outputs
-    torque = y.position @ q.T + y.force @ force.T
-    slope = y.position @ v.T + y.force @ rate.T
+    torque = product(y.position, q.T) + product(y.force, force.T)
+    slope = product(y.position, v.T) + product(y.force, rate.T)
     if np.any(y.velocity):
-        acceleration = force @ model.reach.T - v * model.rate - q * model.stiffness
-        torque += y.velocity @ v.T
-        slope += y.velocity @ acceleration.T
+        acceleration = product(force, model.reach.T) - v * model.rate - q * model.stiffness
+        torque += product(y.velocity, v.T)
+        slope += product(y.velocity, acceleration.T)
     return torque, slope

@@ -54,3 +54,9 @@ void interpolate(int64_t n, const double *x, int64_t n_points, const double *poi
         }
     }
 }
+
+/* Each value and what is left of those before it. */
+void fading_sum(int64_t n, double share, double *values)
+{
+    for (int64_t i = 1; i < n; i++) values[i] += share * values[i - 1];
+}

@@ -156,6 +156,7 @@ void function_values(int64_t which, int64_t n, const double *x, int64_t x_step, 
                      double *out);
 void interpolate(int64_t n, const double *x, int64_t n_points, const double *points, const double *values,
                  double *out);
+void fading_sum(int64_t n, double share, double *values);
 void product(int64_t m, int64_t n, int64_t k, const double *a, int64_t a_row, int64_t a_column,
              const double *b, int64_t b_row, int64_t b_column, double *c);
 int64_t jacobi_svd(int64_t m, int64_t n, double *columns, double *left, double *sigma, double *right,
