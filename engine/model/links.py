@@ -9,7 +9,7 @@ from engine.case.choices import ElementKind
 from engine.case.data import ElementRow, MeshRow
 from engine.errors import ModelError
 from engine.model.gears import line_of_action
-from engine.numerics.same_bits import fourth
+from engine.numerics.same_bits import fourth, square
 
 
 def shaft_stiffness(od: float, bore: float, length: float, shear_modulus: float) -> float:
@@ -95,9 +95,9 @@ def link_of(e: ElementRow, mesh: MeshRow | None) -> Link:
         cos_t, share = line_of_action(mesh)
         base = mesh.pitch_radius_drive * cos_t
         if stiffness is None and mesh.mesh_stiffness:
-            stiffness = mesh.mesh_stiffness * share * base**2
+            stiffness = mesh.mesh_stiffness * share * square(base)
         if viscous is None and mesh.mesh_damping:
-            viscous = mesh.mesh_damping * share * base**2
+            viscous = mesh.mesh_damping * share * square(base)
     inertia = 0.0
     if shaft and e.density and e.od and e.length:
         inertia = shaft_inertia(e.od, e.id or 0.0, e.length, e.density)

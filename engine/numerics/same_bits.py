@@ -329,7 +329,7 @@ def svd(a: Floats) -> tuple[Floats, Floats, Floats]:
     tall = a.T if wide else a
     m, n = tall.shape
     size = np.max(np.abs(tall), axis=1, initial=0.0)
-    unit = 2.0 ** math.frexp(float(np.max(size, initial=0.0)))[1]  # no square overflows
+    unit = math.ldexp(1.0, math.frexp(float(np.max(size, initial=0.0)))[1])  # no square overflows
     rows = np.argsort(-size, kind="stable")
     columns = np.ascontiguousarray((tall[rows] / unit).T)
     left, sigma, right = np.empty((n, m)), np.empty(n), np.empty((n, n))
@@ -398,7 +398,7 @@ def matrix_exponential(a: Floats) -> Floats:
     """Exponential of a square matrix: Padé approximation of degree 13 of the matrix halved so often, squared again."""
     size = float(np.max(np.abs(a).sum(axis=0), initial=0.0))
     halvings = max(math.frexp(size / PADE_NORM)[1], 0)
-    a = a * 2.0**-halvings
+    a = a * math.ldexp(1.0, -halvings)
     two = product(a, a)
     four = product(two, two)
     six = product(two, four)
