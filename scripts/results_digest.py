@@ -1,7 +1,8 @@
 """Digests of 200 results, to compare two machines: `python scripts/results_digest.py [--keep FILE]`.
 
 Each result is the JSON file that a command writes: published cases, random trains of every kind, long ones, and
-small studies. One line a result, then a total of each class; `linear` are trains without clearances. With
+small studies. One line a result, then a total of each class; `linear` are trains without clearances. `--of linear`
+calculates one class, `--every 5` every fifth result. With
 
     python scripts/results_digest.py --compare A B
 
@@ -24,7 +25,7 @@ from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(ROOT), str(ROOT / "scripts")]
+sys.path.append(str(ROOT))  # behind PYTHONPATH: another engine may be asked for
 
 import compare_cases  # noqa: E402
 
@@ -34,9 +35,9 @@ RANDOM = {"plain": 50, "meshes": 35, "pull-in": 10, "bearings": 12, "clearances"
 LONG = (16, 24, 40, 64)
 #: Classes: what has to be equal on every machine, and what need not.
 LINEAR, CLEARANCES, STUDIES = "linear", "clearances", "studies"
-#: What says when, where and how long, by table.
-OF_THE_MACHINE = {("effects", "time"), ("accuracy_cost", "time")}
-AUDIT_OF_THE_MACHINE = ("Date", "Python", "Libraries", "Time spent", "Compiled")
+#: What says when, where, by which version and how long, by table.
+OF_THE_MACHINE = {("effects", "time"), ("accuracy_cost", "time"), ("", "version")}
+AUDIT_OF_THE_MACHINE = ("Software", "Date", "Python", "Libraries", "Time spent")
 #: Sentences that say how long.
 DURATION = re.compile(r"[\d.,]+ (?:ms|s|min|h)\b")
 
@@ -131,12 +132,11 @@ def digest(found: Any) -> str:
     return hashlib.sha256(json.dumps(found, sort_keys=True).encode()).hexdigest()[:12]
 
 
-def run(keep: Path | None, of: str) -> None:
+def run(keep: Path | None, of: str, every: int) -> None:
     """Calculate, print, keep."""
     kept, totals = {}, {}
-    for name, kind, case, command in cases():
-        if kind not in of.split(","):
-            continue
+    wanted = [case for case in cases() if case[1] in of.split(",")]
+    for name, kind, case, command in wanted[::every]:
         found = calculated(case, command)
         print(f"{digest(found)}  {kind:10} {len(found):6} values  {name}", flush=True)
         kept[name] = {"class": kind, "values": found}
@@ -182,9 +182,9 @@ def main(words: list[str]) -> int:
     """As the words say."""
     if words[:1] == ["--compare"]:
         return compare(Path(words[1]), Path(words[2]))
-    keep = Path(words[words.index("--keep") + 1]) if "--keep" in words else None
-    of = words[words.index("--of") + 1] if "--of" in words else f"{LINEAR},{CLEARANCES},{STUDIES}"
-    run(keep, of)
+    given = dict(zip(words[::2], words[1::2], strict=True))
+    keep, of = given.get("--keep"), given.get("--of", f"{LINEAR},{CLEARANCES},{STUDIES}")
+    run(Path(keep) if keep else None, of, int(given.get("--every", 1)))
     return 0
 
 

@@ -4,7 +4,7 @@ Sums, products, quotients and square roots of doubles are the same everywhere. W
 like (each C library rounds them in its own way, and numpy has others for vector units), sums of products (BLAS orders
 them by the processor; some compilers fuse product and sum), products, quotients and magnitudes of complex numbers
 (numpy fuses them where it can), and LAPACK, which is built on those. Here are the same functions from the compiled
-library, in one fixed order. A test (`tests/boundaries/test_same_bits.py`) keeps the others out of the engine.
+library, in one fixed order. A test (`tests/boundaries/test_machine_functions.py`) keeps the others out of the engine.
 
 Of numpy, order and rounding of `sum`, `cumsum`, `mean` and of every elementwise + − × ÷ √ are fixed.
 """
@@ -45,7 +45,7 @@ __all__ = [
 #: A number or an array of them.
 Numbers = TypeVar("Numbers", float, Floats)
 #: Matrices with more rows, columns and terms of each sum than this go to BLAS: they are not of 64 stations.
-LARGE = 256
+LARGE = 512
 #: Degree 13 of the Padé approximation of the exponential serves up to this norm.
 #: Higham, SIAM J. Matrix Anal. Appl. 26 (2005) 1179-1193, Table 2.3 and (2.3).
 PADE_NORM = 5.371920351148152
@@ -63,7 +63,7 @@ def _values(which: int, x: Any, y: Any = None) -> Any:
     if isinstance(x, (float, int)) and (y is None or isinstance(y, (float, int))):
         one, other, found = (
             ffi.new("double *", x),
-            ffi.new("double *", y or 0.0),
+            ffi.new("double *", 0.0 if y is None else y),
             ffi.new("double *"),
         )
         library.function_values(which, 1, one, 0, other, 0, found)

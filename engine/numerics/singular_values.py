@@ -183,13 +183,13 @@ def _leaves_first(D: Floats) -> list[_Hanging] | None:
     ground: list[list[float]] = [[] for _ in range(D.shape[1])]
     for row in D:
         ends = np.flatnonzero(row).tolist()
-        square = [square(float(row[i])) for i in ends]
+        squares = [square(float(row[i])) for i in ends]
         if len(ends) == 1:
-            ground[ends[0]].append(square[0])
+            ground[ends[0]].append(squares[0])
         elif len(ends) == 2:
             a, b = ends
             old = near[a].get(b, (0.0, 0.0))
-            near[a][b] = (old[0] + square[0], old[1] + square[1])
+            near[a][b] = (old[0] + squares[0], old[1] + squares[1])
             near[b][a] = near[a][b][::-1]
         else:
             return None
