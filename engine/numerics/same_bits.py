@@ -142,7 +142,18 @@ def interp(x: Any, points: ArrayLike, values: ArrayLike) -> Any:
 
 
 def total(numbers: Iterable[float]) -> float:
-    """Sum in the order given. (The built-in `sum` corrects its rounding from Python 3.12 on.)"""
+    """Sum in the order given. (The built-in `sum` corrects its rounding from Python 3.12 on.)
+
+    Parameters
+    ----------
+    numbers : iterable of float
+        Numbers. [any]
+
+    Returns
+    -------
+    float
+        Their sum. [any]
+    """
     result = 0.0
     for number in numbers:
         result += number
@@ -169,23 +180,69 @@ def modulus(a: Any) -> Any:
 
 
 def square(x: float) -> float:
-    """x². (`x**2` of a number is a power of the C library; of an array it is this.)"""
+    """x². (`x**2` of a number is a power of the C library; of an array it is this.)
+
+    Parameters
+    ----------
+    x : float
+        Number. [any]
+
+    Returns
+    -------
+    float
+        Its square. [any]
+    """
     return x * x
 
 
 def fourth(x: float) -> float:
-    """x⁴."""
+    """x⁴.
+
+    Parameters
+    ----------
+    x : float
+        Number. [any]
+
+    Returns
+    -------
+    float
+        Its fourth power. [any]
+    """
     return (x * x) * (x * x)
 
 
 def doublings(x: float) -> int:
-    """How often one has to be doubled to reach x: the least k ≥ 0 with 2^k ≥ x."""
+    """How often one has to be doubled to reach x: the least k ≥ 0 with 2^k ≥ x.
+
+    Parameters
+    ----------
+    x : float
+        Positive number. [1]
+
+    Returns
+    -------
+    int
+        Doublings. [count]
+    """
     mantissa, exponent = math.frexp(x)
     return max(exponent - (mantissa == 0.5), 0)
 
 
 def fading_sum(values: Floats, share: float) -> Floats:
-    """Each value and what is left of those before it, a share of it from one to the next, shape (n,). [any]"""
+    """Each value and what is left of those before it.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        One after the other. [any]
+    share : float
+        What is left of a value when the next one comes. [1]
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        Sums. [any]
+    """
     out = np.array(values, dtype=np.float64)
     library.fading_sum(len(out), share, address(out))
     return out
@@ -248,11 +305,23 @@ def _complex_product(a: Any, b: Any) -> Any:
 
 def along_first(a: Any, b: Any) -> Any:
     """Sum over the last axis of `a`, a matrix or a vector, and the first of `b`, which has any others."""
-    return product(a, b.reshape(len(b), -1)).reshape(a.shape[:-1] + b.shape[1:])
+    flat = b.reshape(len(b), math.prod(b.shape[1:]))
+    return product(a, flat).reshape(a.shape[:-1] + b.shape[1:])
 
 
 def norm(vector: Floats) -> float:
-    """Length of a vector."""
+    """Length of a vector.
+
+    Parameters
+    ----------
+    vector : ndarray, shape (n,)
+        Vector. [any]
+
+    Returns
+    -------
+    float
+        Root of the sum of its squares. [any]
+    """
     return math.sqrt(product(vector, vector))
 
 
@@ -373,12 +442,33 @@ def right_basis(a: Floats, rank: int) -> tuple[Floats, Floats]:
 
 
 def singular_values(a: Floats) -> Floats:
-    """Singular values, falling, shape (min(m, n),)."""
+    """Singular values by one-sided Jacobi rotations.
+
+    Parameters
+    ----------
+    a : ndarray, shape (m, n)
+        Matrix. [any]
+
+    Returns
+    -------
+    ndarray, shape (min(m, n),)
+        Values, falling. [any]
+    """
     return svd(a)[1]
 
 
 def eigenvalues(a: Floats) -> Complexes:
-    """Eigenvalues of a real matrix, shape (n,), by the QR algorithm with double shifts.
+    """Eigenvalues of a real matrix by the QR algorithm with double shifts.
+
+    Parameters
+    ----------
+    a : ndarray, shape (n, n)
+        Real matrix. [any]
+
+    Returns
+    -------
+    ndarray of complex, shape (n,)
+        Eigenvalues. [any]
 
     Raises
     ------
@@ -395,7 +485,18 @@ def eigenvalues(a: Floats) -> Complexes:
 
 
 def matrix_exponential(a: Floats) -> Floats:
-    """Exponential of a square matrix: Padé approximation of degree 13 of the matrix halved so often, squared again."""
+    """Exponential of a square matrix: Padé approximation of degree 13 of the matrix halved so often, squared again.
+
+    Parameters
+    ----------
+    a : ndarray, shape (n, n)
+        Real matrix. [1]
+
+    Returns
+    -------
+    ndarray, shape (n, n)
+        Its exponential. [1]
+    """
     size = float(np.max(np.abs(a).sum(axis=0), initial=0.0))
     halvings = max(math.frexp(size / PADE_NORM)[1], 0)
     a = a * math.ldexp(1.0, -halvings)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from engine.case.data import CaseData
 from engine.model.train import Train
-from engine.numerics.same_bits import interp, product
+from engine.numerics.same_bits import interp, product, total
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ def full_speed(case: CaseData, train: Train) -> FullSpeed:
             0.5 * float(product(train.inertia, train.dof_ratio**2)) * speed * speed / power
         )
         motors = {p.station for p in case.motor_torque}
-        typed = sum(
+        typed = total(
             (s.inertia or 0.0) * (s.speed_ratio or 1.0) * (s.speed_ratio or 1.0)
             for s in case.stations
             if s.station in motors
@@ -72,10 +72,10 @@ def full_speed(case: CaseData, train: Train) -> FullSpeed:
     load = running = None
     if torque:
         if case.load_torque:
-            load = _finite(sum(_loads_at_full_speed(case)) / torque)
+            load = _finite(total(_loads_at_full_speed(case)) / torque)
         stated = [(s.running_load, r) for s, r in zip(case.stations, ratio.tolist(), strict=True)]
         if any(t is not None for t, _ in stated):
-            running = _finite(sum((t or 0.0) * r for t, r in stated) / torque)
+            running = _finite(total((t or 0.0) * r for t, r in stated) / torque)
     return FullSpeed(
         line_frequency=ratings.line_frequency,
         poles=2 * ratings.pole_pairs if ratings.pole_pairs else None,

@@ -19,7 +19,7 @@ from engine.model.modes import Modes
 from engine.model.motor import Motor, motors_of, voltage_factor
 from engine.model.rigid_runup import RigidRunup, rigid_runup
 from engine.model.train import Train
-from engine.numerics.same_bits import product
+from engine.numerics.same_bits import product, total
 from engine.start.settings import NEGLIGIBLE, has_start, settings_of
 from engine.start.start import Start
 from engine.start.start_fatigue import judged_shafts, sn_slope, stress_over_endurance
@@ -184,7 +184,7 @@ def _shock_share(case: CaseData, line_omega: float, motors: Sequence[Motor]) -> 
     if not case.shock_amplitude or not case.shock_time_constant or not motors:
         return None
     amplitude = voltage_factor(case) * abs(case.shock_amplitude)
-    shock = sum(amplitude * m.synchronous_speed for m in motors)
+    shock = total(amplitude * m.synchronous_speed for m in motors)
     drive = min(
         (float(m.average(0.0)) + float(m.pulsating(0.0))) * m.synchronous_speed for m in motors
     )

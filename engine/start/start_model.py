@@ -18,7 +18,7 @@ from engine.model.modal_train import ModalTrain
 from engine.model.modes import Modes
 from engine.model.motor import Motor, electrical_arrays, through_synchronism, voltage_factor
 from engine.model.train import Train
-from engine.numerics.same_bits import log, product, sin, singular_values
+from engine.numerics.same_bits import log, product, sin, singular_values, total
 from engine.start.settings import NEGLIGIBLE, PLAIN_START
 from engine.start.time_response import PrescribedTorque, prescribed_torques, torque_tables
 from engine.start.torque_outputs import TorqueOutputs, force_reach, torque_outputs
@@ -601,7 +601,7 @@ def _with_breakaway(
 ) -> tuple[tuple[float, float], ...]:
     """The windows, with those of the loads as their stations begin to turn and of a short shock."""
     inertia = float(product(train.inertia, train.dof_ratio**2))
-    torque = sum(float(m.average(0.0)) * float(train.speed_ratio[m.station]) for m in motors)
+    torque = total(float(m.average(0.0)) * float(train.speed_ratio[m.station]) for m in motors)
     shifted = [(until + jump, omega) for until, omega in windows]
     if shock is not None and shock.rate > fastest:
         shifted.append((SHOCK_LENGTH / shock.rate, shock.rate))
