@@ -24,30 +24,60 @@ static void add_multiple(int64_t n, double factor, const double *restrict a, dou
     for (int64_t i = 0; i < n; i++) b[i] += factor * a[i];
 }
 
-enum { WIDE = 4, DEEP = 64 };
+enum { WIDE = 16, NARROW = 4, DEEP = 64 };
+/* Two doubles of a vector unit. */
+typedef double two_t __attribute__((vector_size(16)));
 
-/* c = a b, each entry summed in the order of its index; steps between rows and columns are free. */
+/* A matrix with any steps between its rows and columns. */
+typedef struct { const double *values; int64_t row, column; } matrix_t;
+
+/* Columns j to j + n of a product (m, k)(k, n), n ≤ wide: as many sums side by side. */
+static inline __attribute__((always_inline)) void panel(const int wide, int64_t m, int64_t n, int64_t k, matrix_t a,
+                                                        matrix_t b, double *c, int64_t c_row, int64_t c_column)
+{
+    two_t packed[DEEP * WIDE / 2];
+    double *pack = (double *)packed;
+    for (int64_t first = 0; first == 0 || first < k; first += DEEP) {
+        int64_t deep = k - first < DEEP ? k - first : DEEP;
+        for (int64_t p = 0; p < deep; p++)
+            for (int w = 0; w < wide; w++)
+                pack[wide * p + w] = w < n ? b.values[(first + p) * b.row + w * b.column] : 0.0;
+        for (int64_t i = 0; i < m; i++) {
+            const double *left = a.values + i * a.row + first * a.column;
+            two_t s[WIDE / 2] = {{0.0}};
+            double *sum = (double *)s;
+            if (first) for (int64_t w = 0; w < n; w++) sum[w] = c[i * c_row + w * c_column];
+            for (int64_t p = 0; p < deep; p++) {
+                double one = left[p * a.column];
+                two_t factor = {one, one};
+                for (int w = 0; w < wide / 2; w++) s[w] += factor * packed[wide / 2 * p + w];
+            }
+            for (int64_t w = 0; w < n; w++) c[i * c_row + w * c_column] = sum[w];
+        }
+    }
+}
+
+/* c = a b, each entry summed in the order of its index. */
+static void panels(int64_t m, int64_t n, int64_t k, matrix_t a, matrix_t b, double *c, int64_t c_row,
+                   int64_t c_column)
+{
+    while (n > 0) {
+        int64_t wide = n > NARROW ? WIDE : NARROW, now = n < wide ? n : wide;
+        if (wide == WIDE) panel(WIDE, m, now, k, a, b, c, c_row, c_column);
+        else panel(NARROW, m, now, k, a, b, c, c_row, c_column);
+        b.values += now * b.column;
+        c += now * c_column;
+        n -= now;
+    }
+}
+
+/* The longer side of the result is that of the sums side by side; the bits are the same. */
 void product(int64_t m, int64_t n, int64_t k, const double *a, int64_t a_row, int64_t a_column,
              const double *b, int64_t b_row, int64_t b_column, double *c)
 {
-    for (int64_t j = 0; j < n; j += WIDE) {
-        int64_t wide = n - j < WIDE ? n - j : WIDE;
-        for (int64_t first = 0; first == 0 || first < k; first += DEEP) {
-            double packed[DEEP * WIDE] = {0.0};
-            int64_t deep = k - first < DEEP ? k - first : DEEP;
-            for (int64_t p = 0; p < deep; p++)
-                for (int64_t w = 0; w < wide; w++)
-                    packed[WIDE * p + w] = b[(first + p) * b_row + (j + w) * b_column];
-            for (int64_t i = 0; i < m; i++) {
-                const double *left = a + i * a_row + first * a_column;
-                double s[WIDE] = {0.0};
-                if (first) for (int64_t w = 0; w < wide; w++) s[w] = c[i * n + j + w];
-                for (int64_t p = 0; p < deep; p++)
-                    for (int w = 0; w < WIDE; w++) s[w] += left[p * a_column] * packed[WIDE * p + w];
-                for (int64_t w = 0; w < wide; w++) c[i * n + j + w] = s[w];
-            }
-        }
-    }
+    matrix_t left = {a, a_row, a_column}, right = {b, b_row, b_column};
+    if (n >= m) panels(m, n, k, left, right, c, n, 1);
+    else panels(n, m, k, (matrix_t){b, b_column, b_row}, (matrix_t){a, a_column, a_row}, c, 1, n);
 }
 
 /* --- singular values ----------------------------------------------------------------------------- */
