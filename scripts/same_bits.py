@@ -100,11 +100,12 @@ def on_each_machine() -> bool:
 
 def main() -> int:
     """Digests of all; 1 where they differ."""
-    digests = set()
-    for command in compilers():
-        found = digest_with(command)
-        digests.add(found.partition(";")[0])
-        print(f"{found} ({command.replace(sys.executable, 'python')})")
+    commands = compilers()
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        found = list(pool.map(digest_with, commands))
+    for told, command in zip(found, commands, strict=True):
+        print(f"{told} ({command.replace(sys.executable, 'python')})")
+    digests = {told.partition(";")[0] for told in found}
     same = on_each_machine() and len(digests) == 1
     print("The same bits from all of them." if same else "FAILED: the bits differ.")
     return 0 if same else 1

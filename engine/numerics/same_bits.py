@@ -476,10 +476,10 @@ def eigenvalues(a: Floats) -> Complexes:
         If it does not converge.
     """
     n = len(a)
+    falling = np.argsort(-np.max(np.abs(a), axis=1, initial=0.0), kind="stable")
+    matrix = np.ascontiguousarray(a[np.ix_(falling, falling)])  # so small ones keep their digits
     real, imaginary = np.empty((2, n))
-    if not library.eigenvalues(
-        n, address(np.array(a, order="C")), address(real), address(imaginary)
-    ):
+    if not library.eigenvalues(n, *map(address, (matrix, real, imaginary))):
         raise InternalError("the QR algorithm did not converge")
     return real + 1j * imaginary
 

@@ -209,6 +209,18 @@ def test_eigenvalues(rng, n):
     assert max(apart.min(axis=0).max(), apart.min(axis=1).max()) < 1e-12 * max(n, 1) * 10
 
 
+def test_small_eigenvalues_beside_large_ones(rng):
+    """A damper of 4e7/s beside a mode of 4 rad/s: each eigenvalue to its own rounding, whatever the order."""
+    omega, rate = np.array([4.0, 300.0, 2e3]), np.diag([0.2, 3.0, 4e7])
+    rate[0, 2] = rate[2, 0] = 5.0
+    a = np.block([[np.zeros((3, 3)), np.diag(omega)], [-np.diag(omega), -rate]])
+    exact = mpmath.eig(mpmath.matrix(a.tolist()), left=False, right=False)
+    for order in (np.arange(6), rng.permutation(6)):
+        found = own.eigenvalues(a[np.ix_(order, order)])
+        for value in map(complex, exact):
+            assert np.min(np.abs(found - value)) < 1e-13 * abs(value)
+
+
 @pytest.mark.parametrize("n", [1, 3, 20])
 def test_matrix_exponential(rng, n):
     a = rng.normal(size=(n, n)) * 3.0
