@@ -46,7 +46,7 @@ help:
 	@echo "make templates      rebuild the workbooks in templates/"
 	@echo "make wheel          build the wheel into build/dist"
 	@echo "make wheels         build the wheels of all systems into build/wheels, and look into each"
-	@echo "make same-bits      calculate with the loops of every compiler that is here: equal to the bit"
+	@echo "make same-bits      calculate with every compiler here and as other processors would: equal to the bit"
 	@echo "make sanitize       the tests of the loops with memory and arithmetic watched (needs gcc)"
 	@echo "make smoke          install that wheel outside the checkout and use it"
 	@echo "make lock           lock the dependencies anew (LOCK=--upgrade for newer versions)"

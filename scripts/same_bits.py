@@ -1,8 +1,10 @@
-"""The same bits from every compiler of this machine: `python scripts/same_bits.py`.
+"""The same bits from every compiler and as every processor: `python scripts/same_bits.py`.
 
-The loops are built by cc, clang, gcc (those that are here) and by ziglang, without and with the widest vector
-instructions of this machine; each library calculates the same starts. Exit status 1 unless all histories are equal to
-the last bit.
+The library is built by cc, clang, gcc (those that are here) and by ziglang, without and with the widest vector
+instructions of this machine; each calculates the same starts, and every fourth result of `results_digest.py`. Then all
+results of linear trains are calculated with the routines of OpenBLAS for each processor, without numpy's vector
+instructions, and with a C library whose functions are one unit in the last place off (`rounds_otherwise.c`). Exit
+status 1 unless everything is equal to the last bit.
 """
 
 from __future__ import annotations
@@ -13,7 +15,11 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+
+import other_machines
 
 ROOT = Path(__file__).resolve().parents[1]
 #: Random starts: linear ones, and with clearances, bearings, dampers, breaker closing, tables against time.
@@ -46,7 +52,7 @@ def digest_with(command: str) -> str:
     with tempfile.TemporaryDirectory() as folder:
         place = Path(folder)
         shutil.copytree(ROOT / "engine", place / "engine", ignore=shutil.ignore_patterns("_loops*"))
-        for name in ("benchmarks", "tests", "hatch_build.py"):
+        for name in ("addin", "benchmarks", "tests", "hatch_build.py"):
             (place / name).symlink_to(ROOT / name)
         build = f"import hatch_build, pathlib; hatch_build.build(pathlib.Path({folder!r}))"
         python = [sys.executable, "-c"]
@@ -56,18 +62,53 @@ def digest_with(command: str) -> str:
         done = subprocess.run(
             words, env=environment, cwd=place, capture_output=True, text=True, check=True
         )
-    return done.stdout.strip()
+        return f"{results(environment, 4)} {done.stdout.strip()}"
+
+
+def results(environment: Mapping[str, str], every: int) -> str:
+    """Total digest of the results of linear trains, or of every so many."""
+    words = [sys.executable, ROOT / "scripts" / "results_digest.py", "--of", "linear"]
+    done = subprocess.run(
+        [*words, "--every", str(every)], env=environment, capture_output=True, text=True, check=True
+    )
+    return done.stdout.splitlines()[-1].split()[0]
+
+
+def machines(folder: Path) -> list[tuple[str, dict[str, str]]]:
+    """Ways to calculate that this machine can go, and the variables that choose them."""
+    found = [("this machine", {})]
+    found += [(m.name, m.environment) for m in other_machines.machines(other_machines.loaded())]
+    if sys.platform == "linux" and (compiler := shutil.which("gcc") or shutil.which("clang")):
+        library, source = folder / "rounds_otherwise.so", ROOT / "scripts" / "rounds_otherwise.c"
+        flags = ["-O1", "-fno-builtin", "-shared", "-fPIC"]
+        subprocess.run([compiler, *flags, "-o", library, source, "-ldl", "-lm"], check=True)
+        without = dict(found).get("numpy without vector instructions", {})
+        found.append(("a C library one unit off", {"LD_PRELOAD": str(library), **without}))
+    return found
+
+
+def on_each_machine() -> bool:
+    """Whether linear trains have the same results whatever calculates beside the library."""
+    with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(os.cpu_count()) as pool:
+        names, chosen = zip(*machines(Path(folder)), strict=True)
+        environments = [os.environ | {"OMP_NUM_THREADS": "1"} | c for c in chosen]
+        totals = list(pool.map(results, environments, [1] * len(chosen)))
+    for name, total in zip(names, totals, strict=True):
+        print(f"{total} {name}")
+    return len(set(totals)) == 1
 
 
 def main() -> int:
     """Digests of all; 1 where they differ."""
-    digests = set()
-    for command in compilers():
-        found = digest_with(command)
-        digests.add(found.partition(";")[0])
-        print(f"{found} ({command.replace(sys.executable, 'python')})")
-    print("The same bits from all of them." if len(digests) == 1 else "FAILED: the bits differ.")
-    return 0 if len(digests) == 1 else 1
+    commands = compilers()
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        found = list(pool.map(digest_with, commands))
+    for told, command in zip(found, commands, strict=True):
+        print(f"{told} ({command.replace(sys.executable, 'python')})")
+    digests = {told.partition(";")[0] for told in found}
+    same = on_each_machine() and len(digests) == 1
+    print("The same bits from all of them." if same else "FAILED: the bits differ.")
+    return 0 if same else 1
 
 
 if __name__ == "__main__":

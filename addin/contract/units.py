@@ -126,7 +126,7 @@ _FT = 12.0 * _IN
 _LB = 0.45359237
 _LBF = _LB * 9.80665
 _RPM = 2.0 * math.pi / 60.0
-_PSI = _LBF / _IN**2
+_PSI = _LBF / (_IN * _IN)
 
 _TORQUE = {
     "lbf*in": _LBF * _IN,
@@ -145,8 +145,8 @@ USUAL: dict[str, dict[str, float]] = {
     "fraction": _PLAIN,
     "speed fraction": _PLAIN,
     "inertia": {
-        "lb*ft^2": _LB * _FT**2,
-        "lb*in^2": _LB * _IN**2,
+        "lb*ft^2": _LB * (_FT * _FT),
+        "lb*in^2": _LB * (_IN * _IN),
         "lbf*in*s^2": _LBF * _IN,
         "kg*m^2": 1.0,
     },
@@ -165,8 +165,8 @@ USUAL: dict[str, dict[str, float]] = {
         "N/mm^2": 1e6,
     },
     "density": {
-        "lb/in^3": _LB / _IN**3,
-        "lb/ft^3": _LB / _FT**3,
+        "lb/in^3": _LB / (_IN * _IN * _IN),
+        "lb/ft^3": _LB / (_FT * _FT * _FT),
         "kg/m^3": 1.0,
         "g/cm^3": 1e3,
     },

@@ -18,12 +18,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.sparse import csr_matrix
-from scipy.sparse.csgraph import connected_components
 
 from engine.arrays import Floats, Ints, Mask
 from engine.model.modes import Modes
+from engine.model.topology import group_heads
 from engine.model.train import Flank, ShaftEnd, Train
+from engine.numerics.same_bits import doublings, norm, product, right_basis, singular_values, solve
 from engine.stepping.contact_loop import FREE
 
 #: A direction whose part outside the basis is smaller than this is in it already.
@@ -146,21 +146,23 @@ def shared_basis(
         candidates = []
         for flank in flanks:
             flight = _flight(train, flank)
-            candidates.append(outside.T @ (train.inertia * flight))
+            candidates.append(product(outside.T, train.inertia * flight))
             candidates.append(modes.row_twist[flank.drive_row, left_out] / omega**2)
         added = _orthonormal(candidates, len(omega))
-    vectors = np.concatenate([modes.shape[:, keep], outside @ added], axis=1)
-    rows = np.concatenate([modes.row_twist[:, keep], modes.row_twist[:, left_out] @ added], axis=1)
+    vectors = np.concatenate([modes.shape[:, keep], product(outside, added)], axis=1)
+    rows = np.concatenate(
+        [modes.row_twist[:, keep], product(modes.row_twist[:, left_out], added)], axis=1
+    )
     n_rigid = modes.n_rigid
     rows[:, :n_rigid] = 0.0
     to_dof = train.node_matrix()
-    back = np.array([f.back @ to_dof @ vectors for f in flanks])
+    back = np.array([product(product(f.back, to_dof), vectors) for f in flanks])
     back = back.reshape(len(flanks), vectors.shape[1])
     back[:, :n_rigid] = 0.0
     flexibility = np.diag(1.0 / omega**2) if len(omega) else np.zeros((0, 0))
     if added.shape[1]:
-        stiff = (added * omega[:, None] ** 2).T @ added
-        flexibility = flexibility - added @ np.linalg.solve(stiff, added.T)
+        stiff = product((added * omega[:, None] ** 2).T, added)
+        flexibility = flexibility - product(added, solve(stiff, added.T))
     ratio = np.concatenate([stated[keep], np.full(added.shape[1], stated_elsewhere)])
     return SharedBasis(
         train,
@@ -192,23 +194,23 @@ def _flight(train: Train, flank: Flank) -> Floats:
 
 def _groups(rows: Floats) -> Ints:
     """Number of the connected part each degree of freedom belongs to."""
-    touched = csr_matrix(rows != 0.0, dtype=np.int64)
-    groups = connected_components(touched.T @ touched, directed=False)[1]
-    return np.asarray(groups, dtype=np.int64)
+    joined = [np.flatnonzero(row).tolist() for row in rows]
+    pairs = ((ends[0], other) for ends in joined for other in ends[1:])
+    return np.array(group_heads(rows.shape[1], pairs), dtype=np.int64)
 
 
 def _orthonormal(candidates: Sequence[Floats], n: int) -> Floats:
     """Orthonormal columns that span the candidates, without those that are there already."""
     columns: list[Floats] = []
     for vector in candidates:
-        size = float(np.linalg.norm(vector))
+        size = norm(vector)
         if size == 0.0:
             continue
         rest = vector / size
         for _ in range(2):  # twice is enough (Kahan)
             for column in columns:
-                rest = rest - column * float(column @ rest)
-        length = float(np.linalg.norm(rest))
+                rest = rest - column * float(product(column, rest))
+        length = norm(rest)
         if length > INSIDE:
             columns.append(rest / length)
     return np.array(columns).T if columns else np.zeros((n, 0))
@@ -276,8 +278,8 @@ class ContactSystems:
             As `engine.stepping.contact_loop.advance_pieces` takes it. [SI]
         """
         n = len(self.pieces)
-        fastest = max(float(np.max(x.stiffness, initial=0.0)) for x in self.pieces) ** 0.5
-        levels = 2 + max(int(np.ceil(np.log2(max(fastest / sampled, 1.0)))), 0)
+        fastest = max(float(np.max(x.stiffness, initial=0.0)) for x in self.pieces)
+        levels = 2 + doublings(fastest / sampled)
         if n > len(self._tables[0]) or levels > self._tables[-1].shape[1]:
             self._grow(n, levels)
         for i in range(self._filled, n):
@@ -298,8 +300,8 @@ class ContactSystems:
             piece.rate,
             piece.reach.T,
             piece.constant,
-            self.mean_speed @ piece.turn,
-            flank_rows @ piece.turn,
+            product(self.mean_speed, piece.turn),
+            product(flank_rows, piece.turn),
             piece.viscous,
             self._visibility(piece),
             piece.turn,
@@ -336,8 +338,8 @@ class ContactSystems:
             scale = self._scale_of(f)
             if scale > 0.0:
                 both = np.maximum(
-                    np.abs(self.basis.drive_rows[i] @ piece.turn),
-                    np.abs(self.basis.back_rows[i] @ piece.turn),
+                    np.abs(product(self.basis.drive_rows[i], piece.turn)),
+                    np.abs(product(self.basis.back_rows[i], piece.turn)),
                 )
                 flank = np.maximum(flank, f.stiffness * both / scale)
         return np.asarray(np.maximum(np.max(position, axis=0, initial=0.0), flank))
@@ -376,14 +378,14 @@ def _make_piece(pieces: ContactSystems, loaded: tuple[bool, ...]) -> ContactSyst
     rate = _rates(basis, places, stiffness, back_stiffness, omega, turn)
     gap = np.array([f.gap if f.gap is not None else 0.0 for f in flanks], dtype=np.float64)
     hold = back_stiffness * np.where(back_factor > 0.0, gap, 0.0)
-    constant = basis.back_rows.T @ hold
+    constant = product(basis.back_rows.T, hold)
     constant[: basis.n_rigid] = 0.0
     own = places.viscous.copy()  # a flank damps in contact only, as a force of its own
     on_flank = np.isin(places.rows, [f.drive_row for f in flanks])
     own[len(places.nodes) - places.first_damper :][on_flank] = 0.0
     viscous = np.concatenate([own, np.zeros(2 * len(flanks))])  # the loop knows the contacts
-    reach = turn.T @ pieces.common_reach
-    constant = turn.T @ constant
+    reach = product(turn.T, pieces.common_reach)
+    constant = product(turn.T, constant)
     outputs = _outputs(pieces, stiffness, back_stiffness, hold, omega, turn, reach, constant)
     return ContactSystem(omega**2, rate, turn, reach, constant, viscous, *outputs)
 
@@ -402,13 +404,12 @@ def _modes_of_piece(
             np.sqrt(back_stiffness)[:, None] * basis.back_rows[:, r:],
         ]
     )
-    _, sigma, turned = np.linalg.svd(strained, full_matrices=True)
-    sigma = np.concatenate([sigma, np.zeros(m - r - min(len(sigma), m - r))])[: m - r]
-    sigma, turned = sigma[::-1].copy(), turned[::-1]
-    sigma[: max(_nullity(basis, stiffness, back_stiffness) - r, 0)] = 0.0
+    free = max(_nullity(basis, stiffness, back_stiffness) - r, 0)
+    sigma, turned = right_basis(strained, m - r - free)
     turn = np.zeros((m, m))
     turn[:r, :r] = np.eye(r)
-    turn[r:, r:] = turned.T
+    turn[r:, r:] = turned[:, ::-1]
+    sigma = sigma[::-1]
     return np.concatenate([np.zeros(r), sigma]), turn
 
 
@@ -419,12 +420,12 @@ def _nullity(basis: SharedBasis, stiffness: Floats, back_stiffness: Floats) -> i
     loaded = np.flatnonzero(back_stiffness > 0.0)
     if len(loaded):
         to_dof = train.node_matrix()
-        rows = np.concatenate([rows, [basis.flanks[i].back @ to_dof for i in loaded]])
+        rows = np.concatenate([rows, [product(basis.flanks[i].back, to_dof) for i in loaded]])
     size = np.max(np.abs(rows), axis=1, keepdims=True, initial=0.0)
     rows = rows / np.where(size > 0.0, size, 1.0)
     if len(rows) == 0:
         return train.n_dof
-    values = np.linalg.svd(rows, compute_uv=False)
+    values = singular_values(rows)
     return train.n_dof - int(np.count_nonzero(values > RANK * values[0]))
 
 
@@ -441,12 +442,12 @@ def _rates(
     elastic = omega > 0.0
     share = turn[r:] ** 2
     total = share.sum(axis=0)
-    stated = (basis.stated[r:] @ share) / np.where(total > 0.0, total, 1.0)
+    stated = (product(basis.stated[r:], share)) / np.where(total > 0.0, total, 1.0)
     square = np.where(elastic, omega, 1.0) ** 2
-    strain = stiffness[:, None] * (basis.rows @ turn) ** 2 / square
-    loss = train.loss_factor @ strain
-    back_strain = back_stiffness[:, None] * (basis.back_rows @ turn) ** 2 / square
-    loss = loss + train.loss_factor[[f.drive_row for f in basis.flanks]] @ back_strain
+    strain = stiffness[:, None] * (product(basis.rows, turn)) ** 2 / square
+    loss = product(train.loss_factor, strain)
+    back_strain = back_stiffness[:, None] * (product(basis.back_rows, turn)) ** 2 / square
+    loss = loss + product(train.loss_factor[[f.drive_row for f in basis.flanks]], back_strain)
     rate = np.where(elastic, 2.0 * (stated + 0.5 * loss) * omega, 0.0)
     viscous = train.viscous.copy()
     viscous[places.rows] = 0.0
@@ -455,7 +456,9 @@ def _rates(
     damping[places.nodes[places.first_damper :]] = 0.0
     ground = np.zeros(train.n_dof)
     np.add.at(ground, train.node_dof, damping * train.node_scale**2)
-    modal = viscous @ (basis.rows @ turn) ** 2 + ground @ (basis.vectors @ turn) ** 2
+    modal = product(viscous, (product(basis.rows, turn)) ** 2) + product(
+        ground, (product(basis.vectors, turn)) ** 2
+    )
     return np.asarray(rate + modal)
 
 
@@ -474,7 +477,7 @@ def _outputs(
     train, flanks = basis.train, basis.flanks
     n_forces = reach.shape[1]
     viscous_shown = train.viscous_shown[:, None]
-    rows = basis.rows @ turn
+    rows = product(basis.rows, turn)
     torque_q = stiffness[:, None] * rows
     torque_v = np.where(viscous_shown, train.viscous[:, None] * rows, 0.0)
     torque_f = np.zeros((train.n_rows, n_forces))
@@ -483,10 +486,10 @@ def _outputs(
         n = len(places.nodes)
         dof, scale = train.node_dof[places.nodes], train.node_scale[places.nodes]
         left_reach = (basis.left_shape[dof] * scale[:, None]).T
-        torque_f[:, :n] = basis.left_torque @ basis.left_flexibility @ left_reach
+        torque_f[:, :n] = product(product(basis.left_torque, basis.left_flexibility), left_reach)
     for i, flank in enumerate(flanks):
         row, sign = flank.drive_row, float(basis.drive_sign[i])
-        back = basis.back_rows[i] @ turn
+        back = product(basis.back_rows[i], turn)
         torque_q[row] -= sign * back_stiffness[i] * back
         torque_f[row] = torque_v[row] = 0.0
         torque_f[row, places.n_forces + i] = -sign  # the damping of the drive flank
@@ -520,8 +523,8 @@ def _rigid_mesh(
     nodes = np.array(mesh.to_side)
     ratio = train.speed_ratio[nodes] / mesh.from_ratio
     weight = ratio * train.node_inertia[nodes] * train.node_scale[nodes]
-    inertial = weight @ (basis.vectors[train.node_dof[nodes]] @ turn)
-    draw = train.node_incidence[:, nodes] @ ratio
+    inertial = product(weight, product(basis.vectors[train.node_dof[nodes]], turn))
+    draw = product(train.node_incidence[:, nodes], ratio)
     applied = np.zeros(reach.shape[1])
     applied[: len(places.nodes)] = [float(ratio[nodes == s].sum()) for s in places.nodes]
     # dampers beside a spring draw torque too; those without one are in the torque of their row
@@ -529,10 +532,10 @@ def _rigid_mesh(
     applied[len(places.nodes) : places.n_forces] = np.where(sprung, draw[places.rows], 0.0)
     sign = float(train.orientation[mesh.element])
     return [
-        (sign * (-inertial * omega**2 + draw @ on_row[0]))[None],
-        (sign * (draw @ on_row[1]))[None],
-        (sign * (inertial @ reach - applied + draw @ on_row[2]))[None],
-        np.array([sign * float(inertial @ constant + draw @ on_row[3])]),
+        (sign * (-inertial * omega**2 + product(draw, on_row[0])))[None],
+        (sign * (product(draw, on_row[1])))[None],
+        (sign * (product(inertial, reach) - applied + product(draw, on_row[2])))[None],
+        np.array([sign * float(product(inertial, constant) + product(draw, on_row[3]))]),
     ]
 
 
@@ -548,11 +551,11 @@ def _shaft_end(
     """Torque at the end of a shaft: that of its last piece and of the half piece beyond its middle."""
     train = basis.train
     weight = end.inertia * train.node_scale[end.node]
-    inertial = weight * (basis.vectors[train.node_dof[end.node]] @ turn)
+    inertial = weight * (product(basis.vectors[train.node_dof[end.node]], turn))
     sign = float(train.orientation[end.element])
     return [
         (sign * (-inertial * omega**2 + on_row[0][end.row]))[None],
         (sign * on_row[1][end.row])[None],
-        (sign * (inertial @ reach + on_row[2][end.row]))[None],
-        np.array([sign * float(inertial @ constant + on_row[3][end.row])]),
+        (sign * (product(inertial, reach) + on_row[2][end.row]))[None],
+        np.array([sign * float(product(inertial, constant) + on_row[3][end.row])]),
     ]

@@ -17,6 +17,7 @@ import numpy as np
 from engine.arrays import Floats, Ints
 from engine.backlash.contact_systems import ContactSystem, ContactSystems
 from engine.errors import ModelError
+from engine.numerics.same_bits import hypot, product
 from engine.start.start_model import Machines
 from engine.start.time_response import knots_of
 from engine.start.trajectory import KEPT_VALUES, Recorder, Trajectory
@@ -143,9 +144,12 @@ class _Recorder:
             else:
                 torque[:, samples], rate[:, samples], bearing[:, samples], speed[samples] = outputs
         if self.keep_state:
-            turns = np.array([pieces.pieces[int(p)].turn for p in of_piece])
-            self.position.append(np.einsum("nij,nj->in", turns, rows["q"][:n]))
-            self.velocity.append(np.einsum("nij,nj->in", turns, rows["v"][:n]))
+            for name, kept in (("q", self.position), ("v", self.velocity)):
+                whole = np.empty((pieces.basis.vectors.shape[1], n))
+                for p in np.unique(of_piece):
+                    here = of_piece == p
+                    whole[:, here] = product(pieces.pieces[int(p)].turn, rows[name][:n][here].T)
+                kept.append(whole)
         time = rows["t"][:n].copy()
         for i, force in enumerate(bearing):
             top = int(np.argmax(force))
@@ -171,26 +175,26 @@ def _answers(
 ) -> tuple[Floats, Floats, Floats, Floats]:
     """Element torques and rates, bearing forces and mean speed of rows of one piece."""
     torque = (
-        piece.output_position @ q.T
-        + piece.output_velocity @ v.T
-        + piece.output_force @ f.T
+        product(piece.output_position, q.T)
+        + product(piece.output_velocity, v.T)
+        + product(piece.output_force, f.T)
         + piece.output_constant[:, None]
     )
-    rate = piece.output_position @ v.T + piece.output_force @ fr.T
+    rate = product(piece.output_position, v.T) + product(piece.output_force, fr.T)
     if np.any(piece.output_velocity):
-        acceleration = f @ piece.reach.T
+        acceleration = product(f, piece.reach.T)
         acceleration += piece.constant
         acceleration -= v * piece.rate
         acceleration -= q * piece.stiffness
-        rate += piece.output_velocity @ acceleration.T
+        rate += product(piece.output_velocity, acceleration.T)
     bodies = pieces.basis.train.bodies
     bearing = np.empty((len(bodies), len(q)))
     for i, body in enumerate(bodies):
         dofs = pieces.basis.train.node_dof[[body.node_x, body.node_y]]
-        shape = pieces.basis.vectors[dofs] @ piece.turn
-        force = body.stiffness * (shape @ q.T) + body.damping * (shape @ v.T)
-        bearing[i] = np.hypot(force[0], force[1])
-    return torque, rate, bearing, v @ (pieces.mean_speed @ piece.turn)
+        shape = product(pieces.basis.vectors[dofs], piece.turn)
+        force = body.stiffness * product(shape, q.T) + body.damping * product(shape, v.T)
+        bearing[i] = hypot(force[0], force[1])
+    return torque, rate, bearing, product(v, product(pieces.mean_speed, piece.turn))
 
 
 def simulate_events(
@@ -312,7 +316,7 @@ class _Simulation:
         """Into the piece of the present contacts, from the common basis; its place in the tables."""
         index = self.model.pieces.index_of(self.contact.tolist())
         turn = self.model.pieces.pieces[index].turn
-        self.q[:], self.v[:] = turn.T @ self.q, turn.T @ self.v
+        self.q[:], self.v[:] = product(turn.T, self.q), product(turn.T, self.v)
         return index
 
     def run(self, settled: Settled | None) -> EventRun:

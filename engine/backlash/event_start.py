@@ -42,6 +42,7 @@ from engine.model.modes import stated_damping
 from engine.model.motor import motors_of, voltage_factor
 from engine.model.rigid_runup import RigidRunup, rigid_runup
 from engine.model.train import Flank, Train
+from engine.numerics.same_bits import interp, square
 from engine.start.event_results import PullIn, Repeatability, prediction_interval
 from engine.start.outcome import StartOutcome, outcome_of, run_length
 from engine.start.peaks import JudgedRun, judge_run
@@ -259,7 +260,7 @@ def one_run(
 
 def _simulated(setup: _Setup, step: float, tolerance: float, most: float) -> _Run:
     # what is not followed shrinks with the step, so that the change from h to h/2 shows it
-    seen = replace(setup.model, visible=VISIBLE * tolerance * (step / setup.step) ** 2)
+    seen = replace(setup.model, visible=VISIBLE * tolerance * square(step / setup.step))
     run = simulate_events(seen, step, setup.script, settled=setup.settled, most_work=most)
     single = SingleRun.until(run.trajectory, float(run.trajectory.time[-1]))
     return _Run(**vars(single), events=replace(run, trajectory=single.trajectory))
@@ -316,7 +317,10 @@ def _start(
         events=True,
     )
     model = _event_model(case, modal, plain, effects, linear)
-    angle = min(COARSEST_EVENT_ANGLE * (tolerance / DEFAULT_TOLERANCE_PEAK) ** 0.25, COARSEST_FIRST)
+    angle = min(
+        COARSEST_EVENT_ANGLE * math.sqrt(math.sqrt(tolerance / DEFAULT_TOLERANCE_PEAK)),
+        COARSEST_FIRST,
+    )
     step = angle / plain.pulsation_omega
     if linear.method == Method.EXPONENTIAL:  # Newmark's steps are shorter than these runs need
         step = min(linear.step * 2.0 ** (linear.halvings + 1), step)
@@ -555,7 +559,7 @@ def _outcome(
         )
         return StartOutcome(Outcome.TIME_OUT, end, speed, text)
     if run.trip_time is not None:
-        at = float(np.interp(run.trip_time, run.trajectory.time, run.trajectory.mean_speed))
+        at = float(interp(run.trip_time, run.trajectory.time, run.trajectory.mean_speed))
         return StartOutcome.with_numbers(
             Outcome.TRIPPED,
             end,
@@ -667,5 +671,5 @@ def _pull_in(run: EventRun, case: CaseData) -> PullIn | None:
     connected = run.trajectory.time <= (math.inf if run.trip_time is None else run.trip_time)
     t, speed = run.trajectory.time[connected], run.trajectory.mean_speed[connected]
     slip = 1.0 - speed / synchronous
-    at = float(np.interp(run.field_time, t, slip))
+    at = float(interp(run.field_time, t, slip))
     return judge_pull_in(t, 0.5 * run.phase[0][connected], slip, run.field_time, at)

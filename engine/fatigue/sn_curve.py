@@ -14,6 +14,7 @@ from engine.case.data import MaterialRow, SNPointRow
 from engine.errors import InternalError, ModelError
 from engine.fatigue.cycle_counting import read_only
 from engine.fatigue.stress import BENDING_TO_TORSION, in_megapascals
+from engine.numerics.same_bits import log, power
 
 #: An endurance limit this little above the last S-N stress is that stress, typed in another unit.
 _SAME_STRESS = 1.0 + 1e-9
@@ -76,12 +77,12 @@ class SNCurve:
     @property
     def slope(self) -> Floats:
         """Exponent k of each segment, N ∝ S^−k. [1]"""
-        return -np.diff(np.log(self.cycles)) / np.diff(np.log(self.stress))
+        return np.asarray(-np.diff(log(self.cycles)) / np.diff(log(self.stress)))
 
     @property
     def knee_cycles(self) -> float:
         """Life at the endurance limit. [1]"""
-        return float(self.cycles[-1] * (self.stress[-1] / self.endurance) ** self.slope[-1])
+        return float(self.cycles[-1] * power(self.stress[-1] / self.endurance, self.slope[-1]))
 
     def cycles_to_failure(self, amplitude: ArrayLike) -> Floats:
         """Life at a constant stress amplitude.
@@ -104,23 +105,19 @@ class SNCurve:
         S = np.asarray(amplitude, float)
         if not np.all(S >= 0.0):
             raise InternalError("a stress amplitude is negative or not a number")
-        k = self.slope
+        k, over = self.slope, self.endurance < S
+        life = np.full(S.shape, np.inf)
         # Segment i serves stress[i] >= S > stress[i+1]; the outer ones go on outwards.
-        i = np.clip(np.searchsorted(-self.stress, -S, side="right") - 1, 0, k.size - 1)
+        i = np.clip(np.searchsorted(-self.stress, -S[over], side="right") - 1, 0, k.size - 1)
         # From the last point down, take that point, so that the knee and the last point agree.
-        near = np.where(self.stress[-1] >= S, self.stress.size - 1, i)
+        near = np.where(self.stress[-1] >= S[over], self.stress.size - 1, i)
         with np.errstate(divide="ignore", over="ignore"):
-            life = self.cycles[near] * (self.stress[near] / S) ** k[i]
-            if self.below_endurance == BelowEndurance.NONE:
-                below = np.full(S.shape, np.inf)
-            else:
-                k2 = (
-                    k[-1]
-                    if self.below_endurance == BelowEndurance.SAME_SLOPE
-                    else 2.0 * k[-1] - 1.0
-                )
-                below = self.knee_cycles * (self.endurance / S) ** k2
-        return np.asarray(np.where(self.endurance >= S, below, life))
+            life[over] = self.cycles[near] * power(self.stress[near] / S[over], k[i])
+            if self.below_endurance != BelowEndurance.NONE:
+                same = self.below_endurance == BelowEndurance.SAME_SLOPE
+                k2 = float(k[-1] if same else 2.0 * k[-1] - 1.0)
+                life[~over] = self.knee_cycles * power(self.endurance / S[~over], k2)
+        return life
 
     def above_first_point(self, amplitude: ArrayLike) -> Mask:
         """Where the life is the first slope extended upwards, not tested data.

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from engine.arrays import Floats
 from engine.case.data import ElementRow
 from engine.errors import ModelError
+from engine.numerics.same_bits import fourth
 
 #: Torsional over bending strength: the maximum shear theory, as the paper takes it. [1]
 BENDING_TO_TORSION = 0.5
@@ -43,7 +44,7 @@ def shear_stress(torque: ArrayLike, diameter: float, bore: float = 0.0) -> Float
             "be positive and the bore smaller than it. Correct one of them."
         )
     D, d = diameter, bore
-    return np.asarray(torque, float) * (16.0 * D / (math.pi * (D**4 - d**4)))
+    return np.asarray(torque, float) * (16.0 * D / (math.pi * (fourth(D) - fourth(d))))
 
 
 def stress_of_unit_torque(element: ElementRow) -> float:

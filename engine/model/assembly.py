@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 from engine.arrays import Floats
@@ -10,6 +9,7 @@ from engine.case.choices import ElementKind
 from engine.case.data import GROUND, CaseData, ElementRow
 from engine.model.links import Link
 from engine.model.train import NO_ELEMENT, GearBody, ShaftEnd
+from engine.numerics.same_bits import atan2
 
 #: Element, stiffness, viscous damping, loss factor, entries by node.
 Row = tuple[int, float, float, float, dict[int, float]]
@@ -82,7 +82,7 @@ class Assembly:
             self.damping.append(0.0)
             self.ratio.append(0.0)
             self.rows.append((NO_ELEMENT, data.stiffness, data.damping, 0.0, {node: 1.0}))
-        angle = math.atan2(axis[1], axis[0])
+        angle = atan2(float(axis[1]), float(axis[0]))
         return GearBody(
             station, x, x + 1, row, row + 1, data.mass, data.stiffness, data.damping, angle
         )

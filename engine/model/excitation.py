@@ -24,6 +24,7 @@ from engine.arrays import Floats
 from engine.case.choices import ElementKind
 from engine.case.data import CaseData
 from engine.model.train import Train
+from engine.numerics.same_bits import product
 
 #: The paper's excitation, zero-to-peak, over the transmitted torque. [1]
 DEFAULT_SHARE = 0.01
@@ -203,7 +204,7 @@ def transmitted_torque(case: CaseData, train: Train) -> TransmittedTorque:
     referred = _referred_loads(case, train, warnings)
     share = _motor_shares(case, train, warnings)
     motor = share * float(referred.sum())
-    beyond = train.beyond.astype(float) @ (referred - motor)
+    beyond = product(train.beyond.astype(float), referred - motor)
     ratios = case.element_speed_ratios
     own_speed = np.array([ratios[e.element] for e in case.elements])
     element = beyond / own_speed * _parallel_shares(case, train)

@@ -26,6 +26,7 @@ from engine.case.data import CaseData
 from engine.case.study_inputs import INERTIA, STIFFNESS
 from engine.model.modes import Modes
 from engine.model.train import Train
+from engine.numerics.same_bits import product
 
 #: Neighbouring modes closer than this are as good as equal: rounding may mix them. [1]
 AS_GOOD_AS_EQUAL = 1e-6
@@ -126,7 +127,7 @@ def frequency_derivatives(case: CaseData, train: Train, modes: Modes) -> Frequen
         sign = 0.5 if quantity in (STIFFNESS, BEARING_STIFFNESS) else -0.5
         value = sign * share
         for group in equal:
-            shared = (own[:, group].T * weight) @ own[:, group]
+            shared = product(own[:, group].T * weight, own[:, group])
             value[group] = np.sort(sign * np.linalg.eigvalsh(shared))
         rows.append(FrequencyDerivative(quantity, name, value))
     near = [g for g in clusters(frequency, NEAR) if g not in equal]

@@ -16,6 +16,7 @@ from engine.model.assembly import Assembly, BodyData
 from engine.model.gears import FlankNormals, flank_normals, line_of_action
 from engine.model.links import has_clearance
 from engine.model.train import NO_ELEMENT, Flank, GearBody
+from engine.numerics.same_bits import product
 
 #: An entry of a unit vector below this is the rounding of a zero.
 ROUNDED_ZERO = 1e-14
@@ -143,7 +144,7 @@ def _turned(vector: Floats) -> Floats:
 
 def _component(vector: Floats, direction: Floats) -> float:
     """Component of one unit vector along another, without the rounding of a zero."""
-    part = float(vector @ direction)
+    part = float(product(vector, direction))
     return 0.0 if abs(part) < ROUNDED_ZERO else part
 
 

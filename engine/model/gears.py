@@ -19,6 +19,7 @@ import numpy as np
 from engine.arrays import Floats
 from engine.case.choices import GearType
 from engine.case.data import MeshRow
+from engine.numerics.same_bits import atan2, cos, sin
 
 #: Pressure angle where the Meshes table leaves it blank: the usual 20 degrees. [rad]
 USUAL_PRESSURE_ANGLE = math.radians(20.0)
@@ -38,7 +39,7 @@ def transverse_pressure_angle(mesh: MeshRow) -> float:
         α_t. [rad]
     """
     normal = USUAL_PRESSURE_ANGLE if mesh.pressure_angle is None else mesh.pressure_angle
-    return math.atan(math.tan(normal) / math.cos(mesh.helix_angle or 0.0))
+    return float(atan2(sin(normal), cos(normal) * cos(mesh.helix_angle or 0.0)))
 
 
 def line_of_action(mesh: MeshRow) -> tuple[float, float]:
@@ -59,8 +60,8 @@ def line_of_action(mesh: MeshRow) -> tuple[float, float]:
         Transverse over normal stiffness. [1]
     """
     normal = USUAL_PRESSURE_ANGLE if mesh.pressure_angle is None else mesh.pressure_angle
-    sin_base_helix = math.sin(mesh.helix_angle or 0.0) * math.cos(normal)
-    return math.cos(transverse_pressure_angle(mesh)), 1.0 - sin_base_helix**2
+    sin_base_helix = sin(mesh.helix_angle or 0.0) * cos(normal)
+    return cos(transverse_pressure_angle(mesh)), 1.0 - sin_base_helix * sin_base_helix
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,10 +104,10 @@ def flank_normals(
         Unit vectors. [1]
     """
     alpha, angle = transverse_pressure_angle(mesh), mesh.orientation or 0.0
-    centres = np.array([math.cos(angle), math.sin(angle)]) * (1.0 if from_drives else -1.0)
+    centres = np.array([cos(angle), sin(angle)]) * (1.0 if from_drives else -1.0)
     internal = mesh.gear_type == GearType.INTERNAL
     pitch_point = -centres if internal and not driver_larger else centres
     along = sense * np.array([-pitch_point[1], pitch_point[0]])
     radial = -centres if internal else centres
-    tangential, apart = math.cos(alpha) * along, math.sin(alpha) * radial
+    tangential, apart = cos(alpha) * along, sin(alpha) * radial
     return FlankNormals(tangential + apart, apart - tangential)

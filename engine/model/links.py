@@ -9,6 +9,7 @@ from engine.case.choices import ElementKind
 from engine.case.data import ElementRow, MeshRow
 from engine.errors import ModelError
 from engine.model.gears import line_of_action
+from engine.numerics.same_bits import fourth, square
 
 
 def shaft_stiffness(od: float, bore: float, length: float, shear_modulus: float) -> float:
@@ -32,7 +33,7 @@ def shaft_stiffness(od: float, bore: float, length: float, shear_modulus: float)
     ----------
     Any strength-of-materials text, e.g. Timoshenko, Strength of Materials I, § 56.
     """
-    return shear_modulus * math.pi * (od**4 - bore**4) / (32.0 * length)
+    return shear_modulus * math.pi * (fourth(od) - fourth(bore)) / (32.0 * length)
 
 
 def shaft_inertia(od: float, bore: float, length: float, density: float) -> float:
@@ -52,7 +53,7 @@ def shaft_inertia(od: float, bore: float, length: float, density: float) -> floa
     float
         Inertia. [kg m²]
     """
-    return density * math.pi * (od**4 - bore**4) * length / 32.0
+    return density * math.pi * (fourth(od) - fourth(bore)) * length / 32.0
 
 
 @dataclass(frozen=True)
@@ -94,9 +95,9 @@ def link_of(e: ElementRow, mesh: MeshRow | None) -> Link:
         cos_t, share = line_of_action(mesh)
         base = mesh.pitch_radius_drive * cos_t
         if stiffness is None and mesh.mesh_stiffness:
-            stiffness = mesh.mesh_stiffness * share * base**2
+            stiffness = mesh.mesh_stiffness * share * square(base)
         if viscous is None and mesh.mesh_damping:
-            viscous = mesh.mesh_damping * share * base**2
+            viscous = mesh.mesh_damping * share * square(base)
     inertia = 0.0
     if shaft and e.density and e.od and e.length:
         inertia = shaft_inertia(e.od, e.id or 0.0, e.length, e.density)

@@ -15,6 +15,7 @@ import numpy as np
 from engine.case.data import CaseData
 from engine.errors import ModelError
 from engine.model.train import Train
+from engine.numerics.same_bits import square
 from engine.numerics.torque_curve import TorqueCurve, torque_curve
 
 #: Width of the standstill zone over synchronous speed. [1]
@@ -74,7 +75,9 @@ def loads_of(case: CaseData, train: Train) -> tuple[Load, ...]:
         x = np.array([p.speed for p in points], dtype=float)
         y = np.array([p.torque for p in points], dtype=float)
         speed = synchronous * float(train.speed_ratio[station])
-        inertia = float(train.inertia[train.node_dof[station]] / train.node_scale[station] ** 2)
+        inertia = float(
+            train.inertia[train.node_dof[station]] / square(float(train.node_scale[station]))
+        )
         curve = torque_curve(x, y)
         sticking = float(np.max(curve(np.linspace(0.0, NEAR_STANDSTILL, 11))))
         soft = max(STANDSTILL_ZONE * speed, STANDSTILL_TIME * sticking / inertia)

@@ -16,6 +16,7 @@ from engine.arrays import Complexes, Floats, Ints, Mask
 from engine.case.data import CaseData
 from engine.model.topology import group_heads
 from engine.model.train import Train
+from engine.numerics.same_bits import eigenvalues, product
 from engine.numerics.singular_values import singular_triplets
 
 #: A mode with less strain in the elements than this is lateral motion of gears alone.
@@ -172,7 +173,7 @@ def _with_energies(
     soft = train.stiffness <= 0.0
     twist = torque / np.where(soft, 1.0, train.stiffness)[:, None]
     if soft.any():
-        twist[soft] = train.incidence[soft] @ shape
+        twist[soft] = product(train.incidence[soft], shape)
     safe = np.where(omega > 0.0, omega, 1.0)
     share = torque * twist / safe**2  # zero where there is no torque: rigid modes, soft rows
     strain = np.zeros((len(train.elements), len(omega)))
@@ -295,7 +296,7 @@ def modal_damping(case: CaseData, train: Train, modes: Modes) -> ModalDamping:
     physical = modal_damping_matrix(train, modes)
     loss = train.element_loss_factor
     safe = np.where(modes.omega > 0.0, modes.omega, 1.0)
-    structural = np.where(modes.omega > 0.0, stated + 0.5 * (loss @ modes.strain_share), 0.0)
+    structural = np.where(modes.omega > 0.0, stated + 0.5 * product(loss, modes.strain_share), 0.0)
     ratio = np.where(modes.omega > 0.0, structural + 0.5 * np.diag(physical) / safe, 0.0)
     rate = np.where(modes.omega > 0.0, 2.0 * ratio * modes.omega, np.diag(physical))
     off = np.abs(physical - np.diag(np.diag(physical)))
@@ -323,8 +324,10 @@ def modal_damping_matrix(train: Train, modes: Modes) -> Floats:
     ndarray, shape (n_modes, n_modes)
         Modal damping matrix. [1/s]
     """
-    nodal = train.ground_damping[:, None] * modes.shape
-    return np.asarray((modes.row_twist.T * train.viscous) @ modes.row_twist + modes.shape.T @ nodal)
+    rows, nodes = np.flatnonzero(train.viscous), np.flatnonzero(train.ground_damping)
+    twist, shape = modes.row_twist[rows], modes.shape[nodes]
+    matrix = product(twist.T * train.viscous[rows], twist)
+    return np.asarray(matrix + product(shape.T, train.ground_damping[nodes, None] * shape))
 
 
 def damped_eigenvalues(train: Train, modes: Modes, structural: Floats | None = None) -> Complexes:
@@ -348,6 +351,6 @@ def damped_eigenvalues(train: Train, modes: Modes, structural: Floats | None = N
     damping = modal_damping_matrix(train, modes)
     if structural is not None:
         damping = damping + np.diag(2.0 * structural * modes.omega)
-    A = np.block([[np.zeros((n, n)), np.eye(n)], [-np.diag(modes.omega**2), -damping]])
-    values = np.linalg.eigvals(A)
+    speed = np.diag(modes.omega)  # state (ω q, q̇): all entries of one size
+    values = eigenvalues(np.block([[np.zeros((n, n)), speed], [-speed, -damping]]))
     return np.asarray(values[np.lexsort((values.real, np.abs(values.imag)))], dtype=np.complex128)

@@ -21,6 +21,7 @@ from engine.case.data import CaseData
 from engine.case.effect import StartEffects
 from engine.errors import ModelError
 from engine.model.train import Train
+from engine.numerics.same_bits import square
 from engine.numerics.torque_curve import TorqueCurve, torque_curve
 
 #: Arguments of the compiled loop; see `electrical_arrays`.
@@ -102,7 +103,7 @@ def voltage_factor(case: CaseData) -> float:
     float
         Voltage, over that of the curves, squared. [1]
     """
-    return (1.0 if case.voltage is None else case.voltage) ** 2
+    return square(1.0 if case.voltage is None else case.voltage)
 
 
 def electrical_arrays(

@@ -15,6 +15,7 @@ from engine.arrays import Floats
 from engine.model.load import Load
 from engine.model.motor import Motor, through_synchronism
 from engine.model.train import Train
+from engine.numerics.same_bits import interp, product
 
 #: Points of the speed grid between standstill and end speed.
 N_GRID = 2001
@@ -54,7 +55,7 @@ class RigidRunup:
         float
             Acceleration of the reference shaft. [rad/s²]
         """
-        return float(np.interp(speed, self.speed, self.net)) / self.inertia
+        return float(interp(speed, self.speed, self.net)) / self.inertia
 
 
 def rigid_runup(
@@ -102,8 +103,8 @@ def rigid_runup(
         pulsating += ratio[m.station] * m.pulsating(x)
     for d in loads:
         load += ratio[d.station] * d.torque(speed * ratio[d.station] / d.synchronous_speed)
-    load += float(train.node_damping @ ratio[: len(train.node_damping)] ** 2) * speed
-    inertia = float(train.inertia @ train.dof_ratio**2)
+    load += float(product(train.node_damping, ratio[: len(train.node_damping)] ** 2)) * speed
+    inertia = float(product(train.inertia, train.dof_ratio**2))
     net = average - load
     stuck = np.flatnonzero(net <= 0.0)
     equilibrium = None

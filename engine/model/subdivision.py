@@ -21,6 +21,7 @@ from engine.model.excitation import excitations_of, operating_range
 from engine.model.links import has_clearance, shaft_inertia, shaft_stiffness
 from engine.model.modes import Modes, modes_of
 from engine.model.train import Train
+from engine.numerics.same_bits import total
 
 #: Wanted relative accuracy of frequencies where shaft inertia is distributed.
 SUBDIVISION_TOLERANCE = 1e-3
@@ -116,7 +117,7 @@ def natural_modes(
     highest = wanted_frequency(case, train) if highest_frequency is None else highest_frequency
     longest = max(time.values())
     # pieces a second of travel, of the coarser of two trains
-    density = min(0.5 * least_pieces / longest, 0.5 * SUBDIVISION_SEGMENTS / sum(time.values()))
+    density = min(0.5 * least_pieces / longest, 0.5 * SUBDIVISION_SEGMENTS / total(time.values()))
     while True:
         coarse = {name: max(1, math.ceil(density * t)) for name, t in time.items()}
         fine = {name: 2 * n for name, n in coarse.items()}
@@ -127,7 +128,7 @@ def natural_modes(
         errors = _refinement_errors(rough[1], modes)
         error = _largest_wanted(errors, modes, highest)
         growth = min(8.0, 1.1 * math.sqrt(error / tolerance))
-        most = SUBDIVISION_SEGMENTS / sum(fine.values())
+        most = SUBDIVISION_SEGMENTS / total(fine.values())
         if error <= tolerance or most < 1.1:
             reach = _accurate_up_to(errors, modes, tolerance)
             accurate = modes.elastic_frequency <= reach

@@ -1,8 +1,8 @@
 """Singular values of the scaled incidence matrix, each to its own rounding.
 
-The plain SVD is the fast path; where its norm-wise error bound is not good enough for the smallest
-value, the one-sided Jacobi SVD (LAPACK dgejsv) takes over, which is nearly always accurate to the
-relative rounding of each entry. "Nearly" is then made "always" by counting: the graph of an open
+The one-sided Jacobi SVD of the compiled library is nearly always accurate to the relative rounding of
+each entry, and the same to the bit on every machine. From `LARGE` degrees of freedom on it is LAPACK: the
+plain SVD where its norm-wise error bound is good enough for the smallest value, else its Jacobi SVD (dgejsv). "Nearly" is then made "always" by counting: the graph of an open
 train is acyclic, so eliminating it from its leaves inward tells without cancellation how many values
 lie below a given one; a value that the count contradicts is bisected. Both take n³. A long
 unbranched train needs only n²: its matrix is bidiagonal, whose every singular value is defined to
@@ -24,27 +24,27 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import eigh_tridiagonal, lapack
 
 from engine.arrays import Floats, Ints
 from engine.errors import InternalError
+from engine.numerics.same_bits import square, svd
 
 #: Left vectors, values, right vectors, algorithm.
 Triplets = tuple[Floats, Floats, Floats, str]
 
+#: From this many degrees of freedom on LAPACK calculates. Its results depend on the processor, in the last digits.
+LARGE = 400
 #: Above this bound on the relative error of the lowest frequency the Jacobi SVD is used.
 SVD_ERROR_LIMIT = 5e-13
-#: From this many degrees of freedom on the plain SVD is also kept where its bound is at most this
-#: and the counts confirm every value: the Jacobi SVD of a large train takes five times as long.
-LARGE_TRAIN, LARGE_TRAIN_LIMIT = 64, 1e-10
+#: The plain SVD is also kept where its bound is at most this and the counts confirm every value: the Jacobi SVD
+#: takes five times as long.
+CONFIRMED_LIMIT = 1e-10
 #: A frequency is right if the counts at this relative distance confirm it.
 COUNT_TOLERANCE = 2e-13
 #: Below this ratio of largest to smallest frequency the Jacobi SVD needs no confirmation.
 CONFIDENT_SPAN = 1e6
 #: Enough to bisect any bracket of doubles to neighbours.
 MAX_BISECTIONS = 120
-#: An unbranched train of so many modes is not given to the dense SVDs: n² is less than n³ by then.
-LONG_CHAIN = 400
 #: Vectors of neighbouring values of a chain are as orthogonal as this, or the Jacobi SVD is asked.
 ORTHOGONAL = 1e-11
 TINY, EPS = float(np.finfo(float).tiny), float(np.finfo(float).eps)
@@ -76,11 +76,10 @@ def singular_triplets(D: Floats, count: int) -> tuple[Floats, Floats, Floats, st
     InternalError
         If fewer than `count` values differ from zero.
     """
-    triplets = _chain(D, count) if count >= LONG_CHAIN else None
-    triplets = triplets or _plain(D, count)
-    if triplets is not None:
+    large = max(D.shape) >= LARGE
+    if large and (triplets := _chain(D, count) or _plain(D, count)) is not None:
         return triplets
-    u, sigma, v = _rising(*_jacobi(D), count)
+    u, sigma, v = _rising(*(_lapack_jacobi(D) if large else svd(D)), count)
     if not (np.all(np.isfinite(sigma)) and sigma[0] > 0.0):
         raise InternalError(
             f"expected {count} elastic modes, the smallest singular value is {sigma[0]:.3g}"
@@ -99,18 +98,19 @@ def _plain(D: Floats, count: int) -> Triplets | None:
     """The plain SVD; None where it may have lost digits."""
     u, sigma, vt = np.linalg.svd(D, full_matrices=False)
     loss, smallest = EPS * max(D.shape) * sigma[0], sigma[count - 1]
-    large = max(D.shape) >= LARGE_TRAIN and loss <= LARGE_TRAIN_LIMIT * smallest
-    good = loss <= SVD_ERROR_LIMIT * smallest
-    if good or (large and not _contradicted(D, sigma[:count][::-1])):
+    close, good = loss <= CONFIRMED_LIMIT * smallest, loss <= SVD_ERROR_LIMIT * smallest
+    if good or (close and not _contradicted(D, sigma[:count][::-1])):
         return *_rising(u, sigma, vt.T, count), "svd"
     return None
 
 
-def _jacobi(D: Floats) -> tuple[Floats, Floats, Floats]:
+def _lapack_jacobi(D: Floats) -> tuple[Floats, Floats, Floats]:
     """Jacobi SVD of D in falling order; LAPACK wants at least as many rows as columns.
 
     joba = G: both sides may be scaled arbitrarily (D1·C·D2 with C well conditioned).
     """
+    from scipy.linalg import lapack  # a tenth of a second that only large trains pay
+
     wide = D.shape[0] < D.shape[1]
     A = np.array(D.T if wide else D, order="F")
     sva, u, v, work, _, info = lapack.dgejsv(A, joba=3, jobu=0, jobv=0, jobr=0, jobt=0, jobp=0)
@@ -183,13 +183,13 @@ def _leaves_first(D: Floats) -> list[_Hanging] | None:
     ground: list[list[float]] = [[] for _ in range(D.shape[1])]
     for row in D:
         ends = np.flatnonzero(row).tolist()
-        square = [float(row[i]) ** 2 for i in ends]
+        squares = [square(float(row[i])) for i in ends]
         if len(ends) == 1:
-            ground[ends[0]].append(square[0])
+            ground[ends[0]].append(squares[0])
         elif len(ends) == 2:
             a, b = ends
             old = near[a].get(b, (0.0, 0.0))
-            near[a][b] = (old[0] + square[0], old[1] + square[1])
+            near[a][b] = (old[0] + squares[0], old[1] + squares[1])
             near[b][a] = near[a][b][::-1]
         else:
             return None
@@ -246,6 +246,8 @@ def _chain(D: Floats, count: int) -> Triplets | None:
     Also None where two values are so close that their vectors, each found alone, would not be
     orthogonal.
     """
+    from scipy.linalg import eigh_tridiagonal
+
     order = _chain_order(D) if D.shape == (count, count + 1) else None
     if order is None:
         return None

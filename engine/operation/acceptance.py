@@ -19,6 +19,7 @@ from engine.case.result_words import Judgement
 from engine.model.excitation import transmitted_torque
 from engine.model.modes import Modes
 from engine.model.train import Train
+from engine.numerics.same_bits import modulus
 from engine.operation.margins import MarginRow, SeparationMargins
 from engine.operation.steady_state import SteadyStateRow, modal_element_torque
 
@@ -61,7 +62,7 @@ def mode_parts(case: CaseData, train: Train, modes: Modes) -> ModeParts:
     """
     names = (*train.elements, *(f"bearing of {train.stations[b.station]}" for b in train.bodies))
     energy = np.concatenate([modes.strain_share, modes.bearing_share])[:, modes.n_rigid :]
-    transmitted = np.abs(transmitted_torque(case, train).element)
+    transmitted = modulus(transmitted_torque(case, train).element)
     ratios = case.element_speed_ratios
     reference = np.array(
         [

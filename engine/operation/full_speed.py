@@ -6,10 +6,9 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-import numpy as np
-
 from engine.case.data import CaseData
 from engine.model.train import Train
+from engine.numerics.same_bits import interp, product, total
 
 
 @dataclass(frozen=True)
@@ -60,9 +59,11 @@ def full_speed(case: CaseData, train: Train) -> FullSpeed:
         first.setdefault(r, name)
     constant = own = None
     if speed and power:
-        constant = _finite(0.5 * float(train.inertia @ train.dof_ratio**2) * speed * speed / power)
+        constant = _finite(
+            0.5 * float(product(train.inertia, train.dof_ratio**2)) * speed * speed / power
+        )
         motors = {p.station for p in case.motor_torque}
-        typed = sum(
+        typed = total(
             (s.inertia or 0.0) * (s.speed_ratio or 1.0) * (s.speed_ratio or 1.0)
             for s in case.stations
             if s.station in motors
@@ -71,17 +72,17 @@ def full_speed(case: CaseData, train: Train) -> FullSpeed:
     load = running = None
     if torque:
         if case.load_torque:
-            load = _finite(sum(_loads_at_full_speed(case)) / torque)
+            load = _finite(total(_loads_at_full_speed(case)) / torque)
         stated = [(s.running_load, r) for s, r in zip(case.stations, ratio.tolist(), strict=True)]
         if any(t is not None for t, _ in stated):
-            running = _finite(sum((t or 0.0) * r for t, r in stated) / torque)
+            running = _finite(total((t or 0.0) * r for t, r in stated) / torque)
     return FullSpeed(
         line_frequency=ratings.line_frequency,
         poles=2 * ratings.pole_pairs if ratings.pole_pairs else None,
         rated_power=power,
         rated_torque=torque,
         shafts=tuple(ShaftSpeed(name, r * speed) for r, name in first.items()) if speed else (),
-        total_ratio=max(ratio.tolist(), key=lambda r: abs(math.log(r)), default=1.0),
+        total_ratio=max(ratio.tolist(), key=lambda r: max(r, 1.0 / r), default=1.0),
         inertia_constant=constant,
         motor_inertia_constant=own,
         load=load,
@@ -94,7 +95,7 @@ def _loads_at_full_speed(case: CaseData) -> Iterator[float]:
     for station in dict.fromkeys(p.station for p in case.load_torque):
         points = [p for p in case.load_torque if p.station == station]
         speeds = [p.speed or 0.0 for p in points]
-        at_full = float(np.interp(1.0, speeds, [p.torque or 0.0 for p in points]))
+        at_full = float(interp(1.0, speeds, [p.torque or 0.0 for p in points]))
         yield at_full * case.speed_ratios.get(station, 1.0)
 
 

@@ -17,6 +17,7 @@ from engine.case.data import CaseData, ElementRow, value_of
 from engine.case.usual_range import UsualRange, quotient
 from engine.model.excitation import transmitted_torque
 from engine.model.train import Train
+from engine.numerics.same_bits import product
 from engine.operation.full_speed import FullSpeed
 
 #: Σ ½ J ω² over rated power; usual are 1 to 5 s. [s]
@@ -341,7 +342,7 @@ def _mode_numbers(case: CaseData, train: Train) -> Iterator[str]:
     """Damping of modes that do not exist; a shaft with Density has any number of them."""
     if any(e.density for e in case.elements):
         return
-    grounded = bool(np.any(np.abs(train.incidence @ train.dof_ratio) > 1e-6))
+    grounded = bool(np.any(np.abs(product(train.incidence, train.dof_ratio)) > 1e-6))
     n_elastic = train.n_dof - (0 if grounded else 1)
     for row in case.mode_damping:
         if row.mode is not None and row.mode > n_elastic:

@@ -43,6 +43,7 @@ from engine.model.modes import (
     stated_damping,
 )
 from engine.model.train import Train
+from engine.numerics.same_bits import along_first, inverse, modulus, product, solve, times
 from engine.operation.margins import SeparationMargins
 
 #: Mil-Std-167: allowable vibratory stress is the ultimate tensile strength over this.
@@ -161,7 +162,7 @@ def _undamped(train: Train, modes: Modes, stated: Floats) -> Mask:
     if np.any(train.viscous) or np.any(train.node_damping):
         rate = np.diag(modal_damping_matrix(train, modes))
     safe = np.where(modes.omega > 0.0, modes.omega, 1.0)
-    ratio = stated + 0.5 * (loss @ modes.strain_share) + 0.5 * rate / safe
+    ratio = stated + 0.5 * product(loss, modes.strain_share) + 0.5 * rate / safe
     return np.asarray(ratio < UNDAMPED)
 
 
@@ -206,12 +207,12 @@ def _solve_batch(
     w = np.where(omega > 0.0, omega, max(float(np.max(modes.omega)), 1.0))[:, None]
     rate = 1j * omega[:, None]
     kappa = train.stiffness * (1.0 + 1j * train.loss_factor) + rate * train.viscous
-    size = np.abs(kappa)
+    size = modulus(kappa)
     g = np.sqrt(size)
     D = (g / w)[:, :, None] * (train.incidence / root_mass)
     h = 1.0 / np.maximum(1.0, np.max(np.abs(D), axis=2, initial=0.0))
     D *= h[:, :, None]
-    flexible = np.where(size > 0.0, 1.0 / np.where(size > 0.0, kappa, 1.0), 0.0)
+    flexible = np.where(size > 0.0, inverse(np.where(size > 0.0, kappa, 1.0)), 0.0)
     damping = 2.0 * stated / np.where(modes.omega > 0.0, modes.omega, 1.0)
     A = np.zeros((len(omega), n + n_rows, n + n_rows), dtype=complex)
     dof, row = np.arange(n), np.arange(n, n + n_rows)
@@ -220,17 +221,15 @@ def _solve_batch(
     A[:, :n, n:] = D.transpose(0, 2, 1)
     A[:, row, row] = np.where(size > 0.0, -(h**2) * size * flexible, -1.0)
     if np.any(stated):
-        by_row = (root_mass[:, None] * modes.shape * damping) @ modes.row_torque.T
-        A[:, :n, n:] += (rate / w)[:, :, None] * by_row * (flexible * g * h)[:, None, :]
+        by_row = product(root_mass[:, None] * modes.shape * damping, modes.row_torque.T)
+        A[:, :n, n:] += times((rate / w)[:, :, None] * by_row, (flexible * g * h)[:, None, :])
     b = np.zeros((len(omega), n + n_rows, force.shape[1]), dtype=complex)
     b[:, :n] = force / root_mass[:, None] / w[:, :, None]
-    x = np.linalg.solve(A, b)
-    x += np.linalg.solve(A, b - A @ x)
-    x = np.moveaxis(x, 0, -1)
+    x = np.moveaxis(solve(A, b), 0, -1)
     angle = x[:n] / (root_mass[:, None] * w[:, 0])[:, None]
     torque = x[n:] * (g * h).T[:, None]
-    twist = torque * flexible.T[:, None]
-    modal = np.tensordot((damping * modes.row_torque).T, twist, axes=1)
+    twist = times(torque, flexible.T[:, None])
+    modal = along_first((damping * modes.row_torque).T, twist)
     return angle, torque, modal
 
 
@@ -240,7 +239,7 @@ def _element_torque(
     """Torque of each element, shape (n_elements, n_loads, n_freq)."""
     candidates = [solution.torque[train.element_rows]]
     if train.rigid_meshes or train.shaft_ends:
-        damping = np.tensordot(modes.shape, solution.damping, axes=1)
+        damping = along_first(modes.shape, solution.damping)
         inertial = -(omega**2) * solution.angle + 1j * omega * damping
         viscous = 1j * omega * solution.angle
         for mesh in train.rigid_meshes:
@@ -260,7 +259,7 @@ def _element_torque(
     else:
         for element in np.unique(train.output_element).tolist():
             own = torques[train.output_element == element]
-            largest = np.argmax(np.abs(own), axis=0)[None]
+            largest = np.argmax(modulus(own), axis=0)[None]
             torque[element] = np.take_along_axis(own, largest, axis=0)[0]
     return np.asarray(torque * train.orientation[:, None, None], dtype=np.complex128)
 
@@ -286,7 +285,7 @@ def modal_element_torque(train: Train, modes: Modes) -> Floats:
         np.zeros((modes.n_modes, 1, modes.n_modes), dtype=complex),
     )
     none = np.zeros((train.n_stations, 1), dtype=complex)
-    return np.abs(_element_torque(train, modes, modes.omega, motion, none)[:, 0])
+    return np.asarray(modulus(_element_torque(train, modes, modes.omega, motion, none)[:, 0]))
 
 
 def _mesh_torque(
@@ -306,11 +305,11 @@ def _mesh_torque(
     ratio = train.speed_ratio[nodes] / from_ratio
     dof = train.node_dof[nodes]
     weight = ratio * train.node_scale[nodes]
-    need = np.tensordot(weight * train.node_inertia[nodes], inertial[dof], axes=1)
-    need = need + np.tensordot(weight * train.node_damping[nodes], viscous[dof], axes=1)
-    need = need + np.tensordot(train.node_incidence[:, nodes] @ ratio, row_torque, axes=1)
+    need = along_first(weight * train.node_inertia[nodes], inertial[dof])
+    need = need + along_first(weight * train.node_damping[nodes], viscous[dof])
+    need = need + along_first(product(train.node_incidence[:, nodes], ratio), row_torque)
     outside = nodes < train.n_stations
-    applied = ratio[outside] @ columns[nodes[outside]]
+    applied = product(ratio[outside], columns[nodes[outside]])
     return np.asarray(need - applied[:, None])
 
 
@@ -330,7 +329,7 @@ def _mark_unbounded(
         near = modes.omega == 0.0
     n = train.n_stations
     shape = modes.shape[train.node_dof[:n]][:, near] * train.node_scale[:n, None]
-    drive = shape.T @ columns  # modal force of each load
+    drive = product(shape.T, columns)  # modal force of each load
     angles[_takes_part(shape, drive, columns, shape)] = np.inf
     if omega == 0.0:
         return  # a rigid mode twists nothing
@@ -350,9 +349,9 @@ def _takes_part(
     part: Complexes | Floats, drive: Complexes, columns: Complexes, shape: Floats
 ) -> Mask:
     """Which parts (rows) the loads (columns) drive in a group of modes of equal frequency."""
-    reach = np.max(np.abs(shape), axis=0)[:, None] * np.sum(np.abs(columns), axis=0)[None, :]
-    largest = np.max(np.abs(part), axis=0, initial=0.0)[None, :] @ reach
-    return np.asarray(np.abs(part @ drive) > NO_PART * largest)
+    reach = np.max(np.abs(shape), axis=0)[:, None] * np.sum(modulus(columns), axis=0)[None, :]
+    largest = product(np.max(modulus(part), axis=0, initial=0.0)[None, :], reach)
+    return np.asarray(modulus(product(part, drive)) > NO_PART * largest)
 
 
 # --- running ---------------------------------------------------------------------------------------
@@ -457,7 +456,7 @@ def steady_state(
         frequency, back = np.unique(np.concatenate(swept), return_inverse=True)
         omega = 2.0 * math.pi * frequency
         response = harmonic_response(train, modes, omega, unit, damping_ratio=damping)
-        found = np.abs(response.element_torque)[:, :, back]
+        found = modulus(response.element_torque)[:, :, back]
         return np.split(found, np.cumsum([len(f) for f in swept])[:-1], axis=2)
 
     limits = tuple(vibratory_limit(case, e) for e in case.elements)

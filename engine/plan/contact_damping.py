@@ -13,12 +13,12 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
-from scipy.linalg import lapack
 
 from engine.arrays import Floats
 from engine.case.choices import ContactLaw
 from engine.case.data import CaseData, TorqueTimeRow
 from engine.model.train import Flank, Train
+from engine.numerics.same_bits import exp, fading_sum, interp
 from engine.start.settings import NEGLIGIBLE
 from engine.start.start import Start
 from engine.start.trajectory import hermite_at
@@ -79,8 +79,10 @@ def _rows(
         pairs = [*pairs, (np.array([r.time for r in own]), np.array([r.torque for r in own]))]
     begins = [float(t[0]) - JUMP for t, y in pairs if y[0] and t[0] > JUMP]
     times = np.unique(np.concatenate([begins, *(t for t, _ in pairs)]))
-    torque = sum(np.interp(times, t, y, left=0.0) for t, y in pairs)
-    for at, value in zip(times.tolist(), np.asarray(torque).tolist(), strict=True):
+    torque = np.zeros(len(times))
+    for t, y in pairs:
+        torque += np.where(times < t[0], 0.0, interp(times, t, y))
+    for at, value in zip(times.tolist(), torque.tolist(), strict=True):
         yield TorqueTimeRow(station, at, value)
 
 
@@ -103,14 +105,13 @@ def _excess(start: Start, flank: Flank) -> tuple[Floats, Floats]:
     whole = hermite_at(time, torque, rate, at)
     # S of the next sample from T linear between two
     ratio = span / (n - 1) / lag
-    fade = float(np.exp(-ratio))
+    fade = exp(-ratio)
     share = (1.0 - fade) / ratio
     new = (1.0 - share) * whole
     new[1:] += (share - fade) * whole[:-1]
     new[0] = 0.0  # untwisted at the beginning
     # each sample less what has faded of the one before
-    lagging = np.array([np.ones(n), np.full(n, -fade)])
-    spring = lapack.dtbtrs(lagging, new[:, None], uplo="L")[0][:, 0]
+    spring = fading_sum(new, fade)
     excess = np.maximum(whole - 2.0 * spring, 0.0)
     excess[excess <= NEGLIGIBLE * float(np.max(np.abs(whole)))] = 0.0
     excess[-1] = 0.0

@@ -19,6 +19,7 @@ from engine.model.modes import Modes
 from engine.model.motor import Motor, motors_of, voltage_factor
 from engine.model.rigid_runup import RigidRunup, rigid_runup
 from engine.model.train import Train
+from engine.numerics.same_bits import product, total
 from engine.start.settings import NEGLIGIBLE, has_start, settings_of
 from engine.start.start import Start
 from engine.start.start_fatigue import judged_shafts, sn_slope, stress_over_endurance
@@ -183,7 +184,7 @@ def _shock_share(case: CaseData, line_omega: float, motors: Sequence[Motor]) -> 
     if not case.shock_amplitude or not case.shock_time_constant or not motors:
         return None
     amplitude = voltage_factor(case) * abs(case.shock_amplitude)
-    shock = sum(amplitude * m.synchronous_speed for m in motors)
+    shock = total(amplitude * m.synchronous_speed for m in motors)
     drive = min(
         (float(m.average(0.0)) + float(m.pulsating(0.0))) * m.synchronous_speed for m in motors
     )
@@ -202,7 +203,9 @@ def _bearing_number(modal: ModalTrain, on_bearings: ModalTrain) -> float:
     coupled_train, coupled, coupled_damping = on_bearings
     if train.n_dof > coupled_train.n_dof:
         return 1.0
-    overlap = np.abs((modes.shape * train.inertia[:, None]).T @ coupled.shape[: train.n_dof])
+    overlap = np.abs(
+        product((modes.shape * train.inertia[:, None]).T, coupled.shape[: train.n_dof])
+    )
     worst, taken = 0.0, set(range(coupled.n_rigid))
     for r in range(modes.n_rigid, modes.n_modes):
         partner = int(np.argmax(overlap[r]))
@@ -211,7 +214,7 @@ def _bearing_number(modal: ModalTrain, on_bearings: ModalTrain) -> float:
             return 1.0
         taken.add(partner)
         moved = abs(float(coupled.omega[partner] / modes.omega[r]) - 1.0)
-        worst = max(worst, moved, 1.0 - same**2)
+        worst = max(worst, moved, 1.0 - same * same)
         worst = max(
             worst, _relative(float(coupled_damping.ratio[partner]), float(damping.ratio[r]))
         )
@@ -233,15 +236,15 @@ def _coupling_number(modal: ModalTrain, motors: Sequence[Motor], synchronous: fl
     """
     train, modes, damping = modal
     sprung = np.where(train.stiffness > 0.0, train.viscous, 0.0)  # the others are forces anyway
-    matrix = (modes.row_twist.T * sprung) @ modes.row_twist
-    matrix += modes.shape.T @ (train.ground_damping[:, None] * modes.shape)
+    matrix = product(modes.row_twist.T * sprung, modes.row_twist)
+    matrix += product(modes.shape.T, train.ground_damping[:, None] * modes.shape)
     off = np.abs(matrix - np.diag(np.diag(matrix)))
     off[off <= COUPLING_ROUNDING * float(np.max(np.abs(matrix), initial=0.0))] = 0.0
     if not motors or not np.any(matrix):
         return 0.0
     stations = np.array([m.station for m in motors], dtype=np.int64)
     torque = np.array([_largest_torque(m) for m in motors])
-    drive = force_reach(train, modes, stations) @ torque
+    drive = product(force_reach(train, modes, stations), torque)
     square = modes.omega**2
     elastic = square > 0.0
     static = np.where(elastic, drive / np.where(elastic, square, 1.0), 0.0)
@@ -257,9 +260,9 @@ def _coupling_number(modal: ModalTrain, motors: Sequence[Motor], synchronous: fl
     position = outputs.position
     # rigid meshes and ends of shafts take their torque from equilibrium, in which dampers have a part of their own
     whole = torque_outputs(train, modes, stations, damping=matrix).velocity
-    taken = np.abs(whole - outputs.velocity) @ (modes.omega * moved)
-    own = np.abs(position @ static) + np.max(np.abs(position) * moved, axis=1, initial=0.0)
-    brought = np.abs(position) @ mixed.sum(axis=1) + taken
+    taken = product(np.abs(whole - outputs.velocity), modes.omega * moved)
+    own = np.abs(product(position, static)) + np.max(np.abs(position) * moved, axis=1, initial=0.0)
+    brought = product(np.abs(position), mixed.sum(axis=1)) + taken
     own = np.maximum(own, NEGLIGIBLE * float(np.max(own, initial=0.0)))
     return float(np.max(brought / np.where(own > 0.0, own, np.inf), initial=0.0))
 
@@ -272,7 +275,7 @@ def _largest_torque(motor: Motor) -> float:
 
 def _rigid_speed(train: Train, modes: Modes, synchronous: float) -> Floats:
     """Modal speed of the rigid modes at synchronism, zero for the others, shape (n_modes,)."""
-    momentum = (train.inertia * train.dof_ratio) @ modes.shape
+    momentum = product(train.inertia * train.dof_ratio, modes.shape)
     return np.asarray(np.where(modes.omega == 0.0, np.abs(momentum) * synchronous, 0.0))
 
 

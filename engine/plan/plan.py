@@ -27,6 +27,7 @@ from engine.case.choices import ContactLaw
 from engine.case.data import CaseData
 from engine.case.effect import StartEffects
 from engine.case.effects import EFFECTS, choice_of
+from engine.numerics.same_bits import total
 from engine.plan.decision import EffectDecision, Finding, decide, percent, quoted
 from engine.plan.effects import FINDINGS
 from engine.plan.evidence import Evidence, reversing_minima
@@ -52,7 +53,7 @@ class Plan:
         """Sum of the bounds of the effects left out; None = one of them has none. [1]"""
         bounds = [self.decision(name).bound for name in self.left_out]
         known = [bound for bound in bounds if bound is not None]
-        return sum(known) if len(known) == len(bounds) else None
+        return total(known) if len(known) == len(bounds) else None
 
     def decision(self, effect: str) -> EffectDecision:
         """The decision on one effect, by its name in `EFFECTS`."""

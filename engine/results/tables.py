@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from engine.fatigue.stress import shear_stress
+from engine.numerics.same_bits import product
 from engine.operation.margins import percent_speed
 from engine.results.results import AccuracyRow, AtSpeed, Results
 from engine.start.start_fatigue import is_counted
@@ -111,7 +112,7 @@ def _mode_shapes(results: AtSpeed) -> list[Row]:
     """One a station: its twist in its physical sense, the largest of a mode = 1."""
     train, modes = results.train, results.modes
     n = train.n_stations
-    angle = (train.node_matrix() @ modes.shape)[:n] * train.sense[:n, None]
+    angle = product(train.node_matrix(), modes.shape)[:n] * train.sense[:n, None]
     angle = angle[:, modes.n_rigid :]
     rows = []
     largest = angle[np.argmax(np.abs(angle), axis=0), np.arange(angle.shape[1])]

@@ -47,7 +47,7 @@ def _unstable_feedback(results: Results) -> Iterator[str]:
     for motor in motors_of(results.case, train):
         rise = float(np.max(motor.average.cubic[:, 1])) / motor.synchronous_speed
         dof, scale = train.node_dof[motor.station], train.node_scale[motor.station]
-        fed = rise * (modes.shape[dof] * scale) ** 2
+        fed = rise * np.square(modes.shape[dof] * scale)
         grown = np.flatnonzero((fed > damping.rate) & (modes.omega > 0.0))
         if len(grown):
             mode = int(grown[0])

@@ -13,10 +13,11 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
-from engine.arrays import Floats
 from engine.model.modal_train import ModalTrain
 from engine.model.motor import Motor
+from engine.numerics.same_bits import cos, hypot, interp, product, sin
 from engine.start.start import Start
 from engine.start.trajectory import hermite_at
 
@@ -51,13 +52,15 @@ def modal_torque(motors: Sequence[Motor], modal: ModalTrain, mode: int, speed: f
         |Σ φ T e^{iα}|; 0 where the motors stand at a node of the mode. [N m/√(kg m²)]
     """
     train, shape = modal.train, modal.modes.shape
-    total, largest = 0j, 0.0
+    along, across, largest = 0.0, 0.0, 0.0
     for m in motors:
         torque = float(m.pulsating(speed * train.speed_ratio[m.station] / m.synchronous_speed))
         at = shape[train.node_dof[m.station]] * train.node_scale[m.station]
-        total += float(at[mode]) * torque * complex(math.cos(m.phase), math.sin(m.phase))
+        along += float(at[mode]) * torque * cos(m.phase)
+        across += float(at[mode]) * torque * sin(m.phase)
         largest += float(np.max(np.abs(at))) * abs(torque)
-    return abs(total) if abs(total) > AT_NODE * largest else 0.0
+    size = float(hypot(along, across))
+    return size if size > AT_NODE * largest else 0.0
 
 
 def modal_amplitude(
@@ -105,17 +108,17 @@ def modal_amplitude(
     weight = (
         modal.modes.row_twist[rows, mode] * train.orientation[train.row_element[rows]] * elastic
     )
-    coordinate = weight @ history.torque[: len(rows), inside]
-    rate = weight @ history.torque_rate[: len(rows), inside]
+    coordinate = product(weight, history.torque[: len(rows), inside])
+    rate = product(weight, history.torque_rate[: len(rows), inside])
     even = np.arange(0.0, phase[-1], 2.0 * math.pi / POINTS)
-    when = np.interp(even, phase, time)
-    hann: Floats = np.hanning(CYCLES * POINTS + 1)
-    envelope = np.abs(
-        np.convolve(
-            hermite_at(time, coordinate, rate, when) * np.exp(-1j * even),
-            2.0 * hann / hann.sum(),
-            mode="valid",
-        )
+    when = interp(even, phase, time)
+    n = CYCLES * POINTS + 1
+    window_of_mean = 0.5 - 0.5 * cos(np.linspace(0.0, 2.0 * math.pi, n))
+    window_of_mean *= 2.0 / window_of_mean.sum()
+    seen = hermite_at(time, coordinate, rate, when)
+    along, across = (
+        product(sliding_window_view(seen * f(even), n), window_of_mean) for f in (cos, sin)
     )
+    envelope = hypot(along, across)
     k = int(np.argmax(envelope))
     return float(envelope[k]), float(when[k + CYCLES * POINTS // 2])

@@ -18,6 +18,7 @@ from engine.case.defaults import NOTABLE_REVERSAL
 from engine.fatigue.stress import stress_of_unit_torque
 from engine.model.modal_train import ModalTrain
 from engine.model.motor import motors_of
+from engine.numerics.same_bits import interp, square
 from engine.operation.margins import percent_speed
 from engine.operation.steady_state import modal_element_torque
 from engine.start.amplification import modal_amplitude, modal_torque
@@ -115,9 +116,9 @@ def crossings_of(
             acceleration = runup.acceleration_at(speed)
             crossing = replace(
                 crossing,
-                average_torque=float(np.interp(speed, runup.speed, runup.average)),
-                pulsating_torque=float(np.interp(speed, runup.speed, runup.pulsating)),
-                load_torque=float(np.interp(speed, runup.speed, runup.load)),
+                average_torque=float(interp(speed, runup.speed, runup.average)),
+                pulsating_torque=float(interp(speed, runup.speed, runup.pulsating)),
+                load_torque=float(interp(speed, runup.speed, runup.load)),
                 acceleration=acceleration,
                 sweep_rate=2.0 * line_frequency * acceleration / synchronous_speed,
             )
@@ -149,7 +150,7 @@ def _amplification(
     history = start.trajectory
 
     def speed_at(time: float) -> float:
-        return float(np.interp(time, history.time, history.mean_speed))
+        return float(interp(time, history.time, history.mean_speed))
 
     if is_modal:
         now = speed_at(crossing.time)
@@ -166,7 +167,7 @@ def _amplification(
     if index is None or crossing.peak_to_peak_torque is None or static == 0.0:
         return None
     of_mode = float(modal_element_torque(modal.train, modal.modes)[index, mode])
-    reference = static * of_mode / float(modal.modes.omega[mode]) ** 2
+    reference = static * of_mode / square(float(modal.modes.omega[mode]))
     return 0.5 * crossing.peak_to_peak_torque / reference if reference > 0.0 else None
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from engine.case.defaults import LONGEST_START
 from engine.case.result_words import Outcome
 from engine.model.rigid_runup import RigidRunup
+from engine.numerics.same_bits import log
 from engine.start.settings import StartSettings
 from engine.start.trajectory import Trajectory
 
@@ -76,7 +77,7 @@ def run_length(runup: RigidRunup) -> float:
     i = int(np.flatnonzero(runup.speed <= 0.98 * runup.equilibrium)[-1])
     gap = runup.equilibrium - float(runup.speed[i])
     approach = runup.inertia * gap / float(runup.net[i])
-    time_constants = max(math.log(gap / (0.002 * runup.equilibrium)), 0.0)
+    time_constants = max(log(gap / (0.002 * runup.equilibrium)), 0.0)
     return 1.1 * (float(runup.time[i]) + approach * time_constants) + 2.0
 
 
@@ -122,8 +123,11 @@ def _late_speed(trajectory: Trajectory, end: float) -> float:
     inside = (t >= end - min(0.5, 0.1 * end)) & (t <= end)
     if np.sum(inside) < 3 or np.ptp(t[inside]) == 0.0:
         return float(w[-1])
-    _, at_end = np.polyfit(t[inside] - end, w[inside], 1)
-    return float(at_end)
+    from_end, mean = t[inside] - end, float(np.mean(w[inside]))
+    middle = float(np.mean(from_end))
+    across = from_end - middle
+    slope = float(np.sum(across * (w[inside] - mean)) / np.sum(across * across))
+    return mean - slope * middle
 
 
 def outcome_of(

@@ -12,6 +12,7 @@ import numpy as np
 from engine.arrays import Floats, Ints
 from engine.case.defaults import LEAST_PEAK_ERROR
 from engine.model.train import Train
+from engine.numerics.same_bits import interp
 from engine.start.settings import NEGLIGIBLE
 from engine.start.trajectory import SingleRun, Trajectory, Turning
 
@@ -279,7 +280,7 @@ def judge_run(
                 highest,
                 lowest,
                 time,
-                float(np.interp(time, trajectory.time, trajectory.mean_speed)),
+                float(interp(time, trajectory.time, trajectory.mean_speed)),
                 float(max(own, least) * scale + left_out),
                 float(np.ptp(turning[i][1])),
             )

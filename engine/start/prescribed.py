@@ -17,6 +17,7 @@ from engine.errors import ModelError
 from engine.model.modal_train import ModalTrain
 from engine.model.modes import Modes
 from engine.model.train import Train
+from engine.numerics.same_bits import product
 from engine.start.outcome import StartOutcome
 from engine.start.peaks import judge_run
 from engine.start.start import Start
@@ -114,7 +115,9 @@ def _first_step(
     affordable = modes.frequency * SAMPLES_PER_PERIOD * end <= 0.25 * _most_samples(train)
     keep[visible & ~affordable] = False
     jumps, ramps = np.array([p.jump for p in torques]), np.array([p.ramp for p in torques])
-    bound = (flexible * (reach @ jumps + reach @ ramps / omega))[:, ~keep].sum(axis=1)
+    bound = (flexible * (product(reach, jumps) + product(reach, ramps) / omega))[:, ~keep].sum(
+        axis=1
+    )
     fastest = float(np.max(modes.frequency[visible & keep], initial=0.0))
     step = min(end / 200.0, 1.0 / (SAMPLES_PER_PERIOD * fastest)) if fastest > 0.0 else end / 200.0
     return step, keep, bound

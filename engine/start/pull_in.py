@@ -18,6 +18,7 @@ import math
 import numpy as np
 
 from engine.arrays import Floats
+from engine.numerics.same_bits import cos, interp, sin
 from engine.start.event_results import PullIn
 
 #: A swing of this amplitude has settled: 1 % of the pull-out torque, at the most. [rad]
@@ -102,7 +103,7 @@ def judge_pull_in(
     t, angle, s = _from(field_time, time, load_angle, slip)
     passed = passages(t, angle)
     last = float(passed[-1]) if len(passed) else field_time
-    turned = abs(float(np.interp(last, t, angle)) - float(angle[0])) / (2.0 * math.pi)
+    turned = abs(float(interp(last, t, angle)) - float(angle[0])) / (2.0 * math.pi)
     inside = t >= last
     swings = _swings(t[inside], s[inside])
     in_step = len(swings) >= 2 or _rests(t[inside], angle[inside], s[inside], field_slip)
@@ -137,7 +138,7 @@ def _from(
     """The histories from field application on, its own moment included."""
     later = time > field_time
     t = np.concatenate([[field_time], time[later]])
-    return t, np.interp(t, time, load_angle), np.interp(t, time, slip)
+    return t, interp(t, time, load_angle), interp(t, time, slip)
 
 
 def _swings(time: Floats, slip: Floats) -> Floats:
@@ -182,7 +183,7 @@ def _mean_angle(time: Floats, angle: Floats, swings: Floats) -> float:
     mean = float(angle[-1])
     if len(swings) >= 3:
         fine = np.linspace(swings[-3], swings[-1], 201)
-        mean = float(np.trapezoid(np.interp(fine, time, angle), fine) / (fine[-1] - fine[0]))
+        mean = float(np.trapezoid(interp(fine, time, angle), fine) / (fine[-1] - fine[0]))
     return mean - 2.0 * math.pi * math.floor((mean + math.pi) / (2.0 * math.pi))
 
 
@@ -293,7 +294,7 @@ def swing_frequency_linear(
         Frequency; None if the motor cannot carry the load. [Hz]
     """
     delta = np.linspace(-math.pi, math.pi, 2049)
-    top = int(np.argmax(pull_out * np.sin(delta) + saliency * np.sin(2.0 * delta)))
+    top = int(np.argmax(pull_out * sin(delta) + saliency * sin(2.0 * delta)))
     low, high = 0.0, float(delta[top])
     torque = _torque_at(high, pull_out, saliency)
     if not 0.0 <= load_torque < torque:
@@ -304,9 +305,9 @@ def swing_frequency_linear(
             low = middle
         else:
             high = middle
-    slope = pull_out * math.cos(low) + 2.0 * saliency * math.cos(2.0 * low)
+    slope = pull_out * cos(low) + 2.0 * saliency * cos(2.0 * low)
     return math.sqrt(pole_pairs * max(slope, 0.0) / inertia) / (2.0 * math.pi)
 
 
 def _torque_at(angle: float, pull_out: float, saliency: float) -> float:
-    return pull_out * math.sin(angle) + saliency * math.sin(2.0 * angle)
+    return pull_out * sin(angle) + saliency * sin(2.0 * angle)

@@ -26,6 +26,7 @@ from engine.case.defaults import NOTABLE_REVERSAL
 from engine.case.result_words import Judgement
 from engine.model.excitation import transmitted_torque
 from engine.model.train import Train
+from engine.numerics.same_bits import interp
 from engine.start.event_results import ContactRecord
 from engine.start.start import Start
 
@@ -194,7 +195,7 @@ def _slip_frequency(case: CaseData, start: Start, time: float) -> float | None:
     ratings = case.ratings
     if start.runup is None or not ratings.line_frequency or not ratings.synchronous_speed:
         return None
-    speed = float(np.interp(time, start.trajectory.time, start.trajectory.mean_speed))
+    speed = float(interp(time, start.trajectory.time, start.trajectory.mean_speed))
     # above synchronism, in the swing after pull-in, the frequency is that of the slip's magnitude
     return 2.0 * abs(1.0 - speed / ratings.synchronous_speed) * ratings.line_frequency
 

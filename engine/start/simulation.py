@@ -12,6 +12,7 @@ import numpy as np
 from engine.arrays import Floats, Ints
 from engine.case.choices import Method
 from engine.errors import InternalError
+from engine.numerics.same_bits import doublings
 from engine.start.start_model import Machines, StartModel
 from engine.start.time_response import knots_of
 from engine.start.trajectory import KEPT_VALUES, Recorder, SingleRun, Trajectory
@@ -282,7 +283,7 @@ def _step_plan(model: StartModel, step: float, maximum_time: float) -> tuple[Int
     at = 0.0
     # a ringing mode is sampled as finely as the pulsation is
     stretches = [
-        (until, step / 2 ** max(math.ceil(math.log2(omega / model.pulsation_omega)), 0))
+        (until, step / 2 ** doublings(omega / model.pulsation_omega))
         for until, omega in model.windows
     ]
     for until, h in [*stretches, (maximum_time, step)]:

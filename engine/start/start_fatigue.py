@@ -6,7 +6,6 @@ starts is the change of its damage between the two step sizes the start was calc
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -26,6 +25,7 @@ from engine.fatigue.allowable_starts import (
 from engine.fatigue.damage import needs_counting, starts_from_damage
 from engine.fatigue.sn_curve import SNCurve, sn_curve_for
 from engine.fatigue.stress import stress_of_unit_torque
+from engine.numerics.same_bits import exp, log
 from engine.start.event_results import prediction_interval
 from engine.start.start import Start
 
@@ -221,8 +221,8 @@ def _over_ensemble(
     )
     if not np.all(damages > 0.0):
         return 0.0, 2.0 * float(np.max(damages))
-    low, high = prediction_interval(np.log(damages))
-    return math.exp(low), math.exp(high)
+    low, high = prediction_interval(log(damages))
+    return exp(low), exp(high)
 
 
 def _histories(start: Start, index: int) -> list[tuple[Floats, Floats]]:

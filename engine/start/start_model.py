@@ -18,6 +18,7 @@ from engine.model.modal_train import ModalTrain
 from engine.model.modes import Modes
 from engine.model.motor import Motor, electrical_arrays, through_synchronism, voltage_factor
 from engine.model.train import Train
+from engine.numerics.same_bits import log, product, sin, singular_values, total
 from engine.start.settings import NEGLIGIBLE, PLAIN_START
 from engine.start.time_response import PrescribedTorque, prescribed_torques, torque_tables
 from engine.start.torque_outputs import TorqueOutputs, force_reach, torque_outputs
@@ -179,7 +180,7 @@ def start_model(
         dampers = dampers.without(held)
     jump = max((float(p.knots[0]) for p in torques if p.jump), default=0.0)
     own = all_reach[:, len(index) :]
-    rate = damping.rate - own**2 @ dampers.viscous  # those act as forces
+    rate = damping.rate - product(own**2, dampers.viscous)  # those act as forces
     left_out = ~keep
     truncation = (ringing + slow)[:, left_out].sum(axis=1)
     reference = modes.shape[train.node_dof[motors[0].station]]
@@ -330,7 +331,7 @@ def _joint_rate(reach: Floats, viscous: Floats) -> float:
     """Largest rate at which dampers together slow any motion: the norm of R diag(c) Rᵀ. [1/s]"""
     if not len(viscous):
         return 0.0
-    return float(np.linalg.norm(reach * np.sqrt(viscous), 2) ** 2)
+    return float(np.max(np.square(singular_values(reach * np.sqrt(viscous))), initial=0.0))
 
 
 def _damper_step(dampers: _Dampers, reach: Floats, keep: Mask) -> float:
@@ -369,7 +370,7 @@ def _outputs(
         output = int(np.flatnonzero(outputs.element == mesh.element)[0])
         nodes = np.array(mesh.to_side)
         ratio = train.speed_ratio[nodes] / mesh.from_ratio
-        drawn = train.node_incidence[dampers.rows][:, nodes] @ ratio
+        drawn = product(train.node_incidence[dampers.rows][:, nodes], ratio)
         sprung = ~dampers.needed[len(dampers.nodes) :]
         force[output, first:] -= train.orientation[mesh.element] * np.where(sprung, drawn, 0.0)
     return replace(outputs, force=force)
@@ -390,7 +391,7 @@ def usual_step(tolerance: float, fastest: float) -> float:
     float
         Step. [s]
     """
-    angle = float((0.5 * tolerance / ERROR_AT_ONE_RADIAN) ** 0.25)
+    angle = math.sqrt(math.sqrt(0.5 * tolerance / ERROR_AT_ONE_RADIAN))
     return min(max(angle, FINEST_FIRST), COARSEST_FIRST) / fastest
 
 
@@ -441,7 +442,7 @@ def _force_sizes(
         i = column[m.station]
         largest = float(np.max(np.abs(m.average.cubic[:, 0])))
         pulsating = float(np.max(np.abs(m.pulsating.cubic[:, 0])))
-        initial = abs(float(m.average(0.0)) + float(m.pulsating(0.0)) * math.sin(m.phase))
+        initial = abs(float(m.average(0.0)) + float(m.pulsating(0.0)) * sin(m.phase))
         switched_off = largest + pulsating + pull_out if effects.aborted_start else 0.0
         step[i] += max(initial, SWITCHED_SHARE * largest, switched_off)
         smooth[i] += pulsating
@@ -490,15 +491,15 @@ def _with_dampers(
     train, modes, damping = modal
     sizes, reference_torque = of_stations
     n = len(sizes.step)
-    drive = np.abs(reach[:, :n]) @ (sizes.step + sizes.smooth)
+    drive = product(np.abs(reach[:, :n]), sizes.step + sizes.smooth)
     safe = np.where(modes.omega > 0.0, modes.omega, np.inf)
     excess = 1.0 / np.maximum(2.0 * damping.ratio, 1.0 / LARGEST_AMPLIFICATION)
     vibration = np.where(safe <= fastest, np.maximum(excess, 1.0), fastest / safe) * drive / safe
-    smooth = dampers.viscous * (np.abs(reach[:, n:]).T @ vibration)
-    ramp = dampers.viscous * np.abs(reach[:, n:].T @ (reach[:, :n] @ sizes.step))
+    smooth = dampers.viscous * product(np.abs(reach[:, n:]).T, vibration)
+    ramp = dampers.viscous * np.abs(product(reach[:, n:].T, product(reach[:, :n], sizes.step)))
     carried = np.zeros(len(smooth))
     grounded = len(dampers.nodes)
-    follows = np.minimum(sizes.slope * (np.abs(reach[:, :n]).T @ vibration), sizes.range)
+    follows = np.minimum(sizes.slope * product(np.abs(reach[:, :n]).T, vibration), sizes.range)
     ratio = train.speed_ratio[dampers.nodes]
     smooth[:grounded] += dampers.viscous[:grounded] * 0.5 * fastest * ratio
     for k, row in enumerate(dampers.rows, start=grounded):
@@ -527,12 +528,14 @@ def _mode_amplitudes(
     """
     safe = np.where(modes.omega > 0.0, modes.omega, np.inf)
     flexible = np.abs(outputs.position) / safe**2
-    ringing = flexible * (np.abs(reach) @ sizes.step + np.abs(reach) @ sizes.ramp / safe)
+    ringing = flexible * (
+        product(np.abs(reach), sizes.step) + product(np.abs(reach), sizes.ramp) / safe
+    )
     share = (fastest / safe) ** 2
     dynamic = np.where(share < 0.9, share / np.where(share < 0.9, 1.0 - share, 1.0), 1.0)
-    slow = flexible * (np.abs(reach) @ sizes.smooth) * dynamic
+    slow = flexible * product(np.abs(reach), sizes.smooth) * dynamic
     torque = sizes.carried
-    signed = outputs.position / safe**2 @ (reach * torque)
+    signed = product(outputs.position / safe**2, reach * torque)
     scale = np.max(np.abs(signed + outputs.force * torque), axis=1, initial=0.0)
     return ringing, slow, np.maximum(scale, NEGLIGIBLE * np.max(scale, initial=0.0))
 
@@ -578,7 +581,7 @@ def _windows(
         if size <= FADED * tolerance:
             continue
         decay = 0.5 * damping.rate[r]
-        until = math.log(size / (FADED * tolerance)) / decay if decay > 0.0 else math.inf
+        until = log(size / (FADED * tolerance)) / decay if decay > 0.0 else math.inf
         steps = min(until, maximum_time) * modes.omega[r] / COARSEST_ANGLE
         if steps > budget and modes.omega[r] > FAR_ABOVE * fastest:
             keep[r] = False
@@ -597,8 +600,8 @@ def _with_breakaway(
     fastest: float,
 ) -> tuple[tuple[float, float], ...]:
     """The windows, with those of the loads as their stations begin to turn and of a short shock."""
-    inertia = float(train.inertia @ train.dof_ratio**2)
-    torque = sum(float(m.average(0.0)) * float(train.speed_ratio[m.station]) for m in motors)
+    inertia = float(product(train.inertia, train.dof_ratio**2))
+    torque = total(float(m.average(0.0)) * float(train.speed_ratio[m.station]) for m in motors)
     shifted = [(until + jump, omega) for until, omega in windows]
     if shock is not None and shock.rate > fastest:
         shifted.append((SHOCK_LENGTH / shock.rate, shock.rate))

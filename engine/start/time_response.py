@@ -13,18 +13,25 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.linalg import expm
 
 from engine.arrays import Floats, Ints, Mask
 from engine.case.data import CaseData
 from engine.errors import ModelError
 from engine.model.modes import Modes, modal_damping_matrix
 from engine.model.train import Train
+from engine.numerics.same_bits import interp, matrix_exponential, product
 from engine.start.torque_outputs import force_reach, torque_outputs
 from engine.stepping import linear_loop as kernels
 
 #: Monomial coefficients of s from values at s = 0, 1/3, 2/3, 1.
-_FOUR_POINT = np.linalg.inv(np.vander(np.array([0.0, 1.0, 2.0, 3.0]) / 3.0, 4, increasing=True))
+_FOUR_POINT = 0.5 * np.array(
+    [
+        [2.0, 0.0, 0.0, 0.0],
+        [-11.0, 18.0, -9.0, 2.0],
+        [18.0, -45.0, 36.0, -9.0],
+        [-9.0, 27.0, -27.0, 9.0],
+    ]
+)
 #: Off-diagonal modal damping below this share of the diagonal is rounding.
 _COUPLED = 1e-11
 #: Steps whose modal forces are calculated at a time.
@@ -80,7 +87,7 @@ def linear(station: int, times: Floats, torques: Floats) -> PrescribedTorque:
     t, y = np.asarray(times, dtype=float), np.asarray(torques, dtype=float)
 
     def value(at: Floats, side: str) -> Floats:
-        inside = np.interp(at, t, y)
+        inside = interp(at, t, y)
         before = at <= t[0] if side == "left" else at < t[0]
         return np.where(before, 0.0, inside)
 
@@ -219,22 +226,22 @@ def time_response(
         pick = np.searchsorted(grid, t)
         out_q, out_v = out_q[:, pick], out_v[:, pick]
     outputs = torque_outputs(train, modes, stations, keep, damping=physical)
-    torque, torque_rate = outputs.position @ out_q, outputs.position @ out_v
+    torque, torque_rate = product(outputs.position, out_q), product(outputs.position, out_v)
     if np.any(outputs.force) or np.any(outputs.velocity):
         force, rate = np.zeros((len(stations), len(t))), np.zeros((len(stations), len(t)))
         for p in torques:
             column = int(np.searchsorted(stations, p.station))
             force[column] += p.value(t, "right")
             rate[column] += _slope(p, t)
-        acceleration = reach @ force - matrix @ out_v - omega[:, None] ** 2 * out_q
-        torque += outputs.velocity @ out_v + outputs.force @ force
-        torque_rate += outputs.velocity @ acceleration + outputs.force @ rate
+        acceleration = product(reach, force) - product(matrix, out_v) - omega[:, None] ** 2 * out_q
+        torque += product(outputs.velocity, out_v) + product(outputs.force, force)
+        torque_rate += product(outputs.velocity, acceleration) + product(outputs.force, rate)
     angle = modes.shape[np.ix_(train.node_dof[: train.n_stations], keep)]
     angle = angle * train.node_scale[: train.n_stations, None]
     return TimeResponse(
         t,
-        angle @ out_q,
-        angle @ out_v,
+        product(angle, out_q),
+        product(angle, out_v),
         torque,
         torque_rate,
         outputs.element,
@@ -273,8 +280,8 @@ def _modal_cubics(
         for i, part in enumerate((first, *inner, last)):
             values[:, column, i] += part
     n = len(reach)
-    to_modes = np.einsum("ms,pi->simp", reach, _FOUR_POINT).reshape(4 * len(stations), 4 * n)
-    return np.asarray((values.reshape(len(h), -1) @ to_modes).reshape(len(h), n, 4))
+    to_modes = (reach.T[:, None, :, None] * _FOUR_POINT.T[:, None, :]).reshape(-1, 4 * n)
+    return np.asarray(product(values.reshape(len(h), -1), to_modes).reshape(len(h), n, 4))
 
 
 def _integrate(
@@ -361,7 +368,7 @@ def _coupled_step(omega: Floats, matrix: Floats, h: float) -> tuple[Floats, Floa
     A[n : 2 * n, 2 * n : 3 * n] = eye
     for i in range(3):
         A[(2 + i) * n : (3 + i) * n, (3 + i) * n : (4 + i) * n] = eye
-    E = expm(A)[: 2 * n]
+    E = matrix_exponential(A)[: 2 * n]
     free = E[:, : 2 * n].copy()
     forced = E[:, 2 * n :].reshape(2 * n, 4, n).transpose(0, 2, 1) * np.array([1.0, 1.0, 2.0, 6.0])
     free[:, :n] *= size

@@ -21,6 +21,7 @@ import numpy as np
 from engine.arrays import Floats, Ints, Mask
 from engine.model.modes import Modes
 from engine.model.train import RigidMesh, Train
+from engine.numerics.same_bits import product
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,10 +109,10 @@ def torque_outputs(
         inertial = end.inertia * train.node_scale[end.node] * modes.shape[train.node_dof[end.node]]
         facing = float(train.orientation[end.element])
         q = modes.row_torque[end.row] - inertial * modes.omega**2
-        v = np.zeros(modes.n_modes) if damping is None else -inertial @ damping
+        v = np.zeros(modes.n_modes) if damping is None else product(-inertial, damping)
         rows_q.append(facing * q[None])
         rows_v.append(facing * v[None])
-        rows_f.append(facing * (inertial @ reach)[None])
+        rows_f.append(facing * product(inertial, reach)[None])
     all_q, all_f = np.concatenate(rows_q), np.concatenate(rows_f)
     left_out = ~keep & (modes.omega > 0.0)
     flexible = all_q[:, left_out] / modes.omega[left_out] ** 2
@@ -119,7 +120,7 @@ def torque_outputs(
         train.output_element,
         np.ascontiguousarray(all_q[:, keep]),
         np.ascontiguousarray(np.concatenate(rows_v)[:, keep]),
-        all_f + flexible @ reach[left_out],
+        all_f + product(flexible, reach[left_out]),
     )
 
 
@@ -141,16 +142,16 @@ def _rigid_mesh_row(
     nodes = np.array(mesh.to_side)
     ratio = train.speed_ratio[nodes] / mesh.from_ratio
     weight = ratio * train.node_inertia[nodes] * train.node_scale[nodes]
-    inertial = weight @ modes.shape[train.node_dof[nodes]]  # Σ ratio J Φ
-    rows = train.node_incidence[:, nodes] @ ratio  # torque the rows draw from these nodes
+    inertial = product(weight, modes.shape[train.node_dof[nodes]])  # Σ ratio J Φ
+    rows = product(train.node_incidence[:, nodes], ratio)  # torque the rows draw from these nodes
     elastic = train.stiffness[:, None] > 0.0
-    q = -inertial * modes.omega**2 + rows @ np.where(elastic, modes.row_torque, 0.0)
+    q = -inertial * modes.omega**2 + product(rows, np.where(elastic, modes.row_torque, 0.0))
     viscous = train.viscous[:, None] * modes.row_twist
-    v = rows @ (np.where(elastic, 0.0, viscous) if damping is None else viscous)
+    v = product(rows, np.where(elastic, 0.0, viscous) if damping is None else viscous)
     if damping is not None:
         weight = ratio * train.node_damping[nodes] * train.node_scale[nodes]
-        v += weight @ modes.shape[train.node_dof[nodes]] - inertial @ damping
+        v += product(weight, modes.shape[train.node_dof[nodes]]) - product(inertial, damping)
     applied = np.zeros(reach.shape[1])
     applied[: len(stations)] = [float(ratio[nodes == s].sum()) for s in stations]
     sign = float(train.orientation[mesh.element])
-    return sign * q, sign * v, sign * (inertial @ reach - applied)
+    return sign * q, sign * v, sign * (product(inertial, reach) - applied)

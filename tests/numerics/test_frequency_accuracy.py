@@ -186,7 +186,7 @@ def test_the_plain_svd_alone_would_not_do():
 def test_counts_find_and_correct_a_wrong_value(monkeypatch):
     """A Jacobi SVD that errs on purpose is put right."""
     case = everything(np.random.default_rng(3), 30)
-    honest = engine.numerics.singular_values._jacobi
+    honest = engine.numerics.singular_values.svd
 
     def erring(D):
         u, sigma, v = honest(D)
@@ -196,7 +196,7 @@ def test_counts_find_and_correct_a_wrong_value(monkeypatch):
         sigma[28] *= 1 + 3e-5
         return u, sigma, v
 
-    monkeypatch.setattr(engine.numerics.singular_values, "_jacobi", erring)
+    monkeypatch.setattr(engine.numerics.singular_values, "svd", erring)
     check(case)
 
 

@@ -130,7 +130,8 @@ static inline double power_of_two(int64_t k)
     return found;
 }
 
-static inline double exponential(double x)
+/* exp(x + low), low far below x. */
+static inline double exponential_of_sum(double x, double low)
 {
     double k, a, b, r, y, p;
     int64_t whole, half;
@@ -138,7 +139,7 @@ static inline double exponential(double x)
     if (x > 709.8) return HUGE_VAL;
     k = (x * 0x1.71547652b82fep+0 + ROUNDER) - ROUNDER;
     a = x - k * LN2_A; /* exact */
-    b = k * LN2_B;
+    b = k * LN2_B - low;
     r = a - b;
     y = (a - r) - b;
     /* Taylor: what follows is below 1e-18 on |r| ≤ ln 2 / 2 */
@@ -150,4 +151,6 @@ static inline double exponential(double x)
     half = whole / 2; /* in two steps: the first or the last may lie outside the range of one */
     return p * power_of_two(half) * power_of_two(whole - half);
 }
+
+static inline double exponential(double x) { return exponential_of_sum(x, 0.0); }
 #endif

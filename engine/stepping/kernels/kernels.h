@@ -183,4 +183,19 @@ int64_t rainflow(int64_t n, const double *point, int64_t *first, int64_t *second
                  int64_t *open);
 const char *about(void); /* compiler, target, digest of the sources */
 void elementary(int64_t n, const double *x, double *sine, double *cosine, double *exponential);
+/* Numbers and small matrices in a fixed order (engine/numerics/same_bits.py). */
+enum { SINE, COSINE, EXPONENTIAL, LOGARITHM, POWER, ARCTANGENT, HYPOTENUSE };
+void function_values(int64_t which, int64_t n, const double *x, int64_t x_step, const double *y, int64_t y_step,
+                     double *out);
+void interpolate(int64_t n, const double *x, int64_t n_points, const double *points, const double *values,
+                 double *out);
+void fading_sum(int64_t n, double share, double *values);
+void product(int64_t m, int64_t n, int64_t k, const double *a, int64_t a_row, int64_t a_column,
+             const double *b, int64_t b_row, int64_t b_column, double *c);
+int64_t jacobi_svd(int64_t m, int64_t n, double *columns, double *left, double *sigma, double *right,
+                   int64_t *order, double *room);
+int64_t solve_real(int64_t n, int64_t r, double *a, double *b);
+int64_t solve_complex(int64_t count, int64_t n, int64_t r, const double *a, double *b, int64_t *rows,
+                      double *room);
+int64_t eigenvalues(int64_t n, double *a, double *real, double *imaginary);
 #endif

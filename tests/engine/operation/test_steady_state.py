@@ -504,7 +504,8 @@ def test_the_peak_of_a_heavily_damped_mode_is_swept(zeta):
     """Largest at f √(1 − 2ζ²), there T J2/(J1+J2) / (2ζ √(1 − ζ²)): the textbook peak of one mode."""
     _, steady = run(two_disks(zeta))
     (row,) = (r for r in steady.rows if r.mode is None)
-    assert row.frequency == pytest.approx(50.0 * math.sqrt(1.0 - 2.0 * zeta**2), rel=1e-9)
+    # the top is flat: rounding of the torque moves it by the root of that
+    assert row.frequency == pytest.approx(50.0 * math.sqrt(1.0 - 2.0 * zeta**2), rel=2e-8)
     peak = 7.0 * 4.0 / 16.0 / (2.0 * zeta * math.sqrt(1.0 - zeta**2))
     assert row.torque == pytest.approx(peak, rel=1e-9)
 

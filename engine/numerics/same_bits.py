@@ -1,0 +1,514 @@
+"""Arithmetic that gives the same 64 bits on every machine.
+
+Sums, products, quotients and square roots of doubles are the same everywhere. What is not: sine, exponential and the
+like (each C library rounds them in its own way, and numpy has others for vector units), sums of products (BLAS orders
+them by the processor; some compilers fuse product and sum), products, quotients and magnitudes of complex numbers
+(numpy fuses them where it can), and LAPACK, which is built on those. Here are the same functions from the compiled
+library, in one fixed order. A test (`tests/boundaries/test_machine_functions.py`) keeps the others out of the engine.
+
+Of numpy, order and rounding of `sum`, `cumsum`, `mean` and of every elementwise + − × ÷ √ are fixed.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from engine.arrays import Complexes, Floats
+from engine.errors import InternalError
+from engine.stepping.library import address, ffi, library
+
+__all__ = [
+    "atan2",
+    "cos",
+    "eigenvalues",
+    "exp",
+    "hypot",
+    "interp",
+    "log",
+    "matrix_exponential",
+    "norm",
+    "power",
+    "product",
+    "singular_values",
+    "sin",
+    "solve",
+    "svd",
+    "times",
+    "total",
+]
+
+#: A number or an array of them.
+Numbers = TypeVar("Numbers", float, Floats)
+#: Matrices with more rows, columns and terms of each sum than this go to BLAS: they are not of 64 stations.
+LARGE = 512
+#: Degree 13 of the Padé approximation of the exponential serves up to this norm.
+#: Higham, SIAM J. Matrix Anal. Appl. 26 (2005) 1179-1193, Table 2.3 and (2.3).
+PADE_NORM = 5.371920351148152
+PADE = (
+    64764752532480000.0, 32382376266240000.0, 7771770303897600.0, 1187353796428800.0, 129060195264000.0,
+    10559470521600.0, 670442572800.0, 33522128640.0, 1323241920.0, 40840800.0, 960960.0, 16380.0, 182.0, 1.0,
+)  # fmt: skip
+
+
+# --- functions of numbers -------------------------------------------------------------------------
+
+
+def _values(which: int, x: Any, y: Any = None) -> Any:
+    """A function of numbers or of arrays of one shape; a float of a number."""
+    if isinstance(x, (float, int)) and (y is None or isinstance(y, (float, int))):
+        one, other, found = (
+            ffi.new("double *", x),
+            ffi.new("double *", 0.0 if y is None else y),
+            ffi.new("double *"),
+        )
+        library.function_values(which, 1, one, 0, other, 0, found)
+        return float(found[0])
+    a = np.asarray(x, dtype=np.float64, order="C")
+    b = a if y is None else np.asarray(y, dtype=np.float64, order="C")
+    shape = np.shape(x) if y is None else np.broadcast_shapes(np.shape(x), np.shape(y))
+    steps = [int(np.size(v) > 1) for v in (a, b)]
+    if any(step and v.shape != shape for step, v in zip(steps, (a, b), strict=True)):
+        a, b = (np.ascontiguousarray(np.broadcast_to(v, shape)) for v in (a, b))
+        steps = [1, 1]
+    out = np.empty(shape)
+    library.function_values(
+        which, out.size, address(a), steps[0], address(b), steps[1], address(out)
+    )
+    return out if shape else float(out)
+
+
+def sin(x: Numbers) -> Numbers:
+    """Sine, within one unit in the last place."""
+    return _values(library.SINE, x)  # type: ignore[no-any-return]
+
+
+def cos(x: Numbers) -> Numbers:
+    """Cosine, within one unit in the last place."""
+    return _values(library.COSINE, x)  # type: ignore[no-any-return]
+
+
+def exp(x: Numbers) -> Numbers:
+    """Exponential, within one unit in the last place."""
+    return _values(library.EXPONENTIAL, x)  # type: ignore[no-any-return]
+
+
+def log(x: Numbers) -> Numbers:
+    """Natural logarithm, within one unit in the last place."""
+    return _values(library.LOGARITHM, x)  # type: ignore[no-any-return]
+
+
+def power(x: Numbers, y: Any) -> Numbers:
+    """x to the power y, for x not negative, within one unit in the last place."""
+    return _values(library.POWER, x, y)  # type: ignore[no-any-return]
+
+
+def atan2(y: Numbers, x: Numbers) -> Numbers:
+    """Angle of the point (x, y), within one unit in the last place."""
+    return _values(library.ARCTANGENT, y, x)  # type: ignore[no-any-return]
+
+
+def hypot(x: Numbers, y: Numbers) -> Numbers:
+    """√(x² + y²), within one unit in the last place."""
+    return _values(library.HYPOTENUSE, x, y)  # type: ignore[no-any-return]
+
+
+def interp(x: Any, points: ArrayLike, values: ArrayLike) -> Any:
+    """Straight lines between points, held outside them; a float of a number.
+
+    Parameters
+    ----------
+    x : float or ndarray, shape (n,)
+        Where. [any]
+    points, values : array_like, shape (n_points,)
+        Rising points, and the values there. [any]
+
+    Returns
+    -------
+    float or ndarray, shape (n,)
+        The values in between. [any]
+    """
+    at = np.asarray(x, dtype=np.float64, order="C")
+    p, v = (np.asarray(a, dtype=np.float64, order="C") for a in (points, values))
+    if not len(p) or len(p) != len(v):
+        raise InternalError(f"{len(p)} points and {len(v)} values to interpolate between")
+    out = np.empty(at.shape)
+    library.interpolate(at.size, address(at), len(p), address(p), address(v), address(out))
+    return out if out.shape else float(out)
+
+
+def total(numbers: Iterable[float]) -> float:
+    """Sum in the order given. (The built-in `sum` corrects its rounding from Python 3.12 on.)
+
+    Parameters
+    ----------
+    numbers : iterable of float
+        Numbers. [any]
+
+    Returns
+    -------
+    float
+        Their sum. [any]
+    """
+    result = 0.0
+    for number in numbers:
+        result += number
+    return result
+
+
+def times(a: Complexes, b: Complexes) -> Complexes:
+    """Product of complex arrays, both with imaginary parts, element by element."""
+    out = np.empty(np.broadcast_shapes(a.shape, b.shape), dtype=np.complex128)
+    out.real = a.real * b.real - a.imag * b.imag
+    out.imag = a.real * b.imag + a.imag * b.real
+    return out
+
+
+def inverse(a: Complexes) -> Complexes:
+    """1/a of complex numbers, element by element."""
+    size = a.real * a.real + a.imag * a.imag
+    return np.asarray(a.real / size - 1j * (a.imag / size))
+
+
+def modulus(a: Any) -> Any:
+    """Magnitude of complex or real numbers, element by element."""
+    return hypot(a.real, a.imag) if np.iscomplexobj(a) else np.abs(a)
+
+
+def square(x: float) -> float:
+    """x². (`x**2` of a number is a power of the C library; of an array it is this.)
+
+    Parameters
+    ----------
+    x : float
+        Number. [any]
+
+    Returns
+    -------
+    float
+        Its square. [any]
+    """
+    return x * x
+
+
+def fourth(x: float) -> float:
+    """x⁴.
+
+    Parameters
+    ----------
+    x : float
+        Number. [any]
+
+    Returns
+    -------
+    float
+        Its fourth power. [any]
+    """
+    return (x * x) * (x * x)
+
+
+def doublings(x: float) -> int:
+    """How often one has to be doubled to reach x: the least k ≥ 0 with 2^k ≥ x.
+
+    Parameters
+    ----------
+    x : float
+        Positive number. [1]
+
+    Returns
+    -------
+    int
+        Doublings. [count]
+    """
+    mantissa, exponent = math.frexp(x)
+    return max(exponent - (mantissa == 0.5), 0)
+
+
+def fading_sum(values: Floats, share: float) -> Floats:
+    """Each value and what is left of those before it.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        One after the other. [any]
+    share : float
+        What is left of a value when the next one comes. [1]
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        Sums. [any]
+    """
+    out = np.array(values, dtype=np.float64)
+    library.fading_sum(len(out), share, address(out))
+    return out
+
+
+# --- matrices -------------------------------------------------------------------------------------
+
+
+def _place(a: Any) -> Any:
+    """Pointer to the first number of an array with any steps between its numbers; it does not keep it alive."""
+    return ffi.cast("double *", a.__array_interface__["data"][0])
+
+
+def product(a: Any, b: Any) -> Any:
+    """Matrix product `a @ b` of vectors and matrices, each entry summed in the order of its index.
+
+    Parameters
+    ----------
+    a, b : ndarray, shapes (m, k) or (k,), and (k, n) or (k,)
+        Real or complex. [any]
+
+    Returns
+    -------
+    ndarray or float, shape (m, n)
+        Without the axis that a vector lacks. [any]
+    """
+    if a.dtype.kind == "c" or b.dtype.kind == "c":
+        return _complex_product(a, b)
+    left = a if a.ndim == 2 else a[None]
+    right = b if b.ndim == 2 else b[:, None]
+    (m, k), (inner, n) = left.shape, right.shape
+    if k != inner:
+        raise InternalError(f"a product of shapes {a.shape} and {b.shape}")
+    if min(m, n, k) > LARGE:
+        return np.matmul(a, b)
+    if left.dtype != np.float64 or right.dtype != np.float64:
+        left, right = left.astype(np.float64), right.astype(np.float64)
+    out = np.empty((m, n))
+    library.product(
+        m, n, k, _place(left), left.strides[0] // 8, left.strides[1] // 8,
+        _place(right), right.strides[0] // 8, right.strides[1] // 8, _place(out),
+    )  # fmt: skip
+    if a.ndim == b.ndim == 2:
+        return out
+    return out.reshape(a.shape[:-1] + b.shape[1:]) if a.ndim + b.ndim > 2 else float(out[0, 0])
+
+
+def _complex_product(a: Any, b: Any) -> Any:
+    """Of matrices of which at least one is complex, from products of their parts."""
+    real = product(a.real, b.real)
+    out = np.empty(np.shape(real), dtype=np.complex128)
+    if a.dtype.kind != "c" or b.dtype.kind != "c":
+        out.real = real
+        out.imag = product(a, b.imag) if b.dtype.kind == "c" else product(a.imag, b)
+    else:
+        out.real = real - product(a.imag, b.imag)
+        out.imag = product(a.real, b.imag) + product(a.imag, b.real)
+    return out
+
+
+def along_first(a: Any, b: Any) -> Any:
+    """Sum over the last axis of `a`, a matrix or a vector, and the first of `b`, which has any others."""
+    flat = b.reshape(len(b), math.prod(b.shape[1:]))
+    return product(a, flat).reshape(a.shape[:-1] + b.shape[1:])
+
+
+def norm(vector: Floats) -> float:
+    """Length of a vector.
+
+    Parameters
+    ----------
+    vector : ndarray, shape (n,)
+        Vector. [any]
+
+    Returns
+    -------
+    float
+        Root of the sum of its squares. [any]
+    """
+    return math.sqrt(product(vector, vector))
+
+
+def solve(a: Any, b: Any) -> Any:
+    """Solution x of a x = b by elimination with row pivoting.
+
+    A complex one is corrected once by its residual.
+
+    Parameters
+    ----------
+    a : ndarray, shape (n, n) or, complex, (count, n, n)
+        Matrices. [any]
+    b : ndarray, shape (n, r) or, complex, (count, n, r)
+        Right-hand sides. [any]
+
+    Returns
+    -------
+    ndarray, shape of b
+        Solutions. [any]
+
+    Raises
+    ------
+    InternalError
+        If a pivot is zero.
+    """
+    x = np.array(b, dtype=a.dtype, order="C")
+    n, r = x.shape[-2:]
+    if a.dtype.kind == "c":
+        systems = np.ascontiguousarray(a)
+        rows, room = np.empty(n, dtype=np.int64), np.empty(2 * n * n + 4 * n * r)
+        count = x.size // (n * r) if x.size else 0
+        solved = library.solve_complex(
+            count, n, r, _place(systems), _place(x), address(rows, "int64_t"), address(room)
+        )
+    else:
+        factors = np.array(a, dtype=np.float64, order="C")
+        solved = library.solve_real(n, r, address(factors), address(x))
+    if not solved:
+        raise InternalError("linear equations without a solution: a pivot is zero")
+    return x
+
+
+def svd(a: Floats) -> tuple[Floats, Floats, Floats]:
+    """Singular value decomposition by one-sided Jacobi rotations, values falling.
+
+    Rows sorted by size, QR with column pivoting, then rotations of the rows of R until they are orthogonal:
+    accurate to the rounding of each entry also where rows and columns are scaled by many powers of ten.
+
+    Parameters
+    ----------
+    a : ndarray, shape (m, n)
+        Matrix. [any]
+
+    Returns
+    -------
+    left : ndarray, shape (m, min(m, n))
+        Left singular vectors. [1]
+    sigma : ndarray, shape (min(m, n),)
+        Singular values. [any]
+    right : ndarray, shape (n, min(m, n))
+        Right singular vectors. [1]
+
+    Raises
+    ------
+    InternalError
+        If the rotations do not converge.
+
+    References
+    ----------
+    Demmel & Veselić, "Jacobi's method is more accurate than QR", SIAM J. Matrix Anal. Appl. 13 (1992) 1204-1245;
+    Drmač & Veselić, "New fast and accurate Jacobi SVD algorithm I", SIAM J. Matrix Anal. Appl. 29 (2008) 1322-1342.
+    """
+    wide = a.shape[0] < a.shape[1]
+    tall = a.T if wide else a
+    m, n = tall.shape
+    size = np.max(np.abs(tall), axis=1, initial=0.0)
+    unit = math.ldexp(1.0, math.frexp(float(np.max(size, initial=0.0)))[1])  # no square overflows
+    rows = np.argsort(-size, kind="stable")
+    columns = np.ascontiguousarray((tall[rows] / unit).T)
+    left, sigma, right = np.empty((n, m)), np.empty(n), np.empty((n, n))
+    order, room = np.empty(n, dtype=np.int64), np.empty(2 * n * (n + 1))
+    converged = library.jacobi_svd(
+        m, n, *map(address, (columns, left, sigma, right)), address(order, "int64_t"), address(room)
+    )
+    if not converged or not np.all(np.isfinite(sigma)):
+        raise InternalError("the Jacobi SVD did not converge")
+    falling = np.argsort(-sigma, kind="stable")
+    u = np.empty((m, n))
+    u[rows] = left[falling].T
+    v = np.ascontiguousarray(right[falling].T)
+    return (v, sigma[falling] * unit, u) if wide else (u, sigma[falling] * unit, v)
+
+
+def right_basis(a: Floats, rank: int) -> tuple[Floats, Floats]:
+    """All right singular vectors, also those of values that are zero, and the values, falling.
+
+    Parameters
+    ----------
+    a : ndarray, shape (m, n)
+        Matrix. [any]
+    rank : int
+        Number of its values that are not zero. [count]
+
+    Returns
+    -------
+    sigma : ndarray, shape (n,)
+        Singular values, zero from `rank` on. [any]
+    right : ndarray, shape (n, n)
+        Orthonormal columns. [1]
+    """
+    n = a.shape[1]
+    _, sigma, right = svd(np.concatenate([a, np.zeros((max(n - len(a), 0), n))]))
+    sigma[rank:] = 0.0
+    if rank < n:  # what the others leave of the space
+        rest = np.eye(n) - product(right[:, :rank], right[:, :rank].T)
+        right[:, rank:] = svd(rest)[0][:, : n - rank]
+    return sigma, right
+
+
+def singular_values(a: Floats) -> Floats:
+    """Singular values by one-sided Jacobi rotations.
+
+    Parameters
+    ----------
+    a : ndarray, shape (m, n)
+        Matrix. [any]
+
+    Returns
+    -------
+    ndarray, shape (min(m, n),)
+        Values, falling. [any]
+    """
+    return svd(a)[1]
+
+
+def eigenvalues(a: Floats) -> Complexes:
+    """Eigenvalues of a real matrix by the QR algorithm with double shifts.
+
+    Parameters
+    ----------
+    a : ndarray, shape (n, n)
+        Real matrix. [any]
+
+    Returns
+    -------
+    ndarray of complex, shape (n,)
+        Eigenvalues. [any]
+
+    Raises
+    ------
+    InternalError
+        If it does not converge.
+    """
+    n = len(a)
+    falling = np.argsort(-np.max(np.abs(a), axis=1, initial=0.0), kind="stable")
+    matrix = np.ascontiguousarray(a[np.ix_(falling, falling)])  # so small ones keep their digits
+    real, imaginary = np.empty((2, n))
+    if not library.eigenvalues(n, *map(address, (matrix, real, imaginary))):
+        raise InternalError("the QR algorithm did not converge")
+    return real + 1j * imaginary
+
+
+def matrix_exponential(a: Floats) -> Floats:
+    """Exponential of a square matrix: Padé approximation of degree 13 of the matrix halved so often, squared again.
+
+    Parameters
+    ----------
+    a : ndarray, shape (n, n)
+        Real matrix. [1]
+
+    Returns
+    -------
+    ndarray, shape (n, n)
+        Its exponential. [1]
+    """
+    size = float(np.max(np.abs(a).sum(axis=0), initial=0.0))
+    halvings = max(math.frexp(size / PADE_NORM)[1], 0)
+    a = a * math.ldexp(1.0, -halvings)
+    two = product(a, a)
+    four = product(two, two)
+    six = product(two, four)
+    c, eye = PADE, np.eye(len(a))
+    odd = product(six, c[13] * six + c[11] * four + c[9] * two)
+    odd = product(a, odd + c[7] * six + c[5] * four + c[3] * two + c[1] * eye)
+    even = product(six, c[12] * six + c[10] * four + c[8] * two)
+    even = even + c[6] * six + c[4] * four + c[2] * two + c[0] * eye
+    found = solve(even - odd, even + odd)
+    for _ in range(halvings):
+        found = product(found, found)
+    return np.asarray(found)
