@@ -25,12 +25,16 @@ MINUTES := 10
 # More words for the lock: make lock LOCK="--upgrade"
 LOCK :=
 
+# A checkout to measure beside, and more words for its measurement: make goals OTHER=/tmp/old GOALS="--only warm"
+OTHER :=
+GOALS :=
+
 # Trials of each class, or trains: make calibration-study TRIALS=200
 TRIALS :=
 
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help demo test test-machines explore check format bench calibration-study sensitivity-study mutations generated templates wheel wheels same-bits sanitize smoke lock clean distclean moved
+.PHONY: help demo test test-machines explore check format bench goals calibration-study sensitivity-study mutations generated templates wheel wheels same-bits sanitize smoke lock clean distclean moved
 
 help:
 	@echo "make demo           recalculate two example workbooks into build/demo"
@@ -40,6 +44,7 @@ help:
 	@echo "make check          style, formatting and types"
 	@echo "make format         put the formatting right"
 	@echo "make bench          time and accuracy, side by side with other programs"
+	@echo "make goals          the goals of the compiled loops, beside a checkout of 011f76f (OTHER=/path/to/it)"
 	@echo "make calibration-study  how often the intervals of a calibration hold the truth (TRIALS=1000)"
 	@echo "make sensitivity-study  how often the stated errors of sensitivities hold (TRIALS=100)"
 	@echo "make mutations      calculate spoiled cases: named problems or finite results (CASES=20000)"
@@ -80,6 +85,10 @@ format: $(DEV_READY) $(LOOPS)
 
 bench: $(DEV_READY) $(LOOPS)
 	$(PY) -m benchmarks
+
+goals: $(DEV_READY) $(LOOPS)
+	@test -n "$(OTHER)" || { echo "Name a checkout of 011f76f in which make demo has run: make goals OTHER=/path/to/it" >&2; exit 2; }
+	$(PY) -m benchmarks.goals_beside $(OTHER) $(GOALS)
 
 calibration-study: $(DEV_READY) $(LOOPS)
 	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(PY) -m benchmarks.calibration_coverage $(TRIALS:%=--cases %)

@@ -110,10 +110,12 @@ def _measure(args: argparse.Namespace, workers: list[Worker], absent: list[Absen
     found["growth"] = list(start.growth(rounds, args.quick))
     _tell("starts with backlash, alone and beside ROSS")
     found["teeth"] = list(backlash_speed.compare_starts_with_events(rounds))
-    found["pair"] = list(backlash_speed.compare_pair(workers, rounds, args.quick))
+    found["pair"] = backlash_speed.compare_pair(workers, rounds, args.quick)
     _tell("how cost grows")
     found["loops"] = scaling.loop_times(rounds, args.quick)
     found["basis"] = scaling.basis_times(rounds, args.quick)
+    found["sizes"] = scaling.size_rows(args.quick)
+    found["clearances"] = scaling.clearance_rows(args.quick)
     found["memory"] = scaling.memory_of_long_starts()
     _tell("whole recalculation")
     repeats = 3 if args.quick else 15

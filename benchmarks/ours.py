@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.problems import Chain, Sweep
-from engine.case.case import Case
+from engine.case.data import CaseData
 from engine.model.build_train import build_train
 from engine.model.load import loads_of
 from engine.model.modal_train import ModalTrain
@@ -51,7 +51,7 @@ class PreparedStart:
 
     Parameters
     ----------
-    case : Case
+    case : CaseData
         The case. [SI]
     train, modes, damping : Train, Modes, ModalDamping
         Its train. [SI]
@@ -63,7 +63,7 @@ class PreparedStart:
         Speed at which it ends. [rad/s]
     """
 
-    case: Case
+    case: CaseData
     train: Train
     modes: Modes
     damping: ModalDamping
@@ -77,9 +77,10 @@ class PreparedStart:
         return np.asarray((weighted * self.damping.rate) @ weighted.T)
 
 
-def prepare_start(case: Case, tolerance: float | None = None) -> PreparedStart:
+def prepare_start(case: CaseData, tolerance: float | None = None) -> PreparedStart:
     """Modes, curves and kept modes of a start, as `run_start` prepares them."""
-    case = case if tolerance is None else replace(case, tolerance_peak=tolerance)
+    if tolerance is not None:  # finer than what may be typed, so that every mode is kept
+        case = replace(CaseData(**vars(case)), tolerance_peak=tolerance)
     settings = settings_of(case)
     found = natural_modes(case)
     train, modes = found.train, found.modes

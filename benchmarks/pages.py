@@ -7,13 +7,14 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks import report
-from benchmarks.goals import OURS, TARGETS, goals_of
+from benchmarks.goals import TARGETS
+from benchmarks.goals_beside import goals_section, kept_lines
 from benchmarks.modes import OURS as OURS_MODES
 from benchmarks.modes import OURS_ALL
 from benchmarks.peers import Absent, Worker
 from benchmarks.plots import draw_error_against_time, draw_modes
 from benchmarks.report import Section
-from benchmarks.response import points_of
+from benchmarks.response import OURS_ALIKE, OURS_FUNCTION, points_of
 from benchmarks.start import EXPONENTIAL, start_points
 from benchmarks.study_pages import draw_effects, effect_goals, effect_sections
 
@@ -71,22 +72,17 @@ def _sections(
     workers: Sequence[Worker],
     absent: Sequence[Absent],
 ) -> list[Section]:
-    goals = goals_of(
-        responses,
-        starts,
-        found["whole_start"],
-        found["stages"]["threads as found"],
-        found["programs"],
-    )
     machine = report.machine_line(found["machine"], found["busy"])
+    kept = kept_lines()
     return [
+        *([goals_section(kept)] if kept else []),
         Section(
-            "Goals and what was reached",
-            "Made by `python -m benchmarks --write-docs`; printed by `make bench`. Times are "
+            "How it was measured",
+            "All below is made by `python -m benchmarks --write-docs`; printed by `make bench`. Times are "
             "medians of calls that take turns in one run, after a warm-up; they are shown, never "
             "tested. Compare ratios, not milliseconds: another machine has others.\n\n"
             f"{machine}\n\n{_peers_line(workers, absent)}",
-            (report.goals_table([*goals, *effect_goals(found)]),),
+            (report.goals_table(effect_goals(found)),),
         ),
         Section(
             "Natural frequencies",
@@ -106,16 +102,17 @@ def _sections(
             "120 Hz to 0. The reference is the matrix exponential in twists and speeds with "
             f"8-point Gauss quadrature each 0.1 ms ({report.error(found['response_consistency'])} "
             "from itself at half the step with 12 points). Every program starts from its "
-            "assembled model; ours includes the modes. The peers get the torque as samples made "
-            "beforehand; the time to sample is not counted for them and is for us. openTorsion "
-            "holds each sample over the step: half a step late unless its user shifts the "
-            "samples, which is why it appears twice. Errors are taken everywhere on a grid of "
-            "0.1 ms, between samples by our own dense output and for the peers by a cubic spline. "
-            "ROSS's Newmark compares residuals of absolute angles with 1e-6 N·m by default, which "
-            "rounding exceeds once the train turns: where it fails, a looser tolerance helps. "
-            "Where peers are interpolated by a spline, that is their best case.",
+            "assembled model; ours includes the modes. **Alike**: every program gets the same samples of the torque, made "
+            "beforehand; ours and ROSS join them by straight lines, openTorsion holds each over the step, so that "
+            "its answer is half a step late and is read half a step earlier here (in a line of its own as it answers). "
+            "**As a function**: ours gets the torque as a function of time and evaluates it where it needs to; no peer "
+            "can, so this is what a user of this program saves, and no comparison of programs. "
+            "Errors are taken everywhere on a grid of "
+            "0.1 ms, between samples by our own dense output and for the peers by a cubic spline, which is their "
+            "best case. ROSS's Newmark compares residuals of absolute angles with 1e-6 N·m by default, which "
+            "rounding exceeds once the train turns: where it fails, a looser tolerance helps.",
             (
-                report.at_equal_error(responses, OURS, TARGETS),
+                report.at_equal_error(responses, OURS_ALIKE, TARGETS, OURS_FUNCTION),
                 report.response_table(found["responses"]),
             ),
             ((RESPONSE_PICTURE, "Error against time, prescribed torque"),),

@@ -25,6 +25,8 @@ __all__ = [
 ]  # fmt: skip
 
 NONE = "–"
+#: Tables whose cells are words more than numbers: aligned to the left.
+WORDS = {"Goals", "Other goals"}
 
 
 @dataclass(frozen=True)
@@ -74,7 +76,7 @@ def ratio(value: float) -> str:
 
 def goals_table(goals: Sequence[Goal]) -> Table:
     rows = tuple((g.wanted, g.measured, g.verdict) for g in goals)
-    return Table("Goals", ("Goal", "Measured", "Met"), rows)
+    return Table("Other goals", ("Goal", "Measured", "Met"), rows)
 
 
 def modes_tables(rows: Sequence[ModesRow]) -> tuple[Table, ...]:
@@ -122,25 +124,28 @@ def _short(failure: str | None) -> str:
 
 
 def at_equal_error(
-    points: Mapping[str, Sequence[Point]], ours: str, targets: Sequence[float]
+    points: Mapping[str, Sequence[Point]],
+    ours: str,
+    targets: Sequence[float],
+    beside: str | None = None,
 ) -> Table:
-    """Time of each method at the same error, and how many times ours it is."""
+    """Time of each method at the same error, and how many times ours it is; `beside` is a second base for that."""
     lines = []
-    base = {t: time_at(t, points[ours])[0] for t in targets}
+    bases = [ours, *([beside] if beside else [])]
     for label, found in points.items():
         cells = []
         for target in targets:
             seconds, how = time_at(target, found)
             if how == "–":
-                cells += [f"not reached ({error(min(p.error for p in found))})", NONE]
+                cells += [f"not reached ({error(min(p.error for p in found))})", *(NONE for _ in bases)]  # fmt: skip
                 continue
-            sign = "≤ " if how == "≤" else ""
-            times = "1" if label == ours else ratio(seconds / base[target])
-            cells += [f"{sign}{milliseconds(seconds)}", times]
+            cells.append(f"{'≤ ' if how == '≤' else ''}{milliseconds(seconds)}")
+            cells += [ratio(seconds / time_at(target, points[base])[0]) for base in bases]
         lines.append((label, *cells))
     columns = ["Method"]
     for target in targets:
-        columns += [f"ms at {target:.0e}".replace("e-0", "e-"), "over ours"]
+        over = ["over ours"] if beside is None else ["over ours alike", "over ours as a function"]
+        columns += [f"ms at {target:.0e}".replace("e-0", "e-"), *over]
     note = (
         "Interpolated between steps. ≤: the coarsest step tried is better than that already. "
         "Not reached: with the smallest error of all steps tried."
@@ -228,7 +233,7 @@ def machine_line(facts: Mapping[str, str], busy: float) -> str:
         f"{facts['cores']} cores, {facts['system']}, Python {facts['python']}, numpy "
         f"{facts['numpy']}, scipy {facts['scipy']}, loops by {facts['loops']}; linear algebra on one "
         f"thread. Nine tenths of the medians have at most {busy:.2f} s of wall time a second of "
-        "processor time; where nothing else runs it is 1."
+        f"processor time; where nothing else runs it is 1. The load was {facts['load']}."
     )
 
 
@@ -256,8 +261,13 @@ def write_markdown(path: Path, title: str, sections: Sequence[Section]) -> None:
             lines += [f"![{what}](images/{name})", ""]
         for table in section.tables:
             lines += [f"**{table.title}**", ""]
+            words = table.title in WORDS
             lines.append("| " + " | ".join(table.columns) + " |")
-            lines.append("|" + "|".join(["---", *["--:"] * (len(table.columns) - 1)]) + "|")
+            lines.append(
+                "|"
+                + "|".join(["---", *["---" if words else "--:"] * (len(table.columns) - 1)])
+                + "|"
+            )
             lines += ["| " + " | ".join(row) + " |" for row in table.rows]
             lines.append("")
             if table.note:

@@ -6,9 +6,11 @@ import json
 import os
 import subprocess
 import sys
+import time
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -19,11 +21,16 @@ from benchmarks.peers import single_threaded
 from benchmarks.problems import random_chain, start_of_size
 from engine.case.data import CaseData, LoadTorqueRow
 
-__all__ = ["LoopRow", "MemoryRow", "basis_times", "exponent", "loop_times", "memory_of_long_starts"]
+__all__ = [
+    "ClearanceRow", "LoopRow", "MemoryRow", "SizeRow", "basis_times", "clearance_rows", "exponent",
+    "loop_times", "memory_of_long_starts", "size_rows",
+]  # fmt: skip
 
 ROOT = Path(__file__).resolve().parents[1]
 #: Stations of the time loop, and of the basis.
 LOOP_SIZES, BASIS_SIZES = (10, 20, 40, 80, 160), (5, 10, 20, 50, 100, 200, 500, 1000)
+#: Stations of trains whose modes take gigabytes, and elements with clearance.
+LARGE_SIZES, CLEARANCES = (1000, 2000, 5000), (0, 1, 2, 3, 4, 5, 6, 7, 8)
 #: Voltages at which the start takes longer and longer.
 VOLTAGES = (1.0, 0.77, 0.65, 0.62)
 STEP = 7.5e-4
@@ -78,6 +85,45 @@ class MemoryRow:
     peak: float
 
 
+@dataclass(frozen=True)
+class SizeRow:
+    """All modes of one train, in a process of its own.
+
+    Parameters
+    ----------
+    stations : int
+        Its size. [count]
+    seconds, peak : float
+        Processor time, and largest resident memory. [s, B]
+    """
+
+    stations: int
+    seconds: float
+    peak: float
+
+
+@dataclass(frozen=True)
+class ClearanceRow:
+    """A start with several clearances in series.
+
+    Parameters
+    ----------
+    clearances, steps, impacts : int
+        How many, steps of the finest simulation, impacts of all. [count]
+    seconds, estimated_error : float
+        Processor time of one run, and what it says of itself. [s, 1]
+    told : str
+        ``met``, ``not met`` or ``sensitive``. [words]
+    """
+
+    clearances: int
+    steps: int
+    impacts: int
+    seconds: float
+    estimated_error: float
+    told: str
+
+
 def loop_times(rounds: int, quick: bool) -> tuple[list[LoopRow], list[LoopRow]]:
     """The time loop with more modes; and with a longer start."""
     sizes = LOOP_SIZES[:3] if quick else LOOP_SIZES
@@ -108,6 +154,42 @@ def basis_times(rounds: int, quick: bool) -> dict[int, Timing]:
     return {int(key): d.timing for key, d in done.items() if d.timing is not None}
 
 
+def size_rows(quick: bool) -> list[SizeRow]:
+    """Time and memory of all modes of long trains."""
+    sizes = LARGE_SIZES[:1] if quick else LARGE_SIZES
+    return [SizeRow(**_in_a_process("modes", str(n))) for n in sizes]
+
+
+def _measure_modes(stations: int) -> SizeRow:
+    chain = random_chain(stations)
+    began = time.process_time()
+    build_and_solve(chain)
+    return SizeRow(stations, time.process_time() - began, most_resident())
+
+
+def clearance_rows(quick: bool) -> list[ClearanceRow]:
+    """The linear start of the example, and starts with more and more clearances; each once."""
+    from benchmarks.backlash_speed import with_clearances
+    from engine.case.effect import StartEffects
+    from engine.model.modal_analysis import analyse
+    from engine.run import calculate_start
+
+    rows = []
+    for count in CLEARANCES[:3] if quick else CLEARANCES:
+        case, names = with_clearances(count)
+        model = analyse(case).reported
+        began = time.process_time()
+        start = calculate_start(case, model, StartEffects(), None)
+        if names:
+            began = time.process_time()
+            start = calculate_start(case, model, StartEffects(clearances=names), start)
+        spent = time.process_time() - began
+        told = "sensitive" if start.is_sensitive else "met" if start.met_tolerance else "not met"
+        steps, impacts = start.trajectory.n_steps, sum(c.impacts for c in start.contacts)
+        rows.append(ClearanceRow(count, steps, impacts, spent, start.estimated_error, told))
+    return rows
+
+
 def exponent(sizes: Sequence[float], seconds: Sequence[float]) -> float:
     """Slope of a straight line through the logarithms."""
     return float(np.polyfit(np.log(sizes), np.log(seconds), 1)[0])
@@ -115,18 +197,20 @@ def exponent(sizes: Sequence[float], seconds: Sequence[float]) -> float:
 
 def memory_of_long_starts(long: float = LONG) -> list[MemoryRow]:
     """Peak memory of a long start, linear and with backlash, each in a process of its own."""
-    rows = []
-    for what in ("linear", "backlash"):
-        said = subprocess.run(
-            [sys.executable, "-m", "benchmarks.scaling", what, str(long)],
-            capture_output=True,
-            text=True,
-            check=True,
-            cwd=ROOT,
-            env=os.environ | single_threaded(),
-        )
-        rows.append(MemoryRow(**json.loads(said.stdout.splitlines()[-1])))
-    return rows
+    return [MemoryRow(**_in_a_process(what, str(long))) for what in ("linear", "backlash")]
+
+
+def _in_a_process(*words: str) -> dict[str, Any]:
+    """One row of this module, measured in a fresh process."""
+    said = subprocess.run(
+        [sys.executable, "-m", "benchmarks.scaling", *words],
+        capture_output=True,
+        text=True,
+        check=True,
+        cwd=ROOT,
+        env=os.environ | single_threaded(),
+    )
+    return dict(json.loads(said.stdout.splitlines()[-1]))
 
 
 def _measure_memory(what: str, long: float) -> MemoryRow:
@@ -149,10 +233,10 @@ def _measure_memory(what: str, long: float) -> MemoryRow:
             start = calculate_start(held, model, effects, start)
         return start.outcome.time, start.trajectory.n_steps
 
-    calculate(0.5)  # compiles, loads what is needed
+    calculate(0.5)  # loads what is needed
     before = most_resident()
-    time, steps = calculate(long)
-    return MemoryRow(what, time, steps, before, most_resident())
+    simulated, steps = calculate(long)
+    return MemoryRow(what, simulated, steps, before, most_resident())
 
 
 def _stalling(case: CaseData) -> tuple[LoadTorqueRow, ...]:
@@ -161,5 +245,6 @@ def _stalling(case: CaseData) -> tuple[LoadTorqueRow, ...]:
 
 
 if __name__ == "__main__":
-    row = _measure_memory(sys.argv[1], float(sys.argv[2]))
-    print(json.dumps(row.__dict__))
+    what, size = sys.argv[1:]
+    row = _measure_modes(int(size)) if what == "modes" else _measure_memory(what, float(size))
+    print(json.dumps(asdict(row)))

@@ -12,6 +12,7 @@ from benchmarks.measure import Point, Timing, interleave, local, on_grid, trajec
 from benchmarks.ours import PreparedStart, prepare_start, run_steps
 from benchmarks.problems import long_start, start_of_size
 from benchmarks.references import Curves, exact_start
+from engine.model.modal_train import ModalTrain
 from engine.start.start import Start, run_start
 
 __all__ = [
@@ -128,7 +129,7 @@ def whole_start(exact: Curves, rounds: int) -> WholeStart:
     start = prepare_start(long_start())
 
     def whole() -> Start:
-        return run_start(start.case, start)
+        return run_start(start.case, ModalTrain(start.train, start.modes, start.damping))
 
     step = whole().step
     done = interleave(

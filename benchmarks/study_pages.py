@@ -10,12 +10,19 @@ from typing import Any
 import numpy as np
 
 from benchmarks import report
-from benchmarks.backlash_speed import OURS, THEIRS, PairRow, StartBeside, pair_points
+from benchmarks.backlash_speed import (
+    EVENTS_ALONE,
+    OURS,
+    THEIRS,
+    PairRow,
+    StartBeside,
+    pair_points,
+)
 from benchmarks.goals import Goal
 from benchmarks.measure import Timing, time_at
 from benchmarks.plots import draw_growth, draw_tolerances
 from benchmarks.report import Section, Table
-from benchmarks.scaling import MEMORY, LoopRow, MemoryRow, exponent
+from benchmarks.scaling import MEMORY, ClearanceRow, LoopRow, MemoryRow, SizeRow, exponent
 from benchmarks.study_answers import ClassSummary, Study, classes_of, sensitive_answers
 
 __all__ = ["draw_effects", "effect_goals", "effect_sections", "study_sections", "write_study"]
@@ -25,7 +32,7 @@ STUDY_PICTURE, GROWTH_PICTURE = "accuracy_study.png", "bench_growth.png"
 SHARE, RATIO = 0.99, 30.0
 #: Share of answers that may say that they are sensitive, or have no bound.
 SELDOM = 0.15
-SPEED_LIMIT, ROSS_TIMES = 10.0, 1000.0
+SPEED_LIMIT, PAIR_ERROR = 10.0, 1e-3
 #: Below so many stations the cost of a train hardly depends on them: they would flatter the fit.
 LARGE = 50
 PERCENTILES = (5, 25, 50, 75, 95)
@@ -258,7 +265,7 @@ def effect_goals(found: Mapping[str, Any]) -> list[Goal]:
         )
         for s in found["teeth"]
     ]
-    goals.append(_against_ross(found["pair"]))
+    goals.append(_against_ross(found["pair"][1]))
     modes, times = found["loops"]
     basis: Mapping[int, Timing] = found["basis"]
     of_modes = exponent([r.modes for r in modes], [r.timing.seconds for r in modes])
@@ -287,29 +294,26 @@ def effect_goals(found: Mapping[str, Any]) -> list[Goal]:
 
 
 def _against_ross(rows: Sequence[PairRow]) -> Goal:
-    wanted = "≥ 1,000 × faster per simulated second than ROSS's robust stepping at equal error"
+    wanted = "a gear pair with backlash: how much faster than ROSS's robust stepping, both 1e-3 from the reference"
     points = pair_points(list(rows))
     if THEIRS not in points:
         why = next((r.failure for r in rows if r.failure), None) or "ROSS is absent"
         return Goal(wanted, why, "–")
-    theirs = sorted(points[THEIRS], key=lambda p: -p.error)
-    ours, how = time_at(theirs[-1].error, points[OURS])
-    measured = theirs[-1].seconds / ours
-    # on to our own error along the line through its errors and times
-    ours_best = min(points[OURS], key=lambda p: p.seconds)
-    last = theirs[-3:]
-    order = exponent([p.seconds for p in last], [p.error for p in last])
-    further = theirs[-1].seconds * (ours_best.error / theirs[-1].error) ** (1.0 / order)
-    extrapolated = further / ours_best.seconds
+    theirs, reached = time_at(PAIR_ERROR, points[THEIRS])
+    best = min(points[THEIRS], key=lambda p: p.error)
+    if reached == "–":
+        ours, _ = time_at(best.error, points[OURS])
+        said = f"ROSS did not reach it; at {best.error:.1e}, the best it was run to, {report.ratio(best.seconds / ours)}"
+        return Goal(wanted, said, "–")
+    ours, how = time_at(PAIR_ERROR, points[OURS])
+    alone, _ = time_at(PAIR_ERROR, points[EVENTS_ALONE])
     sign = "≥ " if how == "≤" else ""
-    said = (
-        f"{sign}{measured:.0f} × at {theirs[-1].error:.1e}, the best it was run to; ours has "
-        f"{ours_best.error:.1e} then, at which ROSS extrapolates (error falls with time to the power of "
-        f"{order:.2f}) to {extrapolated:.2g} ×"
+    return Goal(
+        wanted,
+        f"{sign}{report.ratio(theirs / ours)} ({theirs:.3g} s against {1e3 * ours:.0f} ms with the linear start before it; "
+        f"{report.ratio(theirs / alone)} without)",
+        "–",
     )
-    if measured >= ROSS_TIMES:
-        return Goal(wanted, said, "yes")
-    return Goal(wanted, said, "extrapolated" if extrapolated >= ROSS_TIMES else "no")
 
 
 def effect_sections(found: Mapping[str, Any]) -> list[Section]:
@@ -324,20 +328,28 @@ def effect_sections(found: Mapping[str, Any]) -> list[Section]:
         ),
         Section(
             "A gear pair with backlash beside ROSS",
-            "Two gears on bearings, a shaft and a disk behind each, 45 Hz of torque straight between "
-            "knots of 1 ms that makes the teeth part. ROSS has 24 degrees of freedom; its flanks move "
-            "with the centre distance, it prescribes the speed and begins in the middle of the gap, so each "
-            "program is compared with its own finest run over the first 0.1 s. Ours includes both "
-            "simulations and the error estimate.",
-            (_pair_table(found["pair"]),),
+            "Two gears, a shaft with a damper and a disk behind each; 45 Hz of torque, straight between knots of 1 ms, "
+            "by which the teeth part and strike both flanks. What both programs can do and nothing else: gears held "
+            "sideways (in ROSS by bearings of 1e12 N/m, as its flanks move with the distance of centres), teeth without "
+            "a damper (by one, ROSS's flanks may pull and ours never do), and 0.1 s under a mean torque first, after "
+            "which it no longer matters that ROSS begins in the middle of the gap. Errors are those of the mesh force in "
+            "the second 0.1 s from a third program, which shares no code with either: the four equations of motion by "
+            "Dormand-Prince 8(5,3) at 1e-11, from knot to knot "
+            f"({report.error(found['pair'][0])} from itself at 1e-9). Peaks are those of the same window. Times are "
+            "wall times of the whole 0.2 s; ours with both simulations, the error estimate and the linear start that "
+            "comes first, and without that; ROSS's without building the model and compiling.",
+            (_pair_table(found["pair"][1]),),
         ),
         Section(
             "How cost grows",
             "The time loop at a fixed step with all modes kept; train and modes of unbranched "
-            "trains; memory of a start of 600 s in a process of its own, libraries included.",
+            "trains; starts of the example with more and more elements that have clearance; "
+            "memory of a start of 600 s in a process of its own, libraries included.",
             (
                 _loop_table(*found["loops"]),
                 _basis_table(found["basis"]),
+                _sizes_table(found["sizes"]),
+                _clearances_table(found["clearances"]),
                 _memory_table(found["memory"]),
             ),
             ((GROWTH_PICTURE, "Time of the basis against stations, of the loop against modes"),),
@@ -368,12 +380,15 @@ def _teeth_table(rows: Sequence[StartBeside]) -> Table:
 
 def _pair_table(rows: Sequence[PairRow]) -> Table:
     lines = tuple(
-        (r.label, r.setting, f"{r.seconds:.3g}", report.error(r.error), f"{1e-3 * r.peak:.2f}")
+        (
+            r.label, r.setting, str(r.steps), f"{r.seconds:.3g}", report.error(r.error),
+            f"{1e-3 * r.peak:.3f}", f"{1e-3 * r.trough:.3f}",
+        )
         if r.failure is None
-        else (r.label, "", f"fails: {r.failure}", "–", "–")
+        else (r.label, f"fails: {r.failure}", *(5 * ("–",)))
         for r in rows
-    )
-    columns = ("Program", "Setting", "s a simulated second", "Error of the mesh force", "Peak kN")
+    )  # fmt: skip
+    columns = ("Program", "Setting", "Steps", "s", "Error of the mesh force", "Largest kN", "Least kN")  # fmt: skip
     return Table("Time and error", columns, lines)
 
 
@@ -395,6 +410,25 @@ def _loop_table(modes: Sequence[LoopRow], times: Sequence[LoopRow]) -> Table:
 def _basis_table(found: Mapping[int, Timing]) -> Table:
     lines = tuple((str(n), report.milliseconds(t.seconds)) for n, t in found.items())
     return Table("Train and modes", ("Stations", "ms"), lines)
+
+
+def _sizes_table(rows: Sequence[SizeRow]) -> Table:
+    lines = tuple((str(r.stations), f"{r.seconds:.2f}", f"{r.peak / 1e6:.0f}") for r in rows)
+    columns = ("Stations", "Processor s", "Resident MB")
+    return Table("All modes of long trains, each in a process of its own", columns, lines)
+
+
+def _clearances_table(rows: Sequence[ClearanceRow]) -> Table:
+    base = rows[0].seconds
+    lines = tuple(
+        (
+            str(r.clearances), report.milliseconds(r.seconds), report.ratio(r.seconds / base),
+            str(r.steps), str(r.impacts), report.error(r.estimated_error), r.told,
+        )
+        for r in rows
+    )  # fmt: skip
+    columns = ("Clearances", "Processor ms", "Over linear", "Steps", "Impacts", "Reported error", "Tolerance")  # fmt: skip
+    return Table("A start with clearances in series", columns, lines)
 
 
 def _memory_table(rows: Sequence[MemoryRow]) -> Table:

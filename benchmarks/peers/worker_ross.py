@@ -135,10 +135,12 @@ def pair_rotor() -> Any:
             n=0, m=mass, Id=inertia, Ip=inertia, n_teeth=50, pr_angle=d["pressure_angle"],
             pitch_diameter=2.0 * d["pitch_radius"],
         )  # fmt: skip
-        shaft = ross.ShaftElement(L=1.0, idl=0.0, odl=diameter, material=light, n=0)
+        shaft = ross.ShaftElement(
+            L=1.0, idl=0.0, odl=diameter, material=light, n=0, alpha=0, beta=d["shaft_damping_time"]
+        )
         rotating = ross.DiskElement(n=1, m=mass, Id=d[f"{disk}_inertia"], Ip=d[f"{disk}_inertia"])
-        k, c = d["bearing_stiffness"], d["bearing_damping"]
-        bearings = [ross.BearingElement(n=n, kxx=k, cxx=c, kzz=k, czz=c) for n in (0, 1)]
+        k = d["bearing_stiffness"]
+        bearings = [ross.BearingElement(n=n, kxx=k, cxx=0, kzz=k, czz=0) for n in (0, 1)]
         rotors.append(ross.Rotor([shaft], [teeth, rotating], bearings))
     return ross.MultiRotor(
         *rotors,
@@ -152,18 +154,22 @@ def pair_rotor() -> Any:
     )  # fmt: skip
 
 
-def pair(
-    variant: str, step: float, duration: float, knots: float, out: str, **data: float
+def pair(  # fmt: skip
+    variant: str,
+    step: float,
+    duration: float,
+    knots: list[float],
+    torque: list[float],
+    out: str,
+    **data: float,
 ) -> dict[str, Any]:
     """One run of the gear pair; the mesh force at every step goes to `out`."""
     Pair.data = data
     rotor = pair_rotor()
     times = step * np.arange(round(duration / step) + 1)
     force = np.zeros((len(times), rotor.ndof))
-    mean, swing = data["mean_torque"], data["swing_torque"]
-    at = np.arange(0.0, duration + knots, knots)
-    force[:, 6 + 5] = np.interp(times, at, mean + swing * np.cos(data["omega"] * at))
-    force[:, 18 + 5] = mean
+    force[:, 6 + 5] = np.interp(times, knots, torque)
+    force[:, 18 + 5] = data["mean_torque"]
     result, laps = timed(
         lambda: rotor.run_time_response(
             data["speed"], force, times, method="newmark", newmark_type=variant

@@ -217,7 +217,7 @@ def test_the_wheel_states_name_command_licence_and_pythons(wheel):
         assert f"{info}/licenses/LICENSE" in archive.namelist()
     assert re.search(r"(?m)^Name: torsionbook$", about)
     assert re.search(r"(?m)^License-Expression: Apache-2.0$", about)
-    assert re.search(r"(?m)^Requires-Python: <3.14,>=3.11$", about)
+    assert re.search(r"(?m)^Requires-Python: <3.15,>=3.11$", about)
     assert "torsionbook = addin.cli:main" in commands
 
 
