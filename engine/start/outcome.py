@@ -10,7 +10,7 @@ import numpy as np
 from engine.case.defaults import LONGEST_START
 from engine.case.result_words import Outcome
 from engine.model.rigid_runup import RigidRunup
-from engine.numerics.same_bits import log
+from engine.numerics.same_bits import interp, log
 from engine.start.settings import StartSettings
 from engine.start.trajectory import Trajectory
 
@@ -174,7 +174,7 @@ def outcome_of(
         word = Outcome.ASYNCHRONOUS if tends_to >= ASYNCHRONOUS_ABOVE else Outcome.STALLED
         numbers["end_share"] = settings.end_speed / synchronous
         return StartOutcome.with_numbers(word, end, speed, **numbers)
-    speed = float(np.interp(end, trajectory.time, trajectory.mean_speed))
+    speed = float(interp(end, trajectory.time, trajectory.mean_speed))
     numbers = {"share": speed / synchronous, "rpm": speed * 30.0 / math.pi}
     outcome = StartOutcome.with_numbers(Outcome.TIME_OUT, end, speed, **numbers)
     if not math.isfinite(float(runup.time[-1])):
