@@ -181,7 +181,7 @@ class PairRow:
     steps : int
         Steps taken. [count]
     seconds : float
-        Wall time of the run. [s]
+        Processor time of the run. [s]
     error : float
         Largest difference of the mesh force from the reference in the window, over the largest. [1]
     peak, trough : float

@@ -147,7 +147,7 @@ def measured_rows(rows: Sequence[Row], other: Path, rounds: int) -> Iterator[Lin
 
 
 def _beside(old: Times, new: Times) -> str:
-    return f"Before: {old.told}. Now: {new.told}." if new.told else ""
+    return f"(before: {old.told}; now: {new.told})" if new.told else ""
 
 
 def _both(t: Times) -> str:
@@ -229,7 +229,7 @@ def peer_lines(workers: Sequence[Worker], rounds: int, slower: float) -> Iterato
                     f"prescribed torque, like for like, at 1e-3: times {label.split()[0]}",
                     f"{ratio / slower:.3g} ×", f"{ratio:.3g} × ({1e3 * theirs:.3g} / {1e3 * ours:.3g} ms)",
                     slower, f"≥ {goal:.0f} ×", ratio >= goal,
-                    "wall time, interpolated between steps; everyone gets the same samples",
+                    "processor time, interpolated between steps; everyone gets the same samples",
                 )
             )  # fmt: skip
 
@@ -289,7 +289,10 @@ def main() -> None:
     lines = {r["what"]: Line(**r) for r in kept["lines"]} if args.only else {}
     for name, group in groups.items():
         if not args.only or args.only in name:
-            lines |= {line.what: line for line in group()}
+            found = {line.what: line for line in group()}
+            if args.only and (kept := kept_lines()):  # another row may be measured meanwhile
+                lines = {r["what"]: Line(**r) for r in kept["lines"]}
+            lines |= found
             _keep(list(lines.values()), load)
     report.show([goals_section(json.loads(KEPT.read_text(encoding="utf-8")))])
 

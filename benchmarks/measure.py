@@ -42,7 +42,7 @@ class Timing:
     Parameters
     ----------
     seconds : float
-        Median wall time of one call. [s]
+        Median processor time of one call, which other work on the machine hardly changes. [s]
     laps : int
         Calls measured. [count]
     busy : float
@@ -95,7 +95,7 @@ def interleave(turns: Mapping[str, Turn], rounds: int) -> dict[str, Measured]:
 def timing_of(laps: Laps) -> Timing:
     """Median of laps."""
     return Timing(
-        median(wall for wall, _ in laps),
+        median(cpu for _, cpu in laps),
         len(laps),
         median(wall / max(cpu, 1e-9) for wall, cpu in laps),
     )

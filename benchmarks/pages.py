@@ -79,7 +79,7 @@ def _sections(
         Section(
             "How it was measured",
             "All below is made by `python -m benchmarks --write-docs`; printed by `make bench`. Times are "
-            "medians of calls that take turns in one run, after a warm-up; they are shown, never "
+            "processor times (one thread each, so wall times of an idle machine), medians of calls that take turns in one run, after a warm-up; they are shown, never "
             "tested. Compare ratios, not milliseconds: another machine has others.\n\n"
             f"{machine}\n\n{_peers_line(workers, absent)}",
             (report.goals_table(effect_goals(found)),),
@@ -103,8 +103,8 @@ def _sections(
             f"8-point Gauss quadrature each 0.1 ms ({report.error(found['response_consistency'])} "
             "from itself at half the step with 12 points). Every program starts from its "
             "assembled model; ours includes the modes. **Alike**: every program gets the same samples of the torque, made "
-            "beforehand; ours and ROSS join them by straight lines, openTorsion holds each over the step, so that "
-            "its answer is half a step late and is read half a step earlier here (in a line of its own as it answers). "
+            "beforehand; ours and ROSS join them by straight lines; openTorsion holds each over the step, half a step late, "
+            "so it is given the means of neighbouring samples (in a line of its own the samples as they are). "
             "**As a function**: ours gets the torque as a function of time and evaluates it where it needs to; no peer "
             "can, so this is what a user of this program saves, and no comparison of programs. "
             "Errors are taken everywhere on a grid of "

@@ -336,7 +336,7 @@ def effect_sections(found: Mapping[str, Any]) -> list[Section]:
             "the second 0.1 s from a third program, which shares no code with either: the four equations of motion by "
             "Dormand-Prince 8(5,3) at 1e-11, from knot to knot "
             f"({report.error(found['pair'][0])} from itself at 1e-9). Peaks are those of the same window. Times are "
-            "wall times of the whole 0.2 s; ours with both simulations, the error estimate and the linear start that "
+            "those of the whole 0.2 s; ours with both simulations, the error estimate and the linear start that "
             "comes first, and without that; ROSS's without building the model and compiling.",
             (_pair_table(found["pair"][1]),),
         ),
