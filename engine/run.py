@@ -179,11 +179,18 @@ def _at_speed(case: CaseData, stage: Stage) -> tuple[ModalAnalysis, AtSpeed]:
 
 
 def planned_start(
-    case: CaseData, analysis: ModalAnalysis, stage: Stage = lambda _: nullcontext()
+    case: CaseData,
+    analysis: ModalAnalysis,
+    stage: Stage = lambda _: nullcontext(),
+    most_modes: int | None = None,
 ) -> PlannedStart:
-    """The start that the evidence calls for: linear first, then with events where it says so."""
+    """The start that the evidence calls for: linear first, then with events where it says so.
+
+    With `most_modes` no more modes are integrated than so many, whatever the others change.
+    """
     with stage("plan"):
         evidence = collect_evidence(case, analysis.torsional, analysis.coupled)
+        evidence = replace(evidence, most_modes=most_modes)
         plan = first_plan(case, evidence)
     model = analysis.reported if plan.lateral else analysis.torsional
     pieces = dict(analysis.pieces_error)

@@ -56,6 +56,7 @@ from engine.start.start_model import (
     MAX_VALUES,
     Machines,
     StartModel,
+    allowed_modes,
     machine_arrays,
     start_model,
 )
@@ -154,6 +155,7 @@ def run_event_start(
     gave_up = coarse.events.gave_up or fine.events.gave_up
     halvings, repeatability, taken, last = 0, None, coarse.work + fine.work, False
     runs: list[_Run] = []
+    further: list[tuple[int, float]] = []
     while True:
         same_until = _together_until(coarse.events, fine.events, TOGETHER * step)
         judged = judge_run(
@@ -178,6 +180,7 @@ def run_event_start(
         if parted and (met or last or halvings):
             runs, felt, hopeless = [fine, coarse], False, False
             if not last:
+                further = [(1, 0.5 * step)]
                 other = at(0.5 * step, MOST_WORK - taken, 1)
                 taken += other.work
                 runs.append(other)
@@ -187,11 +190,13 @@ def run_event_start(
                 for k, h in _variations(step):
                     if coarse.work > MOST_WORK - taken:
                         break
+                    further.append((k, h))
                     runs.append(_light(at(h, MOST_WORK - taken, k)))
                     taken += runs[-1].work
                 runs = [run for run in runs if not run.events.gave_up]
                 counted = {index for index, _ in judged_shafts(case)}
                 repeatability = _repeatability(runs, TOGETHER * step, judged, tolerance, counted)
+                repeatability = replace(repeatability, further=tuple(further))
                 break
         if last or (met and not parted):
             break
@@ -256,6 +261,42 @@ def one_run(
     tolerance = case.tolerance_peak or DEFAULT_TOLERANCE_PEAK
     setup = _set_up(case, modal, effects, linear, tolerance)
     return _simulated(setup, step, tolerance, MOST_ALONE)
+
+
+def run_again(
+    case: CaseData,
+    modal: ModalTrain,
+    effects: StartEffects,
+    linear: Start,
+    variations: Sequence[tuple[int, float]],
+) -> int:
+    """Simulate further runs of an ensemble once more, to see what they cost.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+    modal : ModalTrain
+        Its train, all teeth in contact. [SI]
+    effects : StartEffects
+        What is simulated. [flags]
+    linear : Start
+        The linear start. [SI]
+    variations : sequence of (int, float)
+        Change of the torques and step of each, as `Repeatability.further` has them. [1e-9, s]
+
+    Returns
+    -------
+    int
+        Steps of all of them together. [count]
+    """
+    tolerance = case.tolerance_peak or DEFAULT_TOLERANCE_PEAK
+    setup = _set_up(case, modal, effects, linear, tolerance)
+    steps = 0
+    for times, step in variations:
+        changed = replace(setup, model=_changed(setup.model, times))
+        steps += _simulated(changed, step, tolerance, MOST_WORK).n_steps
+    return steps
 
 
 def _simulated(setup: _Setup, step: float, tolerance: float, most: float) -> _Run:
@@ -332,11 +373,12 @@ def _start(
 
 
 def _prescribed(case: CaseData, modal: ModalTrain, effects: StartEffects, linear: Start) -> _Setup:
-    """Prescribed torques alone: every mode is kept, and followed where it rings."""
+    """Prescribed torques alone: every mode that may be is kept, and followed where it rings."""
     train = modal.train
     torques = prescribed_torques(case, train)
     stations = sorted({p.station for p in torques})
-    basis = _basis(case, modal, effects, np.ones(modal.modes.n_modes, dtype=np.bool_))
+    keep = allowed_modes(modal.modes, effects)
+    basis = _basis(case, modal, effects, keep)
     rows = np.flatnonzero(train.viscous > 0.0)
     nodes = np.flatnonzero(train.node_damping > 0.0)
     places = ForceLocations(
@@ -355,7 +397,8 @@ def _prescribed(case: CaseData, modal: ModalTrain, effects: StartEffects, linear
         limited=effects.contact_law == ContactLaw.LIMITED,
     )
     script = EventSchedule(maximum_time=linear.outcome.time, keep_all=keeps_history(case))
-    return _Setup(model, script, step, np.zeros(len(pieces.output_element)), False, None, ())
+    drops = not bool(np.all(keep))
+    return _Setup(model, script, step, np.zeros(len(pieces.output_element)), drops, None, ())
 
 
 def _script(

@@ -25,6 +25,8 @@ class StartEffects:
     #: True: dampers act as torques between their ends; False: on each mode for itself.
     coupled_damping: bool = False
     fast_modes: bool = False  #: True: no mode is left out.
+    #: Only so many of the lowest modes are integrated, and no error is estimated for the others; None = no limit.
+    most_modes: int | None = None
     full_length: bool = False  #: True: the run does not stop early because the train has settled.
     contact_law: str = ContactLaw.LIMITED  #: One of `ContactLaw`.
 

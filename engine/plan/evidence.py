@@ -104,6 +104,8 @@ class Evidence:
     #: The linear start, and the latest one with events; None before it. [SI]
     linear: StartEvidence | None = None
     event: StartEvidence | None = None  #: Likewise. [SI]
+    #: Modes that the start may have at most; None = as many as it needs. [count]
+    most_modes: int | None = None
 
 
 def collect_evidence(

@@ -186,7 +186,9 @@ def _plan(
     clearances = evidence.clearances if on["backlash"] else ()
     flags = {effect.flag: on[name] for name, effect in EFFECTS.items() if effect.flag}
     law = case.contact_law or ContactLaw.LIMITED
-    effects = StartEffects(clearances=clearances, contact_law=law, **flags)
+    effects = StartEffects(
+        clearances=clearances, contact_law=law, most_modes=evidence.most_modes, **flags
+    )
     return Plan(
         number, reason, tuple(decisions), effects, tuple(warnings), left_out=tuple(left_out)
     )

@@ -80,6 +80,8 @@ class Repeatability:
     lowest: tuple[float, ...]
     #: Of each run the turning points of the outputs whose cycles are counted. [s, N m]
     histories: tuple[Mapping[int, Turning], ...]
+    #: Change of the torques, in billionths, and step of each run beyond the two of any start. [1e-9, s]
+    further: tuple[tuple[int, float], ...] = ()
 
 
 def prediction_interval(values: Floats) -> tuple[float, float]:

@@ -171,6 +171,7 @@ def start_model(
         ringing, slow, scale = _mode_amplitudes(modes, outputs, all_reach, sizes, fastest)
         every = effects.fast_modes or events
         keep = _kept_modes(modes, ringing, slow, scale, tolerance, fastest, every)
+        keep &= allowed_modes(modes, effects)
         windows = _windows(modal, ringing, scale, keep, tolerance, fastest, maximum_time, effects)
         gains = dampers.viscous * np.sum(all_reach[keep][:, len(index) :] ** 2, axis=0)
         held = _too_strong(dampers, gains, all_reach[keep][:, len(index) :], tolerance, fastest)
@@ -181,7 +182,7 @@ def start_model(
     jump = max((float(p.knots[0]) for p in torques if p.jump), default=0.0)
     own = all_reach[:, len(index) :]
     rate = damping.rate - product(own**2, dampers.viscous)  # those act as forces
-    left_out = ~keep
+    left_out = ~keep & allowed_modes(modes, effects)
     truncation = (ringing + slow)[:, left_out].sum(axis=1)
     reference = modes.shape[train.node_dof[motors[0].station]]
     reference = reference * train.node_scale[motors[0].station]
@@ -538,6 +539,25 @@ def _mode_amplitudes(
     signed = product(outputs.position / safe**2, reach * torque)
     scale = np.max(np.abs(signed + outputs.force * torque), axis=1, initial=0.0)
     return ringing, slow, np.maximum(scale, NEGLIGIBLE * np.max(scale, initial=0.0))
+
+
+def allowed_modes(modes: Modes, effects: StartEffects) -> Mask:
+    """Modes that may be integrated: the lowest, as many as the effects allow.
+
+    Parameters
+    ----------
+    modes : Modes
+        Modes of the train. [SI]
+    effects : StartEffects
+        What is simulated. [flags]
+
+    Returns
+    -------
+    ndarray of bool, shape (n_modes,)
+        All of them where the effects set no limit. What the others change is not estimated. [mask]
+    """
+    most = modes.n_modes if effects.most_modes is None else effects.most_modes
+    return np.asarray(np.arange(modes.n_modes) < most)
 
 
 def _kept_modes(

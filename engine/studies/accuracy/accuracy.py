@@ -270,8 +270,8 @@ def _event_study(
     felt = planned.start.repeatability
     if felt is not None and felt.sensitive:
         sentence = (
-            "This start is sensitive: a change of the input by 1e-9 may change a peak torque by "
-            f"{100.0 * felt.spread:.2g} %. No setting gives a smaller error. {sentence}"
+            "This start is sensitive: at any setting a change of the input by 1e-9 may change a peak "
+            f"torque by {100.0 * felt.spread:.2g} %. {sentence}"
         )
     return AccuracyStudy(tuple(rows), sentence, text, off[0], off[1])
 
@@ -286,7 +286,10 @@ def _checked(off: tuple[float, float | None]) -> str:
 
 def _timed(rounds: int) -> str:
     runs = f"medians of {rounds} runs" if rounds > 1 else "of a single run"
-    return f"Times are processor times, {runs} in this process, on this machine, from model to peaks and starts."
+    return (
+        f"Times are processor times, {runs} in this process, on this machine, from model to peaks and "
+        "starts. Those of rows chosen and alternative include modal analysis and plan."
+    )
 
 
 def _sentence(

@@ -1,30 +1,36 @@
 """What every other approximation of a start is worth and costs: effects, modes and pieces of shafts.
 
 The step is studied by itself (`engine.studies.accuracy.accuracy`). Here the start of the plan is
-calculated again with one thing different each time: an effect put in or left out, all modes, twice the
-pieces of distributed shafts. The change of the answers is what that thing is worth in this case.
+calculated again with one thing different each time: an effect put in or left out, all modes, fewer modes,
+twice the pieces of distributed shafts. The change of the answers is what that thing is worth in this case.
+Where runs part, what the further runs of the ensemble cost and the spread that they tell have a row.
+Times are those of modes, plan and start together.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 
+from engine.backlash.event_start import run_again
 from engine.case.case import Case
 from engine.case.data import CaseData, EffectChoiceRow
 from engine.case.defaults import DEFAULT_TOLERANCE_PEAK
 from engine.case.effects import EFFECTS
 from engine.errors import TorsionError
 from engine.model.modal_analysis import ModalAnalysis, analyse
+from engine.model.subdivision import COARSEST
 from engine.results.results import AccuracyRow
 from engine.run import PlannedStart, planned_start
 from engine.start.start import Start
 from engine.start.start_fatigue import starts_of
 from engine.studies.accuracy.answers import Answers, answers_of, errors_between, timed_runs
 
-#: Methods of the rows: the start as it is calculated, and what else could be.
-CHOSEN, ALTERNATIVE = "chosen", "alternative"
+#: Methods of the rows: the start as it is calculated, the runs that tell its spread, what else could be.
+CHOSEN, ENSEMBLE, ALTERNATIVE = "chosen", "ensemble", "alternative"
+#: Share of the elastic modes that fewer modes are without. [1]
+FEWER = 1.0 / 3.0
 #: Effects that are a matter of accuracy, not of what happens to the train.
 PRICED = ("bearings", "coupled damping", "fast modes", "breaker closing", "backlash")
 
@@ -55,30 +61,60 @@ def alternatives(
     -------
     tuple of AccuracyRow
         The first is the start as it is calculated, its error as estimated, with what it leaves out and its
-        ensemble. [1, s]
+        ensemble; then what the ensemble costs and the spread it tells. [1, s]
     """
     start = planned.start
     chosen = _answers(case, start)
-    on_stage("the start as it is calculated")
-    _, taken = timed_runs(lambda: planned_start(case, analysis), rounds)
-    stated = start.estimated_error + (start.left_out or 0.0)
     setting = _described(start)
+    on_stage("the start as it is calculated")
+    _, taken = timed_runs(
+        partial(_calculated, _Alternative(setting, _as_is(case), analysis)), rounds
+    )
+    stated = start.estimated_error + (start.left_out or 0.0)
+    stated_of_starts = _stated_of_starts(case, planned)
     if start.repeatability is not None:
         stated = max(stated, start.repeatability.spread)
-    rows = [AccuracyRow(CHOSEN, setting, stated, _stated_of_starts(case, planned), taken)]
-    for words, other, found in _others(case, analysis, planned):
-        on_stage(words)
+    rows = [AccuracyRow(CHOSEN, setting, stated, stated_of_starts, taken)]
+    if start.repeatability is not None:
+        further, spread = start.repeatability.further, start.repeatability.spread
+        on_stage("the further runs of the ensemble")
+        again = partial(
+            run_again, case, planned.model, planned.plan.effects, planned.linear, further
+        )
+        _, taken = timed_runs(again, rounds)
+        words = f"{len(further)} further runs"
+        rows.append(AccuracyRow(ENSEMBLE, words, spread, stated_of_starts, taken))
+    for other in _others(case, analysis, planned):
+        on_stage(other.words)
         try:
-            changed, taken = timed_runs(partial(planned_start, other, found), rounds)
+            changed, taken = timed_runs(partial(_calculated, other), rounds)
         except TorsionError:  # what cannot be simulated has no price
             continue
         peak, starts = errors_between(_answers(case, changed.start), chosen)
-        rows.append(AccuracyRow(ALTERNATIVE, words, peak, starts, taken))
+        rows.append(AccuracyRow(ALTERNATIVE, other.words, peak, starts, taken))
     return tuple(rows)
 
 
+@dataclass(frozen=True, eq=False)
+class _Alternative:
+    """A start with one thing different."""
+
+    words: str
+    case: Case
+    analysis: ModalAnalysis  # of the start as it is calculated
+    finer: int = 1  # how many times as many pieces of shafts
+    most_modes: int | None = None
+
+
+def _calculated(a: _Alternative) -> PlannedStart:
+    """Modes, plan and start, as they are timed; modes that are not finer are those already found."""
+    most = max((pieces for _, pieces in a.analysis.subdivided.segments), default=2 * COARSEST)
+    found = analyse(a.case, least_pieces=a.finer * most)
+    return planned_start(a.case, found if a.finer > 1 else a.analysis, most_modes=a.most_modes)
+
+
 def price_sentence(case: CaseData, rows: tuple[AccuracyRow, ...]) -> str:
-    """What each alternative would cost and change.
+    """What the start costs, and what would change most: one alternative, and one of its modes.
 
     Parameters
     ----------
@@ -92,10 +128,18 @@ def price_sentence(case: CaseData, rows: tuple[AccuracyRow, ...]) -> str:
     str
         One sentence. [sentence]
     """
-    chosen, *others = rows
+    chosen, others = rows[0], [row for row in rows if row.method == ALTERNATIVE]
+    others.sort(key=lambda row: -max(row.error_peak or 0.0, row.error_starts or 0.0))
+    of_modes = [row for row in others if "modes" in row.setting]
+    named = list(dict.fromkeys([*others[:1], *of_modes[:1]]))
     small = 0.01 * (case.tolerance_peak or DEFAULT_TOLERANCE_PEAK)
     said = [f"The start as calculated ({chosen.setting}) takes {duration(chosen.time)}"]
-    for row in others:
+    said[0] += "".join(
+        f", {duration(row.time)} of it for the {row.setting}"
+        for row in rows
+        if row.method == ENSEMBLE
+    )
+    for row in named:
         worth = []
         for change, what in ((row.error_peak, "a peak"), (row.error_starts, "the starts")):
             if change is not None and change > small:
@@ -144,22 +188,26 @@ def _stated_of_starts(case: CaseData, planned: PlannedStart) -> float | None:
 
 def _others(
     case: CaseData, analysis: ModalAnalysis, planned: PlannedStart
-) -> Iterator[tuple[str, Case, ModalAnalysis]]:
-    """Words, case and modes of each alternative."""
-    plan = planned.plan
+) -> Iterator[_Alternative]:
+    """Each alternative."""
+    plan, modes, kept = planned.plan, planned.model.modes, planned.start.kept_modes
     for name in PRICED:
         decision = plan.decision(name)
         given = EFFECTS[name].inputs is None or EFFECTS[name].inputs.given(case)  # type: ignore[union-attr]
-        if name == "fast modes" and planned.start.kept_modes >= planned.model.modes.n_modes:
+        if name == "fast modes" and kept >= modes.n_modes:
             continue
         if not given or (not decision.on and decision.bound == 0.0):
             continue
         choice = "off" if decision.on else "on"
         words = "all modes" if name == "fast modes" else f"{name} {choice}"
-        yield words, _choosing(case, name, choice), analysis
+        yield _Alternative(words, _choosing(case, name, choice), analysis)
+    elastic = kept - modes.n_rigid
+    if elastic > 1:  # one at least stays
+        fewer = kept - max(1, round(FEWER * elastic))
+        words = f"{fewer} modes instead of {kept}"
+        yield _Alternative(words, _as_is(case), analysis, most_modes=fewer)
     if analysis.rough_torsional is not None:
-        most = max(pieces for _, pieces in analysis.subdivided.segments)
-        yield "shafts in twice the pieces", _as_is(case), analyse(case, least_pieces=2 * most)
+        yield _Alternative("shafts in twice the pieces", _as_is(case), analysis, finer=2)
 
 
 def _choosing(case: CaseData, name: str, choice: str) -> Case:
