@@ -90,7 +90,9 @@ def _terminal(study: StudyResult, options: Mapping[str, Any]) -> Iterator[Termin
                 p.quantity,
                 p.name,
                 f"{100.0 * p.change:+.1f} %",
-                f"{100.0 * p.change_low:+.1f} to {100.0 * p.change_high:+.1f} %",
+                f"{100.0 * p.change_low:+.1f} to {100.0 * p.change_high:+.1f} %"
+                if study.result.intervals_hold
+                else "–",
                 p.determined,
             )
             for p in study.result.parameters

@@ -225,6 +225,30 @@ def test_an_impossible_measurement_of_the_example_is_told(folder: Path) -> None:
     assert found["margin_basis_justified"] is False
 
 
+def test_intervals_are_blank_where_nothing_explains_the_measurements(tmp_path: Path) -> None:
+    """All stiffnesses change alike, so the ratio of two frequencies is fixed: 3 % off is not ±0.1 %."""
+    f = run(read_workbook(template_path("example_proposed.xlsx")).data).modes.elastic_frequency
+    source = write(
+        tmp_path / "case.json",
+        scatter=[{"quantity": "stiffness", "spread": 0.1, "together": "together"}],
+        measured_frequencies=[
+            {"mode": i + 1, "frequency": float(f[i]) * times, "uncertainty": 1e-3}
+            for i, times in enumerate((1.0, 1.0, 1.03))
+        ],
+    )
+    text = said("calibrate", source, "--json", tmp_path / "found.json")
+    assert "So no quantity is determined, and no interval is given." in text
+    assert "–" in next(x for x in text.splitlines() if x.rstrip().endswith("not determined"))
+    found = read(tmp_path / "found.json")
+    jsonschema.validate(found, study_schema(CALIBRATION.spec))
+    (row,) = found["calibrated_parameters"]
+    assert row["determined"] == "not determined"
+    assert not {"change_low", "change_high", "posterior_deviation", "reduction"} & {
+        key for key, value in row.items() if value is not None
+    }
+    assert not any(r["known"] for r in found["calibrated_frequencies"])
+
+
 def test_the_calibrated_case_has_the_calibrated_frequencies(folder: Path, tmp_path: Path) -> None:
     found = read(folder / "calibrate.json")
     results = tmp_path / "results.json"

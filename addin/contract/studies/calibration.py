@@ -122,6 +122,8 @@ def _fit(
 
 _CHANGED = Trace(f"Case × p, p = F⁻¹(Φ(z)) of table Scatter, {_LEAST}", _MAP, (), _ALL)
 _ENDS = "2.5 % and 97.5 % quantile of the posterior, over all solutions"
+#: What is not given of measurements that no train explains.
+_NONE = "; blank = measurements not explained"
 _LEAST_MARGIN = "|f − f_exc|/f_exc, the least over all excitations and continuous speeds"
 _REQUIRED = "20 % calculated, 10 % measured, or MarginRequired"
 _VERDICT = "As in SeparationMargins"
@@ -192,7 +194,7 @@ _RESULTS: tuple[TableSpec, ...] = (
                 f"Calculated with the {_LEAST}", _MAP, of_case=_ALL,
             ),
             number(
-                "Posterior deviation", "fraction", "Standard deviation after calibration.",
+                "Posterior deviation", "fraction", f"Standard deviation after calibration{_NONE}.",
                 "Standard deviation of ln f over the posterior samples", _SAMPLES, of_case=_ALL,
             ),
             number(
@@ -216,7 +218,8 @@ _RESULTS: tuple[TableSpec, ...] = (
             ),
             flag(
                 "Known", "Whether the margin for measured frequencies applies to this mode.",
-                "Measured, or variance reduced by 3/4; and posterior deviation ≤ 2 %",
+                "Measured, or variance reduced by 3/4; and posterior deviation ≤ 2 %; and probability "
+                "of the misfit at least 1 %",
                 _METHOD,
                 of_row=(
                     "CalibratedFrequencies.Posterior deviation",
@@ -314,12 +317,12 @@ _RESULTS: tuple[TableSpec, ...] = (
                 format=shown.TWO_DECIMALS,
             ),
             number(
-                "Change low", "fraction", "Change at the lower end of its 95 % interval.", _ENDS,
+                "Change low", "fraction", f"Change at the lower end of its 95 % interval{_NONE}.", _ENDS,
                 _SAMPLES, of_case=_ALL,
                 format=shown.TWO_DECIMALS,
             ),
             number(
-                "Change high", "fraction", "Change at the upper end of its 95 % interval.", _ENDS,
+                "Change high", "fraction", f"Change at the upper end of its 95 % interval{_NONE}.", _ENDS,
                 _SAMPLES, of_case=_ALL,
                 format=shown.TWO_DECIMALS,
             ),
@@ -329,7 +332,7 @@ _RESULTS: tuple[TableSpec, ...] = (
                 of_row=_PRIOR,
             ),
             number(
-                "Posterior deviation", "fraction", "Standard deviation after calibration.",
+                "Posterior deviation", "fraction", f"Standard deviation after calibration{_NONE}.",
                 "Standard deviation of the posterior samples over p", _SAMPLES, of_case=_ALL,
             ),
             sentence(
@@ -337,13 +340,15 @@ _RESULTS: tuple[TableSpec, ...] = (
                 of_row=("CalibratedParameters.Change",), width=22.0,
             ),
             text(
-                "Determined", "determined (variance reduced by 3/4 or more), partly or not.",
+                "Determined", "determined (variance reduced by 3/4 or more), partly or not; never where the measurements "
+                "are not explained.",
                 "determined: variance reduced by 75 % or more, also if the spreads of the other "
-                "quantities were ten times as large; partly: by 10 % or more", _METHOD,
+                "quantities were ten times as large; partly: by 10 % or more; not determined if the "
+                "probability of the misfit is below 1 %", _METHOD,
                 of_row=("CalibratedParameters.Reduction",),
             ),
             number(
-                "Reduction", "fraction", "Share of the variance removed by the measurements.",
+                "Reduction", "fraction", f"Share of the variance removed by the measurements{_NONE}.",
                 "1 − (posterior/prior deviation)²", _METHOD,
                 of_row=(
                     "CalibratedParameters.Prior deviation",
@@ -361,7 +366,8 @@ _RESULTS: tuple[TableSpec, ...] = (
     ),
     table(
         "CalibrationSolutions", sheet="Calibration solutions", caption="Solutions, where there are several",
-        help="Every train that explains the measurements, such as mirror images; blank = one only.",
+        help="Every train that explains the measurements, such as mirror images, or comes as near where none "
+        "does; blank = one only.",
         row_name=("Solution", "Quantity", "Name"),
         columns=(
             text(
@@ -378,7 +384,7 @@ _RESULTS: tuple[TableSpec, ...] = (
                 of_case=_ALL, format=shown.TWO_DECIMALS,
             ),
             number(
-                "Probability", "fraction", "Probability of the trains around this solution.",
+                "Probability", "fraction", f"Probability of the trains around this solution{_NONE}.",
                 "Weight of the posterior samples", _SAMPLES, of_case=_ALL, format=shown.ONE_DECIMAL,
             ),
             number(
@@ -386,12 +392,12 @@ _RESULTS: tuple[TableSpec, ...] = (
                 format=shown.TWO_DECIMALS,
             ),
             number(
-                "Change low", "fraction", "Lower end of the 95 % interval around this solution.",
+                "Change low", "fraction", f"Lower end of the 95 % interval around this solution{_NONE}.",
                 "2.5 % quantile of the samples around it", _SAMPLES, of_case=_ALL,
                 format=shown.TWO_DECIMALS,
             ),
             number(
-                "Change high", "fraction", "Upper end of the 95 % interval around this solution.",
+                "Change high", "fraction", f"Upper end of the 95 % interval around this solution{_NONE}.",
                 "97.5 % quantile of the samples around it", _SAMPLES, of_case=_ALL,
                 format=shown.TWO_DECIMALS,
             ),
@@ -450,7 +456,8 @@ _SHEETS: tuple[Sheet, ...] = (
         {"CalibrationSolutions": "B7"},
         freeze="A10",
         side=0.25,
-        intro="Every train that explains the measurements, where there are several. Written by torsionbook "
+        intro="Every train that explains the measurements, or comes as near where none does, if there are "
+        "several. Written by torsionbook "
         "calibrate FILE.",
     ),
 )  # fmt: skip

@@ -168,6 +168,10 @@ class _Estimate:
         self.factor, self.own_reduction = unknowns.factor(posterior.z), solution.own_reduction
         #: Whether there are more measurements than unknowns: else no misfit can show.
         self.judged = len(solution.residual) > unknowns.number
+        self.probability = _tail(solution.least, len(solution.residual))
+        #: Whether some train within the spreads explains the measurements: else no sample of the
+        #: posterior says anything of the machine.
+        self.intervals_hold = self.probability >= IMPROBABLE
         self.prior = model.at(np.zeros(unknowns.number))
         order = match_modes_by_mac(model.base.vectors, self.prior.vectors)
         self.prior_spread = model.prior_spread(self.prior)[order]
@@ -181,9 +185,8 @@ class _Estimate:
         solution, case = self.solution, self.case
         measurements = (*self._frequencies_measured(rivals), *self._peaks_measured())
         chi_square, degrees = solution.least, len(solution.residual)
-        probability = _tail(chi_square, degrees)
         contradicted = not measurements or any(m.explained is False for m in measurements)
-        contradicted = contradicted or probability < IMPROBABLE
+        contradicted = contradicted or not self.intervals_hold
         explained = False if contradicted else (True if self.judged else None)
         changed = self.unknowns.varied_case(case, solution.z)
         calculated = at_speed(Case(**(vars(changed) | {"margin_basis": "calculated"})))
@@ -199,8 +202,9 @@ class _Estimate:
             measurements=measurements,
             chi_square=chi_square,
             degrees=degrees,
-            probability=probability,
+            probability=self.probability,
             explained=explained,
+            intervals_hold=self.intervals_hold,
             solutions=tuple(self._solutions()),
             margins_before=before.margins.rows,
             margins_after=after.margins.rows,
@@ -211,8 +215,8 @@ class _Estimate:
             starts=0 if self.peaks is None else self.peaks.starts,
             sentence=" ".join(
                 (
-                    _sentence(parameters, measurements, explained, probability),
-                    *self._several(),
+                    _sentence(parameters, measurements, explained, self.probability),
+                    *self._several(explained),
                 )
             ),
             notes=self.plan.notes,
@@ -248,7 +252,9 @@ class _Estimate:
             posterior_deviation=posterior,
             reduction=reduction,
             pull=z,
-            determined=_determined(min(reduction, float(self.own_reduction[j]))),
+            determined=_determined(
+                min(reduction, float(self.own_reduction[j])) if self.intervals_hold else 0.0
+            ),
             note=" ".join(self._notes(j, factor, times, reduction)),
         )
 
@@ -267,6 +273,12 @@ class _Estimate:
                 "The change exceeds two standard deviations of table Scatter: check the data of this "
                 "quantity."
             )
+        if not self.intervals_hold:
+            yield (
+                "Not determined and without an interval, as no change within the spread explains the "
+                "measurements."
+            )
+            return
         partner = self._partner(j)
         if partner:
             yield (
@@ -330,16 +342,23 @@ class _Estimate:
         j = int(np.argmax(np.abs(other.z - first.z)))
         return f"Differs most in {self.unknowns.factors[j].label}."
 
-    def _several(self) -> Iterator[str]:
+    def _several(self, explained: bool | None) -> Iterator[str]:
         """That there are several solutions, if there are."""
         optima = self.samples.optima
         if len(optima) < 2:
             return
         shares = [float(self.samples.around(i).sum()) for i in range(len(optima))]
-        yield (
-            f"{len(optima)} solutions explain the measurements, with probabilities "
-            f"{', '.join(f'{share:.0%}' for share in shares)}; intervals cover all of them."
-        )
+        do = "come about equally near" if explained is False else "explain"
+        if self.intervals_hold:
+            yield (
+                f"{len(optima)} solutions {do} the measurements, with probabilities "
+                f"{', '.join(f'{share:.0%}' for share in shares)}; intervals cover all of them."
+            )
+        else:
+            yield (
+                f"{len(optima)} solutions {do} the measurements, with misfits "
+                f"{', '.join(f'{o.misfit:.1f}' for o in optima)}; none explains them."
+            )
         mirrors = (self._relation(i) for i in range(1, len(optima)))
         yield from dict.fromkeys(m for m in mirrors if m.startswith("Mirror"))
 
@@ -371,6 +390,9 @@ class _Estimate:
         reduction = 1.0 - (posterior / prior) ** 2 if prior > 0.0 else 0.0
         uncertainty = None if reading is None else reading.uncertainty
         known, why = _known(uncertainty, posterior, reduction)
+        if not self.intervals_hold:
+            how = "not measured" if reading is None else "measured"
+            known, why = False, f"{how}, but not known, as the measurements are not explained"
         return CalibratedFrequency(
             mode=mode + 1,
             calibrated_mode=at + 1,
@@ -634,8 +656,8 @@ def _sentence(
     elif probability < IMPROBABLE:
         sentences.append(
             "Not explained: a misfit this large occurs by chance only once in "
-            f"{1.0 / max(probability, 1e-9):.2g} times (χ² test). See the notes of the "
-            "measurements."
+            f"{1.0 / max(probability, 1e-9):.2g} times (χ² test). So no quantity is determined, and "
+            "no interval is given. See the notes of the measurements."
         )
     elif explained is False:
         sentences.append("Some measurements are not explained; see their notes.")

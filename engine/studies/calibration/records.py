@@ -70,7 +70,7 @@ class Measurement:
 
 @dataclass(frozen=True)
 class CalibrationSolution:
-    """One of several trains that explain the measurements."""
+    """One of several trains that explain the measurements, or come as near where none does."""
 
     solution: int  #: Counted from 1, the least misfit first.
     misfit: float  #: Sum of squares of changes and residuals. [1]
@@ -96,6 +96,9 @@ class Calibration:
     #: Whether everything measured is explained within the spread; None where nothing contradicts it but
     #: there are not more measurements than uncertain quantities, so that no misfit could show.
     explained: bool | None
+    #: Whether the intervals and posterior deviations say anything of the machine; not where chance
+    #: hardly makes the misfit as large: then the tables leave them blank.
+    intervals_hold: bool
     #: Every quantity in every solution; empty where there is one solution only. [rows]
     solutions: tuple[CalibrationSolution, ...]
     #: Judged margins of the case, and of the calibrated one on its basis. [rows]

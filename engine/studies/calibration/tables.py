@@ -28,8 +28,9 @@ def parameter_rows(calibration: Calibration) -> list[dict[str, Any]]:
         STIFFNESS: ("stiffness", "calibrated_stiffness"),
         INERTIA: ("inertia", "calibrated_inertia"),
     }
+    blank = _blank(calibration, "change_low", "change_high", "posterior_deviation", "reduction")
     return [
-        asdict(p) | dict(zip(keys.get(p.quantity, ()), (p.before, p.after), strict=False))
+        asdict(p) | dict(zip(keys.get(p.quantity, ()), (p.before, p.after), strict=False)) | blank
         for p in calibration.parameters
     ]
 
@@ -47,7 +48,10 @@ def frequency_rows(calibration: Calibration) -> list[dict[str, Any]]:
     list of dict
         Under their JSON keys. [Hz, 1]
     """
-    return [asdict(f) | {"change": f.after / f.before - 1.0} for f in calibration.frequencies]
+    blank = _blank(calibration, "posterior_deviation")
+    return [
+        asdict(f) | {"change": f.after / f.before - 1.0} | blank for f in calibration.frequencies
+    ]
 
 
 def measurement_rows(calibration: Calibration, kind: str) -> list[dict[str, Any]]:
@@ -83,7 +87,8 @@ def solution_rows(calibration: Calibration) -> list[dict[str, Any]]:
     list of dict
         Under their JSON keys; empty where there is one solution only. [1]
     """
-    return [asdict(s) for s in calibration.solutions]
+    blank = _blank(calibration, "probability", "change_low", "change_high")
+    return [asdict(s) | blank for s in calibration.solutions]
 
 
 def margin_rows(calibration: Calibration) -> list[dict[str, Any]]:
@@ -109,6 +114,11 @@ def margin_rows(calibration: Calibration) -> list[dict[str, Any]]:
         for f in calibration.frequencies
         if f.mode in before and f.mode in after
     ]
+
+
+def _blank(calibration: Calibration, *keys: str) -> dict[str, None]:
+    """What samples of the posterior say, left blank where the measurements are not explained."""
+    return {} if calibration.intervals_hold else dict.fromkeys(keys)
 
 
 def _least(rows: Iterable[tuple[int, MarginRow]]) -> dict[int, MarginRow]:

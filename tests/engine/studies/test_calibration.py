@@ -26,6 +26,7 @@ from engine.studies.calibration.tables import (
     margin_rows,
     measurement_rows,
     parameter_rows,
+    solution_rows,
 )
 from engine.studies.scatter import Factor, factors_of
 from engine.studies.variation import Change, varied_case
@@ -638,6 +639,76 @@ def test_the_mirror_image_of_a_symmetric_train_is_a_solution_of_its_own() -> Non
         if p.name in ("K0", "K3"):
             assert p.determined != "determined"
             assert p.change_low < -0.08 < 0.1 < p.change_high
+
+
+def springs_of_five_percent() -> Case:
+    return chain(1e6, 3e6, 3e6, 1e6, inertia=(20.0, 50.0, 200.0, 50.0, 20.0))
+
+
+#: Measured to 0.1 % on a machine of K0 +6 %, K1 −3 %, K2 +3 %, K3 −5 %: with noise ten times as large, and
+#: with mode 3 alone 3 % too high.
+NOISY = (27.0003, 33.2872, 49.9884, 56.1024)
+ONE_WRONG = (27.5570, 33.3646, 51.9374, 54.2981)
+
+
+@pytest.mark.parametrize("measured", [NOISY, ONE_WRONG], ids=["tenfold noise", "one wrong"])
+def test_nothing_is_determined_by_measurements_that_no_train_explains(
+    measured: tuple[float, ...],
+) -> None:
+    """K1 had +1.6 to +4.0 % and was "determined"; the machine has −3 %."""
+    scatter = (ScatterRow(None, "stiffness", "normal", 0.05),)
+    rows = (M(i + 1, f, 1e-3) for i, f in enumerate(measured))
+    found = calibrate(springs_of_five_percent(), asked(*rows, scatter=scatter))
+    assert found.probability < 0.01
+    assert not found.intervals_hold
+    assert {p.determined for p in found.parameters} == {"not determined"}
+    assert all("no change within the spread explains" in p.note for p in found.parameters)
+    assert not any("determine the two together" in p.note for p in found.parameters)
+    for row in parameter_rows(found):
+        for key in ("change_low", "change_high", "posterior_deviation", "reduction"):
+            assert row[key] is None
+    for frequency, row in zip(found.frequencies, frequency_rows(found), strict=True):
+        assert not frequency.known
+        assert frequency.why == "measured, but not known, as the measurements are not explained"
+        assert row["posterior_deviation"] is None
+    assert "So no quantity is determined, and no interval is given." in found.sentence
+    assert "The measurements determine 0 of 4 uncertain quantities." in found.sentence
+
+
+def test_solutions_that_explain_nothing_come_near_only() -> None:
+    """One text said "Not explained" and "2 solutions explain the measurements"."""
+    scatter = (ScatterRow(None, "stiffness", "normal", 0.05),)
+    rows = (M(i + 1, f, 1e-3) for i, f in enumerate(NOISY))
+    found = calibrate(springs_of_five_percent(), asked(*rows, scatter=scatter))
+    assert "Not explained: " in found.sentence
+    assert "solutions explain" not in found.sentence
+    misfits = [f"{found.chi_square:.1f}"] * 2  # of the train and its mirror image
+    assert (
+        f"2 solutions come about equally near the measurements, with misfits {', '.join(misfits)}; "
+        "none explains them." in found.sentence
+    )
+    assert "intervals cover" not in found.sentence
+    for row in solution_rows(found):
+        assert row["misfit"] == pytest.approx(found.chi_square, abs=0.01)
+        assert {row[key] for key in ("probability", "change_low", "change_high")} == {None}
+
+
+def test_solutions_beside_a_measurement_that_is_not_used_come_near_only() -> None:
+    """Four modes as they are, and 1 kHz, which none can have: the four still give intervals."""
+    case = mirrored_chain()
+    true = varied_case(case, [Change("stiffness", "K0", 1.12), Change("stiffness", "K3", 0.9)])
+    scatter = (ScatterRow(None, "stiffness", "normal", 0.08),)
+    rows = [M(i + 1, f, 1e-3) for i, f in enumerate(elastic(true))]
+    found = calibrate(case, asked(*rows, M(None, 1000.0), scatter=scatter))
+    assert found.explained is False
+    assert found.intervals_hold
+    assert "solutions come about equally near the measurements, with prob" in found.sentence
+    assert all(row["change_low"] < row["change_high"] for row in parameter_rows(found))
+    as_measured = calibrate(case, asked(*rows, scatter=scatter))
+    assert "solutions explain the measurements, with probabilities" in as_measured.sentence
+    assert [(p.change_low, p.change_high, p.determined) for p in as_measured.parameters] == [
+        (p.change_low, p.change_high, p.determined) for p in found.parameters
+    ]
 
 
 def test_one_solution_has_no_table() -> None:
