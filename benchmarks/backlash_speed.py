@@ -148,7 +148,7 @@ def compare_starts_with_events(rounds: int) -> Iterator[StartBeside]:
 # --- beside ROSS ----------------------------------------------------------------------------------
 
 #: A gear pair that both programs and the reference calculate: ratio 1, a shaft with a damper behind each gear, a disk at
-#: its end. Gears are held sideways (ROSS: by bearings that stiff), so that its flanks do not move with the distance of
+#: its end. Gears are held laterally (ROSS: by bearings that stiff), so that its flanks do not move with the distance of
 #: centres; the teeth themselves have no damper, as a flank of ROSS may pull by it and one of ours never does. The load
 #: holds against a mean torque, by which the teeth are at rest on a flank before the motor swings; where each program
 #: begins is then forgotten. [SI]

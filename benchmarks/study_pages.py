@@ -330,7 +330,7 @@ def effect_sections(found: Mapping[str, Any]) -> list[Section]:
             "A gear pair with backlash beside ROSS",
             "Two gears, a shaft with a damper and a disk behind each; 45 Hz of torque, straight between knots of 1 ms, "
             "by which the teeth part and strike both flanks. What both programs can do and nothing else: gears held "
-            "sideways (in ROSS by bearings of 1e12 N/m, as its flanks move with the distance of centres), teeth without "
+            "laterally (in ROSS by bearings of 1e12 N/m, as its flanks move with the distance of centres), teeth without "
             "a damper (by one, ROSS's flanks may pull and ours never do), and 0.1 s under a mean torque first, after "
             "which it no longer matters that ROSS begins in the middle of the gap. Errors are those of the mesh force in "
             "the second 0.1 s from a third program, which shares no code with either: the four equations of motion by "

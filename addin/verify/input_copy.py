@@ -15,7 +15,7 @@ from addin.writing.input_copy import input_copy
 from addin.xlsx import Formula, TableData, Workbook
 from addin.xlsx.references import cell_name
 
-#: Kind of a finding that is told together with its like.
+#: Kind of a finding of which several are reported as one.
 _REWORDED = "reworded"
 
 
@@ -54,7 +54,7 @@ def compare_input_copy(
 
 
 def _of_formula(finding: Finding) -> Finding:
-    """A formula that still reads cells and is worded otherwise is told together with its like."""
+    """A formula that still reads cells and is worded otherwise is reported together with others of its kind."""
     return finding if finding.fails else replace(finding, kind=_REWORDED)
 
 

@@ -200,26 +200,14 @@ class _Copy:
                 value = self._number(self.read.typed.scalars.get(one.field.name), None)
             else:
                 value = self.read.workbook.shown_value(*self.read.locations.scalars[one.field.name])
-        if not one.field.is_number:
-            return [
-                one.name,
-                value,
-                None,
-                None,
-                None,
-                Formula(changed_words(one.live, copy, one.renamed)),
-            ]
         unit_at = self.read.locations.units.get((one.table, one.field.name))
-        if not one.field.has_unit or unit_at is None:
-            return [
-                one.name,
-                value,
-                None,
-                None,
-                None,
-                Formula(changed_numbers(one.live, copy, renamed=one.renamed)),
-            ]
-        return [one.name, value, *self._with_unit(one, copy, unit_at)]
+        if one.field.is_number and one.field.has_unit and unit_at is not None:
+            return [one.name, value, *self._with_unit(one, copy, unit_at)]
+        if one.field.is_number:
+            changed = changed_numbers(one.live, copy, renamed=one.renamed)
+        else:
+            changed = changed_words(one.live, copy, one.renamed)
+        return [one.name, value, None, None, None, Formula(changed)]
 
     def _with_unit(self, one: _Input, copy: str, unit_at: tuple[str, str]) -> Sequence[Any]:
         sheet, cell = unit_at

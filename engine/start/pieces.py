@@ -107,7 +107,8 @@ def _simulated(case: CaseData, modal: ModalTrain) -> dict[str, tuple[Floats, flo
     else:
         prepared = prepared_start(loose, modal)
         step = usual_step(COMPARED_AT, prepared.model.pulsation_omega)
-        _, run = prepared.to_its_end(min(step, prepared.model.largest_step))
+        step = min(step, prepared.model.largest_step)
+        _, run = prepared.to_its_end(step, histories=False)
         element_of = run.trajectory.output_element
         histories = {
             e: [run.turning[i][1] for i in np.flatnonzero(element_of == e)]

@@ -21,8 +21,8 @@ Item = TypeVar("Item")
 Answer = TypeVar("Answer")
 
 
-class _GivenUp(BaseException):
-    """The group was ended from outside."""
+class _Cancelled(BaseException):
+    """Another calculation of the group failed, or the whole was stopped."""
 
 
 class _Member:
@@ -41,7 +41,7 @@ class _Member:
         self.group.back.release()
         self.turn.acquire()
         if self.group.ended:
-            raise _GivenUp
+            raise _Cancelled
         answer, self.answer = self.answer, None
         if answer is None or isinstance(answer, InternalError):
             raise answer or InternalError("a start was not simulated")
@@ -56,7 +56,7 @@ class _Group:
         self.ended = False
 
 
-_present = threading.local()
+_current = threading.local()
 
 
 def turning_of_start(simulation: Simulation) -> SingleRun:
@@ -77,7 +77,7 @@ def turning_of_start(simulation: Simulation) -> SingleRun:
     InternalError
         If it diverges.
     """
-    member: _Member | None = getattr(_present, "member", None)
+    member: _Member | None = getattr(_current, "member", None)
     if member is not None:
         return member.simulate(simulation)
     answer = turning_of_starts([simulation])[0]
@@ -106,12 +106,13 @@ def side_by_side(
         Answers. An error of one is raised after the others of its group have waited or ended. [any]
     """
     answers: dict[int, Answer] = {}
+    items = list(items)
     todo = iter(enumerate(items))
     group = _Group()
     errors: list[BaseException] = []
 
     def work(member: _Member) -> None:
-        _present.member = member
+        _current.member = member
         member.turn.acquire()
         try:
             while not group.ended and not errors:
@@ -119,7 +120,7 @@ def side_by_side(
                 if item is None:
                     break
                 answers[item[0]] = calculate(item[1])
-        except _GivenUp:
+        except _Cancelled:
             pass
         except BaseException as error:
             errors.append(error)
@@ -127,7 +128,7 @@ def side_by_side(
             member.done = True
             group.back.release()
 
-    members = [_Member(group) for _ in range(at_once)]
+    members = [_Member(group) for _ in range(min(at_once, len(items)))]
     threads = [
         threading.Thread(target=contextvars.copy_context().run, args=(work, m), daemon=True)
         for m in members

@@ -7,7 +7,6 @@ lane: what varies by lane then has one more axis, the last one; of curves and ta
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -25,7 +24,6 @@ __all__ = [
     "drive_coupled",
     "drive_modes",
     "drive_struct",
-    "elementary",
     "room_for",
     "start_forces",
     "system_struct",
@@ -363,21 +361,3 @@ def turning_to_end(
         address(value),
     )
     return when[:count].copy(), value[:count].copy()
-
-
-def elementary(x: Floats) -> Sequence[Floats]:
-    """The library's own sine, cosine and exponential of each number.
-
-    Parameters
-    ----------
-    x : ndarray, shape (n,)
-        Numbers. [rad, 1]
-
-    Returns
-    -------
-    list of ndarray, shape (n,)
-        Sines, cosines, exponentials. [1]
-    """
-    found = [np.empty(len(x)) for _ in range(3)]
-    library.elementary(len(x), *map(address, (x, *found)))
-    return found

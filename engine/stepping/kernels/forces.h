@@ -3,6 +3,7 @@
 #define TORSION_FORCES_H
 #include "elementary.h"
 #include "kernels.h"
+#include "segment.h"
 
 typedef struct { double value, slope; } point_t;
 
@@ -21,18 +22,6 @@ static inline void hold_none(const drive_t *d, held_t *held)
 {
     for (int64_t k = 0; k < CURVES_OF_MOTOR * d->n_motors + d->n_loads; k++)
         held[k] = (held_t){all(HUGE_VAL), all(-HUGE_VAL), all(0.0), {all(0.0), all(0.0), all(0.0), all(0.0)}};
-}
-
-/* Segment of a table that holds x, which lies within it. */
-static inline int64_t segment(const double *knots, int64_t count, double x)
-{
-    int64_t low = 0, high = count - 1;
-    while (high - low > 1) {
-        int64_t middle = (low + high) / 2;
-        if (knots[middle] <= x) low = middle;
-        else high = middle;
-    }
-    return low;
 }
 
 /* A lane steps on the piece of a curve that holds x; outside its knots a curve is constant. */

@@ -1,6 +1,7 @@
 /* Functions of arrays: elementary ones, and straight lines between points. */
 #include "kernels.h"
 #include "elementary_more.h"
+#include "segment.h"
 
 static double function_of(int64_t which, double x, double y)
 {
@@ -23,25 +24,13 @@ void function_values(int64_t which, int64_t n, const double *x, int64_t x_step, 
     for (int64_t i = 0; i < n; i++) out[i] = function_of(which, x[i * x_step], y[i * y_step]);
 }
 
-/* Last of the rising points at or below x. */
-static int64_t point_below(double x, int64_t n, const double *points)
-{
-    int64_t low = 0, high = n;
-    while (high - low > 1) {
-        int64_t middle = low + (high - low) / 2;
-        if (points[middle] <= x) low = middle;
-        else high = middle;
-    }
-    return low;
-}
-
 /* Straight lines between points (n_points), held outside them. */
 void interpolate(int64_t n, const double *x, int64_t n_points, const double *points, const double *values, double *out)
 {
     int64_t k = 0;
     for (int64_t i = 0; i < n; i++) {
         double at = x[i], slope;
-        if (!(k + 1 < n_points && points[k] <= at && at < points[k + 1])) k = point_below(at, n_points, points);
+        if (!(k + 1 < n_points && points[k] <= at && at < points[k + 1])) k = segment(points, n_points + 1, at);
         if (at != at) {
             out[i] = at;
         } else if (at <= points[0]) {

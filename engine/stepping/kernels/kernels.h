@@ -182,7 +182,6 @@ int64_t turning_to_end(int64_t n, const double *when, const double *value, doubl
 int64_t rainflow(int64_t n, const double *point, int64_t *first, int64_t *second, double *count,
                  int64_t *open);
 const char *about(void); /* compiler, target, digest of the sources */
-void elementary(int64_t n, const double *x, double *sine, double *cosine, double *exponential);
 /* Numbers and small matrices in a fixed order (engine/numerics/same_bits.py). */
 enum { SINE, COSINE, EXPONENTIAL, LOGARITHM, POWER, ARCTANGENT, HYPOTENUSE };
 void function_values(int64_t which, int64_t n, const double *x, int64_t x_step, const double *y, int64_t y_step,

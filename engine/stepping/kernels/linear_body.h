@@ -32,7 +32,8 @@ static void all_forces(lane_t t, lane_t inside, const lane_t *phase, const syste
     damper_forces(s->n_dampers, s->damper_force, s->viscous, w->speed, w->acceleration, w->f1, w->fr1);
 }
 
-/* u and r: what forces and their rates do to each mode. */
+/* u and r: what forces and their rates do to each mode. As `to_modes` does it, but mode by mode: where no force is
+ * zero, as of lanes, u and r then stay in registers. */
 static void modal_forces(const system_t *s, const lane_t *force, const lane_t *force_rate, const room_t *w)
 {
     for (int64_t i = 0; i < s->n; i++) {

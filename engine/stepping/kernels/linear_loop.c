@@ -161,13 +161,3 @@ int64_t turning_to_end(int64_t n, const double *when, const double *value, doubl
     to_value[k++] = y + s * (a + s * (3.0 * rise - 2.0 * a - b + s * (a + b - 2.0 * rise)));
     return k;
 }
-
-void elementary(int64_t n, const double *x, double *sine, double *cosine, double *grown)
-{
-    for (int64_t i = 0; i < n; i++) {
-        sincos_t wave = sin_cos(x[i]);
-        sine[i] = wave.sine;
-        cosine[i] = wave.cosine;
-        grown[i] = exponential(x[i]);
-    }
-}
