@@ -34,11 +34,12 @@ TRIALS :=
 
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help demo test test-machines explore check format bench goals calibration-study sensitivity-study mutations generated templates wheel wheels same-bits sanitize smoke lock clean distclean moved
+.PHONY: help demo test test-long test-machines explore check format bench goals calibration-study sensitivity-study mutations generated templates wheel wheels same-bits sanitize smoke lock clean distclean moved
 
 help:
 	@echo "make demo           recalculate two example workbooks into build/demo"
 	@echo "make test           run the tests"
+	@echo "make test-long      run the tests over hundreds of trains, of which CI runs a sample"
 	@echo "make test-machines  repeat the numerical tests as other processors would calculate"
 	@echo "make explore        run the properties with fresh examples (MINUTES=30)"
 	@echo "make check          style, formatting and types"
@@ -67,6 +68,9 @@ demo: $(RUN_READY) $(LOOPS)
 
 test: $(DEV_READY) $(LOOPS)
 	$(PYTEST_PY) -m pytest $(PROCESSES) $(ARGS)
+
+test-long: $(DEV_READY) $(LOOPS)
+	TORSIONBOOK_RUN_SLOW=1 TORSIONBOOK_RUN_LONG=1 $(PYTEST_PY) -m pytest -m long $(PROCESSES) $(ARGS)
 
 test-machines: $(DEV_READY) $(LOOPS)
 	$(PYTEST_PY) scripts/other_machines.py $(PROCESSES) $(ARGS)

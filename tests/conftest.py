@@ -2,6 +2,7 @@
 
 TORSIONBOOK_REQUIRE_ALL=1   a test that would be skipped fails instead (set in CI)
 TORSIONBOOK_RUN_SLOW=1      tests marked `slow` run too, properties try all their examples (set in CI)
+TORSIONBOOK_RUN_LONG=1      tests marked `long` run too (set by `make test-long`); CI runs the slow sample beside each
 TORSIONBOOK_SOFFICE=path    the LibreOffice to use, when it is not where one looks first
 
 `make explore` sets TORSIONBOOK_EXPLORE_UNTIL, the time after which no further test is begun, and
@@ -29,6 +30,7 @@ for _name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
 
 REQUIRE_ALL = os.environ.get("TORSIONBOOK_REQUIRE_ALL") == "1"
 RUN_SLOW = os.environ.get("TORSIONBOOK_RUN_SLOW") == "1"
+RUN_LONG = os.environ.get("TORSIONBOOK_RUN_LONG") == "1"
 EXPLORE_UNTIL = float(os.environ.get("TORSIONBOOK_EXPLORE_UNTIL", "inf"))
 EXPLORE_SEED = os.environ.get("TORSIONBOOK_EXPLORE_SEED")
 
@@ -115,11 +117,16 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         if "soffice" in getattr(item, "fixturenames", ()):
             item.add_marker("needs_libreoffice")
     _slow_beyond_the_first(items)
-    if not RUN_SLOW:
-        slow = [item for item in items if item.get_closest_marker("slow")]
-        if slow:
-            config.hook.pytest_deselected(items=slow)
-            items[:] = [item for item in items if item not in slow]
+    not_run = [
+        item
+        for item in items
+        if (not RUN_SLOW and item.get_closest_marker("slow"))
+        or (not RUN_LONG and item.get_closest_marker("long"))
+    ]
+    if not_run:
+        config.hook.pytest_deselected(items=not_run)
+        dropped = set(not_run)
+        items[:] = [item for item in items if item not in dropped]
     items.sort(key=_turn)
     if EXPLORE_SEED is not None:
         # Not the same ones each time where the time ends in the middle of a pass.

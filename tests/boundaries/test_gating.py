@@ -122,6 +122,12 @@ def test_slow_tests_run_when_asked(tmp_path):
     assert "2 passed, 2 skipped" in said
 
 
+def test_long_tests_run_when_asked_only(tmp_path):
+    tests = "import pytest\n@pytest.mark.long\ndef test_it(): pass\n"
+    assert "1 deselected" in outcomes(tmp_path, tests, TORSIONBOOK_RUN_SLOW="1")[1]
+    assert "1 passed" in outcomes(tmp_path, tests, TORSIONBOOK_RUN_LONG="1")[1]
+
+
 def make_stale_workbook(path: Path) -> None:
     """A1 = 3, A2 = 2 × A1 with a wrong cached value."""
     import xlsxwriter

@@ -139,7 +139,10 @@ def test_every_frequency_of_200_stations(row):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(100, 160))
+@pytest.mark.parametrize(
+    "seed",
+    [*range(100, 106), *(pytest.param(k, marks=pytest.mark.long) for k in range(106, 160))],
+)
 @pytest.mark.parametrize("row", ROWS)
 def test_every_frequency_of_many_trains(row, seed):
     rng = np.random.default_rng(seed)
