@@ -43,6 +43,7 @@ from engine.model.modes import (
     stated_damping,
 )
 from engine.model.train import Train
+from engine.numerics.distinct import distinct
 from engine.numerics.same_bits import ComplexSystems, along_first, inverse, modulus, product, times
 from engine.operation.margins import SeparationMargins
 
@@ -313,7 +314,7 @@ def _of_elements(train: Train, torques: Complexes, *others: Complexes) -> list[C
         for some, of_outputs in zip(by_element, (torques, *others), strict=True):
             some[train.output_element] = of_outputs
     else:
-        for element in np.unique(train.output_element).tolist():
+        for element in distinct(train.output_element).tolist():
             own = train.output_element == element
             largest = np.argmax(modulus(torques[own]), axis=0)[None]
             for some, of_outputs in zip(by_element, (torques, *others), strict=True):
@@ -569,7 +570,7 @@ def _swept_frequencies(
     if low == high:
         return np.array([low])
     inside = poles[(poles > low) & (poles < high)]
-    return np.unique(np.concatenate([np.linspace(low, high, SWEEP_POINTS), inside]))
+    return np.asarray(distinct(np.linspace(low, high, SWEEP_POINTS), inside))
 
 
 @dataclass(frozen=True, eq=False)
@@ -649,7 +650,8 @@ def _peaks(frequency: Floats, response: Floats) -> Floats:
     share = -first / (square + np.sqrt(square**2 - 3.0 * cube * first))
     # what the torque would still gain, seen from the nearer end
     gain = 0.25 * np.where(share < 0.5, -first * share, last / end * (1.0 - share))
-    return np.setdiff1d((frequency[at] + share * width)[gain > AT_PEAK], frequency)
+    peaks = distinct((frequency[at] + share * width)[gain > AT_PEAK])
+    return np.asarray(peaks[frequency[np.searchsorted(frequency, peaks)] != peaks])
 
 
 def _worst(response: Floats) -> tuple[Ints, Ints]:
