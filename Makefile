@@ -1,5 +1,5 @@
 # Everything runs in .venv inside the checkout, made on first use. `make` alone lists the targets.
-# A machine needs Python 3.11, 3.12 or 3.13, make, and the network for the first run.
+# A machine needs Python 3.11 to 3.14, make, and the network for the first run.
 
 VENV := .venv
 PY := $(VENV)/bin/python

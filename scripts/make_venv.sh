@@ -3,7 +3,8 @@
 #
 #   scripts/make_venv.sh REQUIREMENTS_FILE
 #
-# Needs a Python 3.11, 3.12 or 3.13 with its venv module, and nothing else. PYTHON=... names one.
+# Needs a Python 3.11 to 3.14 with its venv module, and nothing else. PYTHON=... names one. Tests run with 3.11 to
+# 3.13, which are taken first.
 set -eu
 cd "$(dirname "$0")/.."
 requirements=$1
@@ -15,7 +16,7 @@ sorry() {
 }
 
 supported() {
-    "$1" -c 'import sys; sys.exit(not ((3, 11) <= sys.version_info[:2] <= (3, 13)))' \
+    "$1" -c 'import sys; sys.exit(not ((3, 11) <= sys.version_info[:2] <= (3, 14)))' \
         >/dev/null 2>&1
 }
 
@@ -34,7 +35,7 @@ find_python() {
     if [ -n "${PYTHON:-}" ]; then
         candidates=$PYTHON
     else
-        candidates="python3 python3.13 python3.12 python3.11 python"
+        candidates="python3.13 python3.12 python3.11 python3 python python3.14"
     fi
     for candidate in $candidates; do
         if supported "$candidate"; then
@@ -52,7 +53,7 @@ find_python() {
         sorry "Python $version ($bare) is here, but its venv module is not. On Debian and Ubuntu it" \
             "is a package of its own: apt-get install python$version-venv. Then run make again."
     fi
-    sorry "torsionbook needs Python 3.11, 3.12 or 3.13 and found none on the PATH" \
+    sorry "torsionbook needs Python 3.11 to 3.14 and found none on the PATH" \
         "(tried: $candidates;${seen:- none of them runs}). Install one, or name it:" \
         "make PYTHON=/path/to/python3.12 ..."
 }

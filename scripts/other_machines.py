@@ -1,8 +1,12 @@
-"""Repeat the numerical tests as other machines would calculate them: `other_machines.py [words for pytest...]`.
+"""Repeat the numerical tests as other machines would calculate them.
+
+    other_machines.py [--oldest] [words for pytest...]
 
 OpenBLAS chooses its routines by the processor, numpy by the vector instructions it finds. Each choice
 rounds differently. The tests must not depend on it: they run once for each processor whose routines
-this one can run, and once without any of numpy's vector instructions. What was loaded is printed, and must be what was asked for. Exit status 1 when a test failed or a choice had no effect.
+this one can run, and once without any of numpy's vector instructions. With `--oldest` they run only once,
+with the routines of the oldest processor and without vector instructions. What was loaded is printed,
+and must be what was asked for. Exit status 1 when a test failed or a choice had no effect.
 """
 
 from __future__ import annotations
@@ -13,6 +17,7 @@ import os
 import subprocess
 import sys
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -85,6 +90,21 @@ def machines(here: dict[str, object]) -> list[Machine]:
     return made
 
 
+def oldest(machines: Sequence[Machine]) -> Machine:
+    """The one machine that differs most from this: the oldest choice of each kind, all at once.
+
+    Machines of one kind are chosen by the same variables, and stand from the oldest on.
+    """
+    first: dict[tuple[str, ...], Machine] = {}
+    for machine in machines:
+        first.setdefault(tuple(machine.environment), machine)
+    made = Machine(" and ".join(m.name for m in first.values()), {}, {})
+    for machine in first.values():
+        made.environment.update(machine.environment)
+        made.loaded.update(machine.loaded)
+    return made
+
+
 def probe(environment: dict[str, str]) -> dict[str, object]:
     """What a new process with these variables calculates with."""
     text = subprocess.run(
@@ -101,12 +121,16 @@ def main(words: list[str]) -> int:
     """The tests on each machine, and a list of what failed."""
     for name in ("OPENBLAS_CORETYPE", "NPY_DISABLE_CPU_FEATURES"):
         os.environ.pop(name, None)
+    chosen = machines(probe({}))
+    if "--oldest" in words:
+        words = [word for word in words if word != "--oldest"]
+        chosen = [oldest(chosen)]
     if not any(word.startswith("tests") for word in words):
         words = [*NUMERICAL, *words]
     failed = []
     # The slow ones run once, on the machine as it is.
     tests = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-rfE", *words]
-    for machine in machines(probe({})):
+    for machine in chosen:
         started = time.monotonic()
         choice = " ".join(f'{name}="{value}"' for name, value in machine.environment.items())
         print(f"\n--- {machine.name}: {choice}")
@@ -122,7 +146,7 @@ def main(words: list[str]) -> int:
         if subprocess.run(tests, cwd=ROOT, env=environment, check=False).returncode != 0:
             failed.append(f"{machine.name}: tests failed")
         print(f"--- {machine.name}: {time.monotonic() - started:.0f} s")
-    print("\n" + ("\n".join(f"FAILED {line}" for line in failed) or "The same on every machine."))
+    print("\n" + ("\n".join(f"FAILED {line}" for line in failed) or "No test failed."))
     return 1 if failed else 0
 
 

@@ -20,7 +20,7 @@ module           responsibility
 `cluster_files`  how the files of a batch reach a cluster: by a folder that it shares with this
                  machine, or as bytes
 `scheduler`      a batch from its inputs to its summary
-`vary`           one case, many values: a programme from a table, streamed to Parquet
+`vary`           one case, many values: a programme from a table, streamed to Parquet or CSV
 `watch`          recalculation when a file is saved
 ===============  =================================================================================
 """

@@ -69,11 +69,11 @@ def stated_columns(names: Sequence[str]) -> dict[bytes, bytes]:
     return {_STATED: json.dumps(list(names)).encode()}
 
 
-def in_the_way(folder: Path, as_csv: bool) -> Iterator[Path]:
-    """Files of somebody else where results would be put."""
-    for name, is_ours in IS_OURS.items():
+def in_the_way(folder: Path, names: Sequence[str]) -> Iterator[Path]:
+    """Files of somebody else where results of these names would be put."""
+    for name in names:
         place = folder / name
-        if (as_csv or name != RESULT_CSV) and os.path.lexists(place) and not is_ours(place):
+        if os.path.lexists(place) and not IS_OURS[name](place):
             yield place
 
 
@@ -83,11 +83,14 @@ def is_result(path: Path) -> bool:
     Returns
     -------
     bool
-        True for those that it states itself, and for those of this version where it states none. [flag]
+        True for those that it states itself, and for those of this version where it states none; False where
+        pyarrow, which reads them, is not installed. [flag]
     """
-    import pyarrow as pa
-    from pyarrow.parquet import read_schema
-
+    try:
+        import pyarrow as pa
+        from pyarrow.parquet import read_schema
+    except ImportError:
+        return False
     try:
         schema = read_schema(path) if path.is_file() else None
         if schema is None:

@@ -1,4 +1,4 @@
-"""One case, many values: a programme of cases from a table, streamed to Parquet.
+"""One case, many values: a programme of cases from a table, streamed to Parquet, CSV or both.
 
 Each column of the table names an input of the base case, each row is a case: ``DampingRatio``,
 ``Elements[LS coupling].Stiffness``, ``MotorTorque[3].Pulsating``. A number is in the unit that stands
@@ -6,7 +6,7 @@ in brackets behind the name, ``Elements[LS coupling].Stiffness [lbf*in/rad]``; w
 as in a case JSON; a text such as ``12 %`` carries its own. A blank leaves what the base case says.
 
 Rows are read, calculated and written in chunks, so that a programme of any length needs the same
-memory. Each chunk is a file of its own until the end; a chunk that is there is whole.
+memory. Each chunk is a JSON file of its own until the end; a chunk that is there is whole.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import islice
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from addin.batch.folder import OWN, OutFolder, digest_of
 from addin.batch.own_files import IS_OURS, RESULT, RESULT_COLUMNS, RESULT_CSV, stated_columns
@@ -38,15 +38,21 @@ from addin.reading.typed_case import TypedCase
 from addin.workers.pool import Crashed, Task, Workers
 from addin.workers.stop import Stop, Stopped
 
-if TYPE_CHECKING:
-    import pyarrow as pa
-
 #: Chunks given to the workers before answers come back, a worker. [count]
 AHEAD = 3
 #: Reasons that are kept for the terminal. [count]
 REASONS = 20
 #: Chunks that become one row group of the result. [count]
 _GROUPED = 50
+#: Values of each kind of column.
+_KINDS: dict[str, Callable[[Any], Any]] = {
+    "string": str,
+    "double": float,
+    "int64": int,
+    "bool": bool,
+}
+#: Rows of the result, each with the values of its columns.
+_Rows = Sequence[Sequence[Any]]
 
 
 @dataclass(frozen=True)
@@ -56,16 +62,22 @@ class ProgrammeSettings:
     resume: bool = False  #: Go on with an ended programme of the same table and base.
     #: Fields of the case, whatever base and table say. [SI]
     overrides: Mapping[str, Any] = field(default_factory=dict)
-    as_csv: bool = False  #: Write ``results.csv`` too, with the table's separator and decimal sign.
+    as_csv: bool = False  #: Write ``results.csv``, with the table's separator and decimal sign.
+    as_parquet: bool = True  #: Write ``results.parquet``, with pyarrow.
+
+    @property
+    def results(self) -> tuple[str, ...]:
+        """Names of the files that are written."""
+        return (RESULT,) * self.as_parquet + (RESULT_CSV,) * self.as_csv
 
 
 @dataclass
 class Programme:
     """What became of a programme."""
 
-    result: Path  #: The Parquet file.
+    result: Path | None  #: The Parquet file, where it is asked for.
     rows: int = 0  #: Rows of the table.
-    csv: Path | None = None  #: The same as CSV, where it is asked for.
+    csv: Path | None = None  #: The CSV, where it is asked for.
     form: CsvForm = CsvForm()  #: How that is written.
     comma: bool = False  #: Its decimal sign is the comma.
     #: Rows by outcome; those not reached are missing.
@@ -94,7 +106,7 @@ def run_programme(
     table : Path
         CSV or Parquet. [path]
     folder : OutFolder
-        Takes ``results.parquet``.
+        Takes the results.
     workers : Workers
         Who does the work.
     settings : ProgrammeSettings
@@ -122,7 +134,7 @@ def run_programme(
     varied = tuple(column for column in columns if column is not None)
     total = read.count()
     comma = read.has_decimal_commas(columns)
-    parts = _Parts(folder, _schema(varied))
+    parts = _Parts(folder, _kinds(varied))
     overrides = dict(settings.overrides)
     fingerprint = {
         "base": digest_of(base),
@@ -132,7 +144,7 @@ def run_programme(
         "settings": overrides,
     }
     parts.begin(fingerprint, settings.resume)
-    programme = Programme(folder.place(RESULT), total)
+    programme = Programme(folder.place(RESULT) if settings.as_parquet else None, total)
     if settings.as_csv:
         programme.csv = folder.place(RESULT_CSV)
         programme.form = read.form()
@@ -238,25 +250,22 @@ class _Work:
             del self.open[task.tag]
 
 
-def _schema(columns: Sequence[Varied]) -> pa.Schema:
-    import pyarrow as pa
-
-    kinds = {"string": pa.string(), "double": pa.float64(), "int64": pa.int64(), "bool": pa.bool_()}
-    fields = [
-        pa.field("row", pa.int64()),
-        pa.field("name", pa.string()),
-        *(pa.field(c.header, kinds["double" if c.spec.is_number else "string"]) for c in columns),
-        *(pa.field(name, kinds[kind]) for name, kind, _ in RESULT_COLUMNS),
-    ]
-    return pa.schema(fields, metadata=stated_columns([column.name for column in fields]))
+def _kinds(columns: Sequence[Varied]) -> dict[str, str]:
+    """Columns of the result, and the kind of each."""
+    return {
+        "row": "int64",
+        "name": "string",
+        **{c.header: "double" if c.spec.is_number else "string" for c in columns},
+        **{name: kind for name, kind, _ in RESULT_COLUMNS},
+    }
 
 
 class _Parts:
-    """Chunks on the disk, and the one file they become."""
+    """Chunks on the disk, and the files they become."""
 
-    def __init__(self, folder: OutFolder, schema: pa.Schema) -> None:
+    def __init__(self, folder: OutFolder, kinds: Mapping[str, str]) -> None:
         self._place = folder.path / OWN / "vary"
-        self._schema = schema
+        self._kinds = kinds
 
     def begin(self, fingerprint: Mapping[str, Any], resume: bool) -> None:
         """Begin anew, or go on where the same programme ended."""
@@ -273,7 +282,7 @@ class _Parts:
         manifest.write_text(json.dumps(fingerprint), encoding="utf-8")
 
     def _part(self, number: int) -> Path:
-        return self._place / f"{number:07}.parquet"
+        return self._place / f"{number:07}.json"
 
     def has(self, number: int) -> bool:
         """Whether a chunk is done."""
@@ -281,47 +290,67 @@ class _Parts:
 
     def write(self, number: int, rows: Sequence[Mapping[str, Any]]) -> None:
         """Write a chunk whole or not at all."""
-        import pyarrow as pa
-        import pyarrow.parquet as pq
-
-        table = pa.Table.from_pylist(list(rows), schema=self._schema)
+        values = [
+            [
+                None if row.get(n) is None else _KINDS[kind](row[n])
+                for n, kind in self._kinds.items()
+            ]
+            for row in rows
+        ]
         new = self._place / "new"
-        pq.write_table(table, new, compression="zstd")
-        with open(new, "rb+") as file:
+        with open(new, "w", encoding="utf-8") as file:
+            json.dump(values, file)
+            file.flush()
             os.fsync(file.fileno())
         os.replace(new, self._part(number))
 
     def join(self, programme: Programme) -> dict[str, int]:
         """Make one file of the chunks that are there, a few at a time; rows by outcome."""
-        import pyarrow as pa
-        import pyarrow.parquet as pq
-
         counts: Counter[str] = Counter()
-        new = self._place / "joined"
-        parts = iter(sorted(self._place.glob("*.parquet")))
-        with (
-            pq.ParquetWriter(new, self._schema, compression="zstd") as writer,
-            _csv_writer(self._place / "csv", programme, self._schema.names) as write,
-        ):
+        outcome = list(self._kinds).index("outcome")
+        parts = iter(sorted(self._place.glob("[0-9]*.json")))
+        parquet, text = self._place / "parquet", self._place / "csv"
+        with contextlib.ExitStack() as stack:
+            writers = []
+            if programme.result is not None:
+                writers.append(stack.enter_context(_parquet_writer(parquet, self._kinds)))
+            if programme.csv is not None:
+                writers.append(stack.enter_context(_csv_writer(text, programme, self._kinds)))
             while some := list(islice(parts, _GROUPED)):
-                table = pa.concat_tables([pq.read_table(part) for part in some])
-                writer.write_table(table)
-                write(table)
-                counts.update(table["outcome"].to_pylist())
-        os.replace(new, programme.result)
-        if programme.csv is not None:
-            os.replace(self._place / "csv", programme.csv)
+                rows = [row for part in some for row in json.loads(part.read_bytes())]
+                for write in writers:
+                    write(rows)
+                counts.update(row[outcome] for row in rows)
+        for new, place in ((parquet, programme.result), (text, programme.csv)):
+            if place is not None:
+                os.replace(new, place)
         return dict(counts)
 
 
 @contextlib.contextmanager
+def _parquet_writer(place: Path, kinds: Mapping[str, str]) -> Iterator[Callable[[_Rows], None]]:
+    """What writes rows of the result as Parquet, each time as one row group."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    types = {"string": pa.string(), "double": pa.float64(), "int64": pa.int64(), "bool": pa.bool_()}
+    fields = [pa.field(name, types[kind]) for name, kind in kinds.items()]
+    schema = pa.schema(fields, metadata=stated_columns(list(kinds)))
+    with pq.ParquetWriter(place, schema, compression="zstd") as writer:
+
+        def write(rows: _Rows) -> None:
+            columns = zip(zip(*rows, strict=True), schema.types, strict=True)
+            arrays = [pa.array(values, of) for values, of in columns]
+            writer.write_table(pa.Table.from_arrays(arrays, schema=schema))
+
+        yield write
+
+
+@contextlib.contextmanager
 def _csv_writer(
-    place: Path, programme: Programme, headers: Sequence[str]
-) -> Iterator[Callable[[pa.Table], None]]:
-    """What writes the rows of a result as CSV; nothing where none is asked for."""
-    if programme.csv is None:
-        yield lambda table: None
-        return
+    place: Path, programme: Programme, headers: Iterable[str]
+) -> Iterator[Callable[[_Rows], None]]:
+    """What writes rows of the result as CSV."""
 
     def shown(value: Any) -> Any:
         if isinstance(value, str):
@@ -332,4 +361,4 @@ def _csv_writer(
     with open(place, "w", encoding="utf-8-sig", newline="") as file:
         writer = csv.writer(file, delimiter=programme.form.separator)
         writer.writerow(map(shown, headers))
-        yield lambda table: writer.writerows(map(shown, row.values()) for row in table.to_pylist())
+        yield lambda rows: writer.writerows(map(shown, row) for row in rows)

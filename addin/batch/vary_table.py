@@ -137,6 +137,11 @@ def _reading() -> Iterator[None]:
     except (OSError, csv.Error) as wrong:
         why = getattr(wrong, "strerror", None) or wrong
         raise TableRefused(f"it cannot be read: {why}. Check the file.") from wrong
+    except ImportError as wrong:
+        raise TableRefused(
+            "it is Parquet, and pyarrow is not installed. Give a CSV, or run pip install -r "
+            "requirements/parquet.txt in the checkout, or install the wheel with its extra [parquet]."
+        ) from wrong
     except Exception as wrong:
         if not type(wrong).__module__.startswith("pyarrow"):
             raise

@@ -32,6 +32,7 @@ from engine.errors import TorsionError
 from engine.fatigue.sn_curve import sn_curve_for
 from engine.fatigue.stress import stress_of_unit_torque
 from engine.model.links import shaft_stiffness
+from engine.numerics.distinct import distinct
 
 #: Most points of a drawn curve that has no spikes.
 _CURVE_POINTS = 401
@@ -247,7 +248,7 @@ def _speed_time_rows(run: RunView | None) -> Rows:
     if run is None or run.speed_time is None:
         return [[None, None]]
     time, speed = run.speed_time
-    keep = np.unique(np.searchsorted(time, np.linspace(time[0], time[-1], _CURVE_POINTS)))
+    keep = distinct(np.searchsorted(time, np.linspace(time[0], time[-1], _CURVE_POINTS)))
     return side_by_side([plain(time[keep]), plain(map(_rpm, speed[keep]))])
 
 
@@ -542,6 +543,6 @@ def _exceedance(amplitude: Floats, count: Floats) -> tuple[Floats, Floats]:
     large = stress >= _SMALLEST_CYCLE * stress[0]
     total, stress = total[large], stress[large]
     if total.size > _SN_POINTS:
-        keep = np.unique(np.geomspace(1, total.size, _SN_POINTS).astype(int)) - 1
+        keep = distinct(np.geomspace(1, total.size, _SN_POINTS).astype(int)) - 1
         total, stress = total[keep], stress[keep]
     return total, stress

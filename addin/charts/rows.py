@@ -9,6 +9,8 @@ from itertools import zip_longest
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.numerics.distinct import distinct
+
 Cell = float | int | str | None
 Rows = list[list[Cell]]
 Floats = NDArray[np.float64]
@@ -57,10 +59,10 @@ def decimate(time: Floats, value: Floats, limit: int = HISTORY_POINTS) -> NDArra
     if n <= limit:
         return np.arange(n)
     if limit < 4:  # no room for both extremes between the ends
-        return np.unique([0, int(np.argmax(np.abs(value))), n - 1])
+        return distinct([0, int(np.argmax(np.abs(value))), n - 1])
     intervals = max(1, limit // 2 - 1)
     edges = np.searchsorted(time, np.linspace(time[0], time[-1], intervals + 1))
-    begins = np.unique(edges[:-1])  # an interval without a point has none of its own
+    begins = distinct(edges[:-1])  # an interval without a point has none of its own
     least, largest = np.minimum.reduceat(value, begins), np.maximum.reduceat(value, begins)
     interval = np.repeat(np.arange(begins.size), np.diff(begins, append=n))
     ends = [np.array([0, n - 1])]
@@ -68,7 +70,7 @@ def decimate(time: Floats, value: Floats, limit: int = HISTORY_POINTS) -> NDArra
         at = np.flatnonzero(value == extreme[interval])
         own = interval[at]
         ends.append(at[np.flatnonzero(np.diff(own, prepend=-1))])  # the first one of each interval
-    return np.unique(np.concatenate(ends))
+    return distinct(*ends)
 
 
 def thinned(time: Floats, value: Floats, limit: int) -> NDArray[np.int64]:
@@ -104,4 +106,4 @@ def thinned(time: Floats, value: Floats, limit: int) -> NDArray[np.int64]:
         nearest = 1 + int(np.argmin(np.abs(steps[1:-1] - time[point])))
         even[nearest] = point
         steps[nearest] = np.inf
-    return np.unique(even)
+    return distinct(even)

@@ -9,6 +9,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -101,7 +102,11 @@ def batch(
         ),
     ] = None,
     csv: Annotated[
-        bool, typer.Option("--csv", help="With --vary: write results.csv too, for Excel.")
+        bool,
+        typer.Option(
+            "--csv",
+            help="With --vary: write results.csv too, for Excel; alone where pyarrow is not installed.",
+        ),
     ] = False,
     scheduler: SchedulerOption = None,
     send: Annotated[
@@ -251,15 +256,18 @@ def _varied(
     try:
         import pyarrow  # noqa: F401  (said in time)
     except ImportError:
-        raise failed(
-            "Results of --vary are Parquet, and pyarrow is not installed. Run pip install -r "
-            "requirements/parquet.txt in the checkout, or install the wheel with its extra [parquet]."
-        ) from None
-    if table.resolve() == (out / "results.parquet").resolve():
+        if not settings.as_csv:
+            raise failed(
+                "Results of --vary are Parquet, and pyarrow is not installed. Add --csv, or run pip install "
+                "-r requirements/parquet.txt in the checkout, or install the wheel with its extra [parquet]."
+            ) from None
+        settings = replace(settings, as_parquet=False)
+        _tell("Only results.csv is written: results.parquet needs pyarrow, which is not installed.")
+    if table.resolve() in [(out / name).resolve() for name in settings.results]:
         raise typer.BadParameter(
             f"Results would overwrite the table {table}. Name another folder with --out."
         )
-    if (place := next(in_the_way(out, settings.as_csv), None)) is not None:
+    if (place := next(in_the_way(out, settings.results), None)) is not None:
         raise typer.BadParameter(
             f"{place} exists and was not written by torsionbook: results of --vary would replace "
             "it. Rename it, or name another folder with --out."

@@ -11,8 +11,8 @@ import re
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from functools import cached_property, lru_cache
+from html import escape, unescape
 from math import isclose, isfinite
-from xml.sax.saxutils import escape, unescape
 
 from addin.xlsx.chart_titles import TitleLink, link_titles
 from addin.xlsx.errors import WorkbookRefused
@@ -328,7 +328,7 @@ def _number_of(value: Constant) -> float | None:
 
 def _text_point(value: Constant) -> str | None:
     words = _words_of(value)
-    return None if words is None else escape(words)
+    return None if words is None else escape(words, quote=False)
 
 
 def _words_of(value: Constant) -> str | None:

@@ -12,8 +12,8 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from html import escape
 from typing import Any
-from xml.sax.saxutils import escape
 
 from addin.xlsx.xml_part import Element, main
 
@@ -178,7 +178,7 @@ def _rest_of_cell(value: CellValue) -> str:
     if isinstance(value, str):
         return f' t="inlineStr"><is>{_text_xml(value)}</is></c>'
     if isinstance(value, Formula):
-        return f"><f>{escape(value.text)}</f></c>"
+        return f"><f>{escape(value.text, quote=False)}</f></c>"
     kind, text = constant_text(value)
     named = f' t="{kind}"' if kind else ""
     return f"{named}><v>{text}</v></c>"
@@ -200,7 +200,7 @@ def constant_text(value: Constant) -> tuple[str, str | None]:
 def _text_xml(text: str) -> str:
     if not text:
         return "<t/>"  # as it is stored
-    body = escape(_ESCAPE.sub("_x005F_", text))
+    body = escape(_ESCAPE.sub("_x005F_", text), quote=False)
     return f'<t xml:space="preserve">{body}</t>' if _NEEDS_SPACE.search(text) else f"<t>{body}</t>"
 
 

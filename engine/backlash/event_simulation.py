@@ -17,6 +17,7 @@ import numpy as np
 from engine.arrays import Floats, Ints
 from engine.backlash.contact_systems import ContactSystem, ContactSystems
 from engine.errors import ModelError
+from engine.numerics.distinct import distinct
 from engine.numerics.same_bits import hypot, product
 from engine.start.start_model import Machines
 from engine.start.time_response import knots_of
@@ -132,7 +133,7 @@ class _Recorder:
         torque, rate = np.empty((n_out, n)), np.empty((n_out, n))
         speed = np.empty(n)
         bearing = np.empty((len(self.largest), n))
-        for p in np.unique(of_piece):
+        for p in distinct(of_piece):
             samples = np.flatnonzero(of_piece == p)
             alone = len(samples) == n
             state = (
@@ -146,7 +147,7 @@ class _Recorder:
         if self.keep_state:
             for name, kept in (("q", self.position), ("v", self.velocity)):
                 whole = np.empty((pieces.basis.vectors.shape[1], n))
-                for p in np.unique(of_piece):
+                for p in distinct(of_piece):
                     here = of_piece == p
                     whole[:, here] = product(pieces.pieces[int(p)].turn, rows[name][:n][here].T)
                 kept.append(whole)
@@ -357,7 +358,7 @@ class _Simulation:
     def _knots(self) -> Floats:
         """Times at which a prescribed torque has a corner."""
         stops = np.array(self.script.stops, dtype=np.float64)
-        return np.unique(np.concatenate([stops, *knots_of(self.model.timed)]))
+        return np.asarray(distinct(stops, *knots_of(self.model.timed)))
 
     def _awaited(self) -> dict[str, float]:
         """Mean speeds at which something follows on the way up; of two equal ones the first counts."""

@@ -3,6 +3,7 @@
 ===================  =============================================================================
 module               responsibility
 ===================  =============================================================================
+`distinct`           each number once
 `same_bits`          functions, products and factorisations that round alike on every machine
 `sample_statistics`  what a sample says of an answer: percentiles, shares and drivers, each with
                      its sampling error

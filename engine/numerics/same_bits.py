@@ -23,6 +23,7 @@ from engine.errors import InternalError
 from engine.stepping.library import address, ffi, library
 
 __all__ = [
+    "ComplexSystems",
     "atan2",
     "cos",
     "eigenvalues",
@@ -325,21 +326,23 @@ def norm(vector: Floats) -> float:
     return math.sqrt(product(vector, vector))
 
 
-def solve(a: Any, b: Any) -> Any:
-    """Solution x of a x = b by elimination with row pivoting.
+#: Of `solve` and of `ComplexSystems`.
+SINGULAR = "linear equations without a solution: a pivot is zero"
 
-    A complex one is corrected once by its residual.
+
+def solve(a: Floats, b: Floats) -> Floats:
+    """Solution x of a x = b by elimination with row pivoting.
 
     Parameters
     ----------
-    a : ndarray, shape (n, n) or, complex, (count, n, n)
-        Matrices. [any]
-    b : ndarray, shape (n, r) or, complex, (count, n, r)
+    a : ndarray, shape (n, n)
+        Matrix. [any]
+    b : ndarray, shape (n, r)
         Right-hand sides. [any]
 
     Returns
     -------
-    ndarray, shape of b
+    ndarray, shape (n, r)
         Solutions. [any]
 
     Raises
@@ -347,21 +350,57 @@ def solve(a: Any, b: Any) -> Any:
     InternalError
         If a pivot is zero.
     """
-    x = np.array(b, dtype=a.dtype, order="C")
-    n, r = x.shape[-2:]
-    if a.dtype.kind == "c":
-        systems = np.ascontiguousarray(a)
-        rows, room = np.empty(n, dtype=np.int64), np.empty(2 * n * n + 4 * n * r)
-        count = x.size // (n * r) if x.size else 0
-        solved = library.solve_complex(
-            count, n, r, _place(systems), _place(x), address(rows, "int64_t"), address(room)
-        )
-    else:
-        factors = np.array(a, dtype=np.float64, order="C")
-        solved = library.solve_real(n, r, address(factors), address(x))
-    if not solved:
-        raise InternalError("linear equations without a solution: a pivot is zero")
+    x = np.array(b, dtype=np.float64, order="C")
+    factors = np.array(a, dtype=np.float64, order="C")
+    if not library.solve_real(*x.shape, address(factors), address(x)):
+        raise InternalError(SINGULAR)
     return x
+
+
+class ComplexSystems:
+    """Complex linear equations a x = b, factored once by elimination with row pivoting."""
+
+    def __init__(self, a: Complexes) -> None:
+        """
+        Parameters
+        ----------
+        a : ndarray, shape (count, n, n)
+            Matrices. [any]
+
+        Raises
+        ------
+        InternalError
+            If a pivot is zero.
+        """
+        self._systems = np.ascontiguousarray(a, dtype=np.complex128)
+        count, n, _ = a.shape
+        self._factors, self._rows = np.empty((count, 2, n, n)), np.empty((count, n), dtype=np.int64)
+        if not library.factor_complex(
+            count, n, _place(self._systems), address(self._factors), address(self._rows, "int64_t")
+        ):
+            raise InternalError(SINGULAR)
+
+    def solve(self, b: Complexes) -> Complexes:
+        """Solutions, each corrected once by its residual.
+
+        Parameters
+        ----------
+        b : ndarray, shape (count, n, r)
+            Right-hand sides. [any]
+
+        Returns
+        -------
+        ndarray, shape (count, n, r)
+            Solutions. [any]
+        """
+        x = np.array(b, dtype=np.complex128, order="C")
+        count, n, r = x.shape
+        room = np.empty(4 * n * r)
+        library.solve_complex(
+            count, n, r, _place(self._systems), address(self._factors), address(self._rows, "int64_t"),
+            _place(x), address(room),
+        )  # fmt: skip
+        return x
 
 
 def svd(a: Floats) -> tuple[Floats, Floats, Floats]:

@@ -43,7 +43,8 @@ from engine.model.modes import (
     stated_damping,
 )
 from engine.model.train import Train
-from engine.numerics.same_bits import along_first, inverse, modulus, product, solve, times
+from engine.numerics.distinct import distinct
+from engine.numerics.same_bits import ComplexSystems, along_first, inverse, modulus, product, times
 from engine.operation.margins import SeparationMargins
 
 #: Mil-Std-167: allowable vibratory stress is the ultimate tensile strength over this.
@@ -62,6 +63,10 @@ STRESS_ROUNDING = 1e-9
 SWEEP_POINTS = 31
 #: Times a sweep looks for the largest torque between its frequencies. What the last time added is its error.
 SWEEP_REFINEMENTS = 3
+#: Torques this near to the largest are as large but for rounding: the flattest of them is at the peak.
+EQUAL_TORQUE = 1e-12
+#: A frequency is at the peak if its torque is this near to the largest: it is within 1e-9 of the width of the peak.
+AT_PEAK = 1e-18
 #: Share of the largest torque from which another peak is looked at, too.
 NEARLY_LARGEST = 0.8
 #: Modes count as coupled by their dampers above this `ModalDamping.coupling`.
@@ -85,6 +90,8 @@ class HarmonicResponse:
     #: segment or end with the largest magnitude; infinite where unbounded. [N m] Shape (n_elements,
     #: n_freq).
     element_torque: Complexes
+    #: Derivative of that with the angular frequency, where it was wanted. [N m s] Same shape.
+    torque_slope: Complexes | None
 
 
 def harmonic_response(
@@ -94,6 +101,7 @@ def harmonic_response(
     torque: Complexes | Floats,
     *,
     damping_ratio: Floats | None = None,
+    slopes: bool = False,
 ) -> HarmonicResponse:
     """Response of a train to harmonic torques, by direct complex solution at each frequency.
 
@@ -115,11 +123,13 @@ def harmonic_response(
         running direction; columns are loads that act one at a time. [N m]
     damping_ratio : ndarray, shape (n_modes,), optional
         Stated modal damping, in addition to the train's dampers and loss factors. [1]
+    slopes : bool, optional
+        Whether derivatives with the frequency are wanted, too. Default no. [1]
 
     Returns
     -------
     HarmonicResponse
-        Angles and torques. [rad, N m]
+        Angles, torques and derivatives of torques. [rad, N m, N m s]
     """
     w = np.atleast_1d(np.asarray(omega, dtype=float))
     load = np.asarray(torque, dtype=complex)
@@ -127,20 +137,27 @@ def harmonic_response(
     stated = np.zeros(modes.n_modes) if damping_ratio is None else damping_ratio
     undamped = _undamped(train, modes, stated)
     used = _beside_resonance(modes, undamped, w)
-    solution = _solve(train, modes, stated, used, _dof_force(train, columns))
-    torques = _element_torque(train, modes, used, solution, columns)
+    solution, slope = _solve(train, modes, stated, used, _dof_force(train, columns), slopes)
+    found = [_output_torque(train, modes, used, solution, columns)]
+    if slope is not None:
+        found.append(_output_torque(train, modes, used, slope, np.zeros_like(columns), solution))
+    torques = _of_elements(train, *found)
     scale = train.node_scale[: train.n_stations, None, None]
     angles = scale * solution.angle[train.node_dof[: train.n_stations]]
     for i in np.flatnonzero(used != w).tolist():
-        _mark_unbounded(train, modes, undamped, w[i], columns, angles[:, :, i], torques[:, :, i])
+        at = [a[:, :, i] for a in (angles, *torques)]
+        _mark_unbounded(train, modes, undamped, w[i], columns, *at)
     if load.ndim == 1:
-        return HarmonicResponse(w, angles[:, 0], torques[:, 0])
-    return HarmonicResponse(w, angles, torques)
+        angles, torques = angles[:, 0], [a[:, 0] for a in torques]
+    return HarmonicResponse(w, angles, torques[0], torques[1] if slopes else None)
 
 
 @dataclass(frozen=True, eq=False)
 class _Solution:
-    """Unknowns of the mixed system, and Φᵀ C θ / iω: each shape (n_…, n_loads, n_freq)."""
+    """Unknowns of the mixed system, and Φᵀ C θ / iω: each shape (n_…, n_loads, n_freq).
+
+    Or the derivatives of the three with the angular frequency.
+    """
 
     angle: Complexes  # of the degrees of freedom
     torque: Complexes  # of the rows
@@ -182,25 +199,29 @@ def _beside_resonance(modes: Modes, undamped: Mask, omega: Floats) -> Floats:
 
 
 def _solve(
-    train: Train, modes: Modes, stated: Floats, omega: Floats, force: Complexes
-) -> _Solution:
-    """The mixed system at every frequency, in batches."""
+    train: Train, modes: Modes, stated: Floats, omega: Floats, force: Complexes, slopes: bool
+) -> tuple[_Solution, _Solution | None]:
+    """Solutions of the mixed system at every frequency and, if wanted, their derivatives, in batches."""
     size = max(1, BATCH // (train.n_dof + train.n_rows) ** 2)
     parts = [
-        _solve_batch(train, modes, stated, omega[start : start + size], force)
+        _solve_batch(train, modes, stated, omega[start : start + size], force, slopes)
         for start in range(0, len(omega), size)
     ]
-    return _Solution(*(np.concatenate(part, axis=-1) for part in zip(*parts, strict=True)))
+    whole = [np.concatenate(part, axis=-1) for part in zip(*parts, strict=True)]
+    return _Solution(*whole[:3]), _Solution(*whole[3:]) if slopes else None
 
 
 def _solve_batch(
-    train: Train, modes: Modes, stated: Floats, omega: Floats, force: Complexes
-) -> tuple[Complexes, Complexes, Complexes]:
-    """One batch of the mixed system, all of it dimensionless.
+    train: Train, modes: Modes, stated: Floats, omega: Floats, force: Complexes, slopes: bool
+) -> tuple[Complexes, ...]:
+    """One batch of the mixed system, all of it dimensionless: what one or two `_Solution` hold.
 
     Unknowns are w √m θ and τ/(g h) with w = ω, g = √|κ|, κ = k(1+iη) + iωc and h the factor that
     brings the largest entry of a stiff row to one; equations are divided by w √m and by g.
     One step of iterative refinement follows (Skeel, Math. Comp. 35 (1980) 817-832).
+
+    Derivatives x' of A x = b solve A x' = −A' x with the same factors of w, g and h:
+    (2ωM − iC) θ in the first equations, −τ ic/κ² in the others.
     """
     n, n_rows = train.n_dof, train.n_rows
     root_mass = np.sqrt(train.inertia)
@@ -225,23 +246,52 @@ def _solve_batch(
         A[:, :n, n:] += times((rate / w)[:, :, None] * by_row, (flexible * g * h)[:, None, :])
     b = np.zeros((len(omega), n + n_rows, force.shape[1]), dtype=complex)
     b[:, :n] = force / root_mass[:, None] / w[:, :, None]
-    x = np.moveaxis(solve(A, b), 0, -1)
-    angle = x[:n] / (root_mass[:, None] * w[:, 0])[:, None]
-    torque = x[n:] * (g * h).T[:, None]
-    twist = times(torque, flexible.T[:, None])
-    modal = along_first((damping * modes.row_torque).T, twist)
-    return angle, torque, modal
+    of_angle, of_torque = (root_mass[:, None] * w[:, 0])[:, None], (g * h).T[:, None]
+    flexible = flexible.T[:, None]
+    row_modes = (damping * modes.row_torque).T
+    systems = ComplexSystems(A)
+    x = np.moveaxis(systems.solve(b), 0, -1)
+    angle, torque = x[:n] / of_angle, x[n:] * of_torque
+    twist = times(torque, flexible)
+    modal = along_first(row_modes, twist)
+    if not slopes:
+        return angle, torque, modal
+    softer = 1j * train.viscous[:, None, None] * times(twist, flexible)
+    right = np.empty_like(x)
+    right[:n] = 2.0 * omega * train.inertia[:, None, None] * angle
+    right[:n] -= 1j * train.ground_damping[:, None, None] * angle
+    right[:n] /= of_angle
+    right[n:] = -of_torque * softer
+    if np.any(stated):
+        right[:n] += along_first(by_row, rate[:, 0] * softer - 1j * twist) / w[:, 0]
+    x = np.moveaxis(systems.solve(np.moveaxis(right, -1, 0)), 0, -1)
+    angle_slope, torque_slope = x[:n] / of_angle, x[n:] * of_torque
+    twist_slope = times(torque_slope, flexible) - softer
+    modal_slope = along_first(row_modes, twist_slope)
+    return angle, torque, modal, angle_slope, torque_slope, modal_slope
 
 
-def _element_torque(
-    train: Train, modes: Modes, omega: Floats, solution: _Solution, columns: Complexes
+def _output_torque(
+    train: Train,
+    modes: Modes,
+    omega: Floats,
+    solution: _Solution,
+    columns: Complexes,
+    value: _Solution | None = None,
 ) -> Complexes:
-    """Torque of each element, shape (n_elements, n_loads, n_freq)."""
+    """Torque of each output, shape (n_outputs, n_loads, n_freq).
+
+    Or its derivative with the angular frequency: `solution` is the derivative of `value` then, and
+    `columns` that of the loads, zero.
+    """
     candidates = [solution.torque[train.element_rows]]
     if train.rigid_meshes or train.shaft_ends:
         damping = along_first(modes.shape, solution.damping)
         inertial = -(omega**2) * solution.angle + 1j * omega * damping
         viscous = 1j * omega * solution.angle
+        if value is not None:
+            inertial += 1j * along_first(modes.shape, value.damping) - 2.0 * omega * value.angle
+            viscous += 1j * value.angle
         for mesh in train.rigid_meshes:
             nodes = np.array(mesh.to_side)
             candidates.append(
@@ -252,16 +302,24 @@ def _element_torque(
         for end in train.shaft_ends:
             taken = end.inertia * train.node_scale[end.node] * inertial[train.node_dof[end.node]]
             candidates.append((solution.torque[end.row] + taken)[None])
-    torques = np.concatenate(candidates)
-    torque = np.zeros((len(train.elements), *torques.shape[1:]), dtype=complex)
-    if len(torques) == len(torque):
-        torque[train.output_element] = torques
+    return np.concatenate(candidates)
+
+
+def _of_elements(train: Train, torques: Complexes, *others: Complexes) -> list[Complexes]:
+    """Of the outputs of each element the one with the largest torque, shape (n_elements, …); the same of others."""
+    by_element = [
+        np.zeros((len(train.elements), *torques.shape[1:]), complex) for _ in (torques, *others)
+    ]
+    if len(torques) == len(train.elements):
+        for some, of_outputs in zip(by_element, (torques, *others), strict=True):
+            some[train.output_element] = of_outputs
     else:
-        for element in np.unique(train.output_element).tolist():
-            own = torques[train.output_element == element]
-            largest = np.argmax(modulus(own), axis=0)[None]
-            torque[element] = np.take_along_axis(own, largest, axis=0)[0]
-    return np.asarray(torque * train.orientation[:, None, None], dtype=np.complex128)
+        for element in distinct(train.output_element).tolist():
+            own = train.output_element == element
+            largest = np.argmax(modulus(torques[own]), axis=0)[None]
+            for some, of_outputs in zip(by_element, (torques, *others), strict=True):
+                some[element] = np.take_along_axis(of_outputs[own], largest, axis=0)[0]
+    return [np.asarray(some * train.orientation[:, None, None], complex) for some in by_element]
 
 
 def modal_element_torque(train: Train, modes: Modes) -> Floats:
@@ -285,7 +343,8 @@ def modal_element_torque(train: Train, modes: Modes) -> Floats:
         np.zeros((modes.n_modes, 1, modes.n_modes), dtype=complex),
     )
     none = np.zeros((train.n_stations, 1), dtype=complex)
-    return np.asarray(modulus(_element_torque(train, modes, modes.omega, motion, none)[:, 0]))
+    torques = _output_torque(train, modes, modes.omega, motion, none)
+    return np.asarray(modulus(_of_elements(train, torques)[0][:, 0]))
 
 
 def _mesh_torque(
@@ -320,9 +379,9 @@ def _mark_unbounded(
     omega: float,
     columns: Complexes,
     angles: Complexes,
-    torques: Complexes,
+    *torques: Complexes,
 ) -> None:
-    """Set what the resonance at `omega` leaves unbounded to infinity, in place."""
+    """Set what the resonance at `omega` leaves unbounded to infinity, in place; torques and, if there, their slopes."""
     safe = np.where(modes.omega > 0.0, modes.omega, 1.0)
     near = undamped & (np.abs(omega / safe - 1.0) <= AT_RESONANCE) & (modes.omega > 0.0)
     if omega == 0.0:
@@ -341,8 +400,11 @@ def _mark_unbounded(
         np.zeros((modes.n_modes, count, 1), dtype=complex),
     )
     none = np.zeros((n, count), dtype=complex)
-    mode_torque = _element_torque(train, modes, modes.omega[near][:1], motion, none)[..., 0]
-    torques[_takes_part(mode_torque, drive, columns, shape)] = np.inf
+    outputs = _output_torque(train, modes, modes.omega[near][:1], motion, none)
+    mode_torque = _of_elements(train, outputs)[0][..., 0]
+    unbounded = _takes_part(mode_torque, drive, columns, shape)
+    for some in torques:
+        some[unbounded] = np.inf
 
 
 def _takes_part(
@@ -451,17 +513,27 @@ def steady_state(
     unit[stations, np.arange(len(stations))] = 1.0
     damping = stated_damping(case, modes)
 
-    def magnitudes(swept: Sequence[Floats]) -> list[Floats]:
-        """Torque of each element for 1 N m at each station, at the frequencies of each task."""
+    slopes = any(len(frequencies) > 1 for _, _, frequencies in tasks)
+
+    def responses(swept: Sequence[Floats]) -> list[Floats]:
+        """Torque of each element for 1 N m at each station and, for sweeps, d ln torque / df of it."""
         frequency, back = np.unique(np.concatenate(swept), return_inverse=True)
         omega = 2.0 * math.pi * frequency
-        response = harmonic_response(train, modes, omega, unit, damping_ratio=damping)
-        found = modulus(response.element_torque)[:, :, back]
-        return np.split(found, np.cumsum([len(f) for f in swept])[:-1], axis=2)
+        response = harmonic_response(
+            train, modes, omega, unit, damping_ratio=damping, slopes=slopes
+        )
+        z, dz = response.element_torque, response.torque_slope
+        both = modulus(z)[None]
+        if dz is not None:
+            with np.errstate(divide="ignore", invalid="ignore"):
+                rise = (dz.real * z.real + dz.imag * z.imag) / (z.real**2 + z.imag**2)
+            both = np.concatenate([both, 2.0 * math.pi * rise[None]])
+        both = both[..., back]
+        return np.split(both, np.cumsum([len(f) for f in swept])[:-1], axis=3)
 
     limits = tuple(vibratory_limit(case, e) for e in case.elements)
     rows: list[SteadyStateRow] = []
-    for sweep in _refined(tasks, places, stations, magnitudes):
+    for sweep in _refined(tasks, places, stations, responses):
         rows += _rows(train, sweep, places[sweep.excitation.name], limits)
     if not np.any(transmitted.load):  # gears and driven machines could not be excited
         partly = {x.name for x in excitations if x.station is None and x.torque is None}
@@ -498,7 +570,7 @@ def _swept_frequencies(
     if low == high:
         return np.array([low])
     inside = poles[(poles > low) & (poles < high)]
-    return np.unique(np.concatenate([np.linspace(low, high, SWEEP_POINTS), inside]))
+    return np.asarray(distinct(np.linspace(low, high, SWEEP_POINTS), inside))
 
 
 @dataclass(frozen=True, eq=False)
@@ -508,72 +580,91 @@ class _Sweep:
     excitation: Excitation
     mode: int | None
     frequency: Floats  # rising
-    torque: Floats  # of each element, place and frequency
+    #: Torque and, of sweeps, d ln torque / df, of each element, place and frequency: shape (1 or 2, n_elements,
+    #: n_places, n_freq).
+    response: Floats
     gain: Floats  # by how much the last refinement raised the largest of each element
 
     @property
     def largest(self) -> Floats:
-        return np.asarray(np.max(self.torque, axis=(1, 2)))
+        return np.asarray(np.max(self.response[0], axis=(1, 2)))
 
 
 def _refined(
     tasks: Sequence[tuple[Excitation, int | None, Floats]],
     places: Mapping[str, Sequence[Place]],
     stations: Sequence[int],
-    magnitudes: Callable[[Sequence[Floats]], list[Floats]],
+    responses: Callable[[Sequence[Floats]], list[Floats]],
 ) -> list[_Sweep]:
-    """Responses, those of sweeps refined where they are largest.
+    """Responses, those of sweeps refined where they are largest."""
 
-    Near a resonance 1/T² is a parabola in frequency; its vertex through the largest and its neighbours is
-    the next frequency that is calculated.
-    """
-
-    def torques(excitation: Excitation, magnitude: Floats) -> Floats:
+    def at_places(excitation: Excitation, unit: Floats) -> Floats:
         at = places[excitation.name]
-        applied = np.array([p.torque for p in at])
-        return np.asarray(magnitude[:, [stations.index(p.station) for p in at]] * applied[:, None])
+        response = unit[:, :, [stations.index(p.station) for p in at]]
+        response[0] *= np.array([p.torque for p in at])[:, None]
+        return response
 
-    found = magnitudes([f for _, _, f in tasks])
+    first = responses([f for _, _, f in tasks])
     sweeps = [
-        _Sweep(x, mode, f, torque := torques(x, m), np.zeros(len(torque)))
-        for (x, mode, f), m in zip(tasks, found, strict=True)
+        _Sweep(x, mode, f, at_places(x, unit), np.zeros(unit.shape[1]))
+        for (x, mode, f), unit in zip(tasks, first, strict=True)
     ]
     for _ in range(SWEEP_REFINEMENTS):
-        new = [_vertices(s.frequency, s.torque) for s in sweeps]
+        new = [_peaks(s.frequency, s.response) for s in sweeps]
         if not any(len(f) for f in new):
-            break
-        for k, magnitude in enumerate(magnitudes(new)):
+            return [replace(s, gain=np.zeros_like(s.gain)) for s in sweeps]
+        for k, unit in enumerate(responses(new)):
             s, before = sweeps[k], sweeps[k].largest
             frequency = np.concatenate([s.frequency, new[k]])
             order = np.argsort(frequency, kind="stable")
-            torque = np.concatenate([s.torque, torques(s.excitation, magnitude)], axis=2)
-            s = replace(s, frequency=frequency[order], torque=torque[:, :, order])
+            response = np.concatenate([s.response, at_places(s.excitation, unit)], axis=3)
+            s = replace(s, frequency=frequency[order], response=response[..., order])
             with np.errstate(divide="ignore", invalid="ignore"):
                 gain = np.nan_to_num(s.largest / before - 1.0, posinf=0.0)
             sweeps[k] = replace(s, gain=gain)
     return sweeps
 
 
-def _vertices(frequency: Floats, torque: Floats) -> Floats:
-    """Where largest torques of each element are between the frequencies of a sweep. [Hz]"""
-    if len(frequency) < 3:
+def _peaks(frequency: Floats, response: Floats) -> Floats:
+    """Where the largest torques of each element are between the frequencies of a sweep. [Hz]
+
+    A peak lies where the torque rises at one frequency and falls at the next. Near a resonance 1/T² is a
+    parabola in frequency; the cubic through its values and slopes at both gives the peak.
+    """
+    if len(frequency) < 2:
         return np.empty(0)
-    found = []
-    for of_places in torque:
-        notable = NEARLY_LARGEST * float(np.max(of_places, initial=0.0))
-        inner = of_places[:, 1:-1]
-        peak = (inner >= of_places[:, :-2]) & (inner >= of_places[:, 2:]) & (inner >= notable)
-        for place, before in zip(*np.nonzero(peak & np.isfinite(inner)), strict=True):
-            value, k = of_places[place, before : before + 3], before + 1
-            if not np.all(value):
-                continue
-            x, y = frequency[before : before + 3] - frequency[k], (value[1] / value) ** 2
-            left, right = (y[1] - y[0]) / (x[1] - x[0]), (y[2] - y[1]) / (x[2] - x[1])
-            bend = (right - left) / (x[2] - x[0])
-            if bend > 0.0:
-                vertex = 0.5 * (x[0] + x[1]) - 0.5 * left / bend
-                found.append(frequency[k] + float(np.clip(vertex, 0.5 * x[0], 0.5 * x[2])))
-    return np.setdiff1d(np.array(found), frequency)
+    torque, rise = response
+    peak = (rise[..., :-1] > 0.0) & (rise[..., 1:] < 0.0)
+    if not np.any(peak):
+        return np.empty(0)
+    before, after = torque[..., :-1], torque[..., 1:]
+    largest = np.max(torque, axis=(1, 2), keepdims=True)
+    peak &= np.maximum(before, after) >= NEARLY_LARGEST * largest
+    at = np.nonzero(peak)[2]
+    width = np.diff(frequency)[at]
+    # 1/T² from 1 to `end`, and its slopes over the whole width
+    end = (before[peak] / after[peak]) ** 2
+    first, last = -2.0 * rise[..., :-1][peak] * width, -2.0 * rise[..., 1:][peak] * width * end
+    square = 3.0 * (end - 1.0) - 2.0 * first - last
+    cube = first + last - 2.0 * (end - 1.0)
+    share = -first / (square + np.sqrt(square**2 - 3.0 * cube * first))
+    # what the torque would still gain, seen from the nearer end
+    gain = 0.25 * np.where(share < 0.5, -first * share, last / end * (1.0 - share))
+    peaks = distinct((frequency[at] + share * width)[gain > AT_PEAK])
+    return np.asarray(peaks[frequency[np.searchsorted(frequency, peaks)] != peaks])
+
+
+def _worst(response: Floats) -> tuple[Ints, Ints]:
+    """Place and frequency of the largest torque of each element, at a peak where the torque is flattest."""
+    torque = response[0]
+    n_elements, n_places, n_frequencies = torque.shape
+    flat = torque.reshape(n_elements, n_places * n_frequencies)
+    place, at = np.divmod(np.argmax(flat, axis=1), n_frequencies)
+    if n_frequencies > 1:
+        own = np.arange(n_elements), place
+        equal = torque[own] >= (1.0 - EQUAL_TORQUE) * np.max(torque[own], axis=1, keepdims=True)
+        at = np.argmin(np.where(equal, np.abs(response[1][own]), np.inf), axis=1)
+    return place, at
 
 
 def _rows(
@@ -581,12 +672,12 @@ def _rows(
 ) -> list[SteadyStateRow]:
     """One row an element: the worst of the places and frequencies."""
     excitation, mode, frequency = sweep.excitation, sweep.mode, sweep.frequency
-    torque = sweep.torque.reshape(len(sweep.torque), len(places) * len(frequency))
-    worst = np.argmax(torque, axis=1)
-    largest = torque[np.arange(len(torque)), worst]
+    place, peak = _worst(sweep.response)
+    largest = sweep.response[0, np.arange(len(place)), place, peak]
     rows = []
-    for element, (at, value) in enumerate(zip(worst.tolist(), largest.tolist(), strict=True)):
-        place = places[at // len(frequency)]
+    for element, (applied, at, value) in enumerate(
+        zip(place.tolist(), peak.tolist(), largest.tolist(), strict=True)
+    ):
         bounded = value if math.isfinite(value) else None
         limit = limits[element]
         stress = None if bounded is None else limit.stress(bounded)
@@ -595,9 +686,9 @@ def _rows(
                 element=train.elements[element],
                 excitation=excitation.name,
                 mode=mode,
-                frequency=float(frequency[at % len(frequency)]),
-                applied_at=train.stations[place.station],
-                applied_torque=place.torque,
+                frequency=float(frequency[at]),
+                applied_at=train.stations[places[applied].station],
+                applied_torque=places[applied].torque,
                 torque=bounded,
                 zero_to_peak_stress=stress,
                 peak_to_peak_stress=None if stress is None else 2.0 * stress,

@@ -18,6 +18,7 @@ from engine.arrays import Floats
 from engine.case.choices import ContactLaw
 from engine.case.data import CaseData, TorqueTimeRow
 from engine.model.train import Flank, Train
+from engine.numerics.distinct import distinct
 from engine.numerics.same_bits import exp, fading_sum, interp
 from engine.start.settings import NEGLIGIBLE
 from engine.start.start import Start
@@ -78,7 +79,7 @@ def _rows(
     if own:
         pairs = [*pairs, (np.array([r.time for r in own]), np.array([r.torque for r in own]))]
     begins = [float(t[0]) - JUMP for t, y in pairs if y[0] and t[0] > JUMP]
-    times = np.unique(np.concatenate([begins, *(t for t, _ in pairs)]))
+    times = distinct(begins, *(t for t, _ in pairs))
     torque = np.zeros(len(times))
     for t, y in pairs:
         torque += np.where(times < t[0], 0.0, interp(times, t, y))

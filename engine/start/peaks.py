@@ -12,6 +12,7 @@ import numpy as np
 from engine.arrays import Floats, Ints
 from engine.case.defaults import LEAST_PEAK_ERROR
 from engine.model.train import Train
+from engine.numerics.distinct import distinct
 from engine.numerics.same_bits import interp
 from engine.start.settings import NEGLIGIBLE
 from engine.start.trajectory import SingleRun, Trajectory, Turning
@@ -103,7 +104,7 @@ def sections_of(run: SingleRun) -> dict[int, tuple[int, int, int]]:
     low = np.array([float(value.min()) for _, value in run.turning])
     element_of = run.trajectory.output_element
     found = {}
-    for element in np.unique(element_of[element_of >= 0]).tolist():  # a bearing is no element
+    for element in distinct(element_of[element_of >= 0]).tolist():  # a bearing is no element
         own = np.flatnonzero(element_of == element)
         at = (np.argmax(high[own]), np.argmin(low[own]), np.argmax((high - low)[own]))
         found[element] = (int(own[at[0]]), int(own[at[1]]), int(own[at[2]]))

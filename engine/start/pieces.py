@@ -18,6 +18,7 @@ from engine.errors import ModelError
 from engine.model.modal_analysis import ModalAnalysis, analyse, in_more_pieces
 from engine.model.modal_train import ModalTrain
 from engine.model.subdivision import RICHARDSON
+from engine.numerics.distinct import distinct
 from engine.start.prescribed import run_prescribed
 from engine.start.settings import has_start
 from engine.start.start import Start, prepared_start
@@ -112,7 +113,7 @@ def _simulated(case: CaseData, modal: ModalTrain) -> dict[str, tuple[Floats, flo
         element_of = run.trajectory.output_element
         histories = {
             e: [run.turning[i][1] for i in np.flatnonzero(element_of == e)]
-            for e in np.unique(element_of[element_of >= 0]).tolist()
+            for e in distinct(element_of[element_of >= 0]).tolist()
         }
     damage = {e: largest_damage(case, row, histories[e]) for e, row in judged_shafts(case)}
     return {

@@ -26,6 +26,7 @@ from engine.case.defaults import NOTABLE_REVERSAL
 from engine.case.result_words import Judgement
 from engine.model.excitation import transmitted_torque
 from engine.model.train import Train
+from engine.numerics.distinct import distinct
 from engine.numerics.same_bits import interp
 from engine.start.event_results import ContactRecord
 from engine.start.start import Start
@@ -230,7 +231,7 @@ def _spans(torque: Floats, hysteresis: float, rounding: float) -> tuple[Ints, In
     deep = np.flatnonzero(torque < -hysteresis)
     negative = np.flatnonzero(torque < 0.0)
     # deep points with the same number of positive ones before them belong to one passage
-    passage = np.unique(np.searchsorted(positive, deep))
+    passage = distinct(np.searchsorted(positive, deep))
     previous = np.concatenate([[-1], positive])[passage]
     down = negative[np.searchsorted(negative, previous)]
     return down, np.append(positive, len(torque))[passage]

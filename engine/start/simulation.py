@@ -12,6 +12,7 @@ import numpy as np
 from engine.arrays import Floats, Ints
 from engine.case.choices import Method
 from engine.errors import InternalError
+from engine.numerics.distinct import distinct
 from engine.numerics.same_bits import doublings
 from engine.start.start_model import Machines, StartModel
 from engine.start.time_response import knots_of
@@ -278,7 +279,7 @@ def _step_plan(model: StartModel, step: float, maximum_time: float) -> tuple[Int
     Steps are the base step divided by powers of two, shortened so that one ends at every knot of
     a torque against time.
     """
-    knots = np.unique(np.concatenate([np.zeros(0), *knots_of(model.timed)]))
+    knots = distinct(np.zeros(0), *knots_of(model.timed))
     plan: list[tuple[int, float]] = []
     at = 0.0
     # a ringing mode is sampled as finely as the pulsation is

@@ -19,6 +19,7 @@ from engine.case.data import CaseData
 from engine.errors import ModelError
 from engine.model.modes import Modes, modal_damping_matrix
 from engine.model.train import Train
+from engine.numerics.distinct import distinct
 from engine.numerics.same_bits import interp, matrix_exponential, product
 from engine.start.torque_outputs import force_reach, torque_outputs
 from engine.stepping import linear_loop as kernels
@@ -254,7 +255,7 @@ def _step_grid(t: Floats, torques: Sequence[PrescribedTorque]) -> Floats:
     knots = [p.knots[(p.knots > t[0]) & (p.knots < t[-1])] for p in torques]
     if all(len(k) == 0 or np.array_equal(k, t[1:-1]) for k in knots):
         return t
-    merged = np.unique(np.concatenate([t, *knots]))
+    merged = distinct(t, *knots)
     close = np.diff(merged) < 1e-12 * max(abs(t[-1]), t[-1] - t[0], 1e-300)
     # of two times that rounding has split keep the one that was asked for
     drop = np.zeros(len(merged), dtype=np.bool_)

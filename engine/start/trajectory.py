@@ -14,6 +14,7 @@ from typing import Self
 import numpy as np
 
 from engine.arrays import Floats, Ints
+from engine.numerics.distinct import distinct
 from engine.stepping import linear_loop as kernels
 
 Turning = tuple[Floats, Floats]
@@ -123,11 +124,9 @@ class Recorder:
             self._take_turning(whole)
             self._last = last
         phase = (self._samples - 1) % 2  # the last one stays, and rest
-        keep = np.unique(
-            np.concatenate([[0], np.arange(phase, self._samples, 2), _pairs(whole[0])])
-        )
+        keep = distinct([0], np.arange(phase, self._samples, 2), _pairs(whole[0]))
         if len(keep) > 0.75 * self._samples:  # so many events that they must be thinned, too
-            keep = np.unique(np.concatenate([[0], np.arange(phase, self._samples, 2)]))
+            keep = distinct([0], np.arange(phase, self._samples, 2))
         self._blocks = [tuple(a[..., keep] for a in whole)]
         self._samples = len(self._blocks[0][0])
         self._offset += self._stride

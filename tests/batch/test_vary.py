@@ -8,6 +8,7 @@ import os
 import shutil
 import signal
 import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -23,6 +24,7 @@ from addin.batch.own_files import is_result, is_result_csv
 from addin.batch.scheduler import Listener
 from addin.batch.vary import Programme, ProgrammeSettings, run_programme
 from addin.batch.vary_columns import TableRefused
+from addin.cli import batch as commands
 from addin.reading.workbook import read_workbook
 from addin.workers.pool import Crashed
 from addin.workers.stop import Stop
@@ -351,7 +353,7 @@ def test_rows_keep_their_order_over_chunks(base, tmp_path):
 def test_resume_calculates_only_chunks_that_are_missing(base, tmp_path, monkeypatch):
     table, out = many(tmp_path), tmp_path / "out"
     _, first = run(base, table, out)
-    (out / OWN / "vary" / "0000002.parquet").unlink()
+    (out / OWN / "vary" / "0000002.json").unlink()
     calls = []
     real = vary_rows._answers
     monkeypatch.setattr(vary_rows, "_answers", lambda case: calls.append(1) or real(case))
@@ -402,7 +404,7 @@ def test_ended_in_the_middle_it_goes_on(base, tmp_path, how):
     )
     parts = tmp_path / "out" / OWN / "vary"
     until = time.monotonic() + 120
-    while len(list(parts.glob("*.parquet"))) < 3 and process.poll() is None:
+    while len(list(parts.glob("0*.json"))) < 3 and process.poll() is None:
         assert time.monotonic() < until
         time.sleep(0.01)
     os.killpg(process.pid, how)
@@ -506,9 +508,66 @@ def test_results_for_excel_have_the_form_of_the_table(base, tmp_path, lines, sep
         assert list(shown[column]) == list(whole[column])
 
 
-def test_ctrl_c_after_the_last_row_interrupts_nothing(base, tmp_path, monkeypatch, capsys):
-    from addin.cli import batch as commands
+@pytest.fixture
+def without_pyarrow():
+    """Programmes run where pyarrow cannot be imported; their exit status."""
 
+    def run_without(base, table, out, settings):
+        with pytest.MonkeyPatch.context() as patch:
+            for name in ("pyarrow", "pyarrow.parquet"):
+                patch.setitem(sys.modules, name, None)  # importing it is an ImportError
+            return commands._varied(base, table, out, Here(), settings, Stop())
+
+    return run_without
+
+
+def test_without_pyarrow_results_are_csv(base, tmp_path, without_pyarrow, capsys):
+    count = vary.ROWS + 3
+    table, out = many(tmp_path, count), tmp_path / "out"
+    assert without_pyarrow(base, table, out, ProgrammeSettings(as_csv=True)) == 0
+    said = capsys.readouterr()
+    assert f"{count} rows in" in said.out
+    assert "results.parquet needs pyarrow" in said.err
+    assert not (out / "results.parquet").exists()
+    first = pd.read_csv(out / "results.csv", encoding="utf-8-sig")
+    exact = [frequency(1e6 + 1e3 * n) for n in range(count)]
+    assert list(first["mode_1_Hz"]) == pytest.approx(exact, rel=1e-12)
+    (out / OWN / "vary" / "0000001.json").unlink()
+    assert without_pyarrow(base, table, out, ProgrammeSettings(resume=True, as_csv=True)) == 0
+    assert f"({vary.ROWS} of them in an earlier run)" in capsys.readouterr().out
+    second = pd.read_csv(out / "results.csv", encoding="utf-8-sig")
+    pd.testing.assert_frame_equal(first.drop(columns="seconds"), second.drop(columns="seconds"))
+
+
+def test_without_pyarrow_parquet_is_refused(base, tmp_path, without_pyarrow, capsys):
+    table, out = csv(tmp_path, "DampingRatio", "0.02"), tmp_path / "out"
+    with pytest.raises(commands.typer.Exit):
+        without_pyarrow(base, table, out, ProgrammeSettings())
+    assert "Add --csv" in capsys.readouterr().err
+    assert not out.exists()
+    pd.DataFrame({"DampingRatio": [0.02]}).to_parquet(tmp_path / "table.parquet")
+    wrong = without_pyarrow(base, tmp_path / "table.parquet", out, ProgrammeSettings(as_csv=True))
+    assert wrong == 1
+    assert "pyarrow is not installed. Give a CSV" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_a_process_without_pyarrow_writes_csv(base, tmp_path):
+    csv(tmp_path, "DampingRatio", "0.02", "0.03")
+    (tmp_path / "sitecustomize.py").write_text("import sys\nsys.modules['pyarrow'] = None\n")
+    words = ("batch", "base.json", "--vary", "table.csv", "--csv", "--out", "out", "--jobs", "1")
+    variables = environment()
+    paths = [str(tmp_path), variables.get("PYTHONPATH", "")]
+    variables["PYTHONPATH"] = os.pathsep.join(filter(None, paths))
+    done = subprocess.run(
+        command(*words), cwd=tmp_path, env=variables, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert "results.parquet needs pyarrow" in done.stderr
+    assert len(pd.read_csv(tmp_path / "out" / "results.csv")) == 2
+
+
+def test_ctrl_c_after_the_last_row_interrupts_nothing(base, tmp_path, monkeypatch, capsys):
     table, stop = csv(tmp_path, "DampingRatio", "0.01", "0.02"), Stop()
 
     class Last(Here):

@@ -3,6 +3,7 @@
 import importlib
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 import typer
@@ -55,3 +56,28 @@ def test_a_study_has_the_options_of_its_record(study):
     assert options >= {"file", "out", "in_place", "json", "ignore_lock"}
     assert options >= {option.name for option in study.options}
     assert ("jobs" in options) is not study.measures_time
+
+
+#: What a recalculation has no use for, and what each costs a cold command. [ms of processor time]
+NOT_NEEDED = {
+    "scipy": 600,
+    "pandas": 400,
+    "openpyxl": 150,
+    "urllib.request": 37,  # with http.client and ssl
+    "numpy.ma": 12,
+    "rich": 50,
+}
+
+
+def test_a_recalculation_imports_nothing_that_it_does_not_need(tmp_path):
+    script = (
+        "import sys\nfrom addin.cli.app import app\n"
+        "try:\n    app(sys.argv[1:])\nexcept SystemExit:\n    pass\n"
+        f"print('imported:', sorted({set(NOT_NEEDED)} & set(sys.modules)))\n"
+    )
+    templates = Path(__file__).parents[2] / "templates"
+    books = [templates / f"example_{name}.xlsx" for name in ("proposed", "backlash")]
+    words = [sys.executable, "-c", script, "recalc", *map(str, books), "--out", str(tmp_path)]
+    done = subprocess.run(words, capture_output=True, text=True, check=True)
+    assert "written" in done.stdout
+    assert done.stdout.endswith("imported: []\n"), done.stdout

@@ -138,13 +138,17 @@ def test_linear_equations(rng, n):
     a, b = rng.normal(size=(n, n)), rng.normal(size=(n, 3))
     np.testing.assert_allclose(own.solve(a, b), np.linalg.solve(a, b), rtol=1e-9, atol=1e-12)
     a = a + 1j * rng.normal(size=(2, n, n))
-    b = np.stack([b, 2.0 * b])
-    np.testing.assert_allclose(own.solve(a, b), np.linalg.solve(a, b), rtol=1e-9, atol=1e-12)
+    systems = own.ComplexSystems(a)
+    for right in (np.stack([b, 2.0 * b]), np.stack([1j * b, b])[:, :, :1]):
+        solution = np.linalg.solve(a, right)
+        np.testing.assert_allclose(systems.solve(right), solution, rtol=1e-9, atol=1e-12)
 
 
 def test_equations_without_a_solution_are_an_error():
     with pytest.raises(own.InternalError, match="a pivot is zero"):
         own.solve(np.ones((2, 2)), np.ones((2, 1)))
+    with pytest.raises(own.InternalError, match="a pivot is zero"):
+        own.ComplexSystems(np.ones((1, 2, 2), dtype=complex))
 
 
 def exact_values(a: np.ndarray) -> np.ndarray:

@@ -194,7 +194,8 @@ void product(int64_t m, int64_t n, int64_t k, const double *a, int64_t a_row, in
 int64_t jacobi_svd(int64_t m, int64_t n, double *columns, double *left, double *sigma, double *right,
                    int64_t *order, double *room);
 int64_t solve_real(int64_t n, int64_t r, double *a, double *b);
-int64_t solve_complex(int64_t count, int64_t n, int64_t r, const double *a, double *b, int64_t *rows,
-                      double *room);
+int64_t factor_complex(int64_t count, int64_t n, const double *a, double *f, int64_t *rows);
+void solve_complex(int64_t count, int64_t n, int64_t r, const double *a, const double *f, const int64_t *rows,
+                   double *b, double *room);
 int64_t eigenvalues(int64_t n, double *a, double *real, double *imaginary);
 #endif

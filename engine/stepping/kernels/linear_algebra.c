@@ -309,26 +309,35 @@ static void substitute(int64_t n, int64_t r, const double *a, const double *a_i,
     }
 }
 
-/* Systems one after the other: a (count, n, n) and b (count, n, r) of real and imaginary parts in turn; b becomes the
- * solution, corrected once by its residual. Room: 2 n² + 4 n r. 0: one is singular. */
-int64_t solve_complex(int64_t count, int64_t n, int64_t r, const double *a, double *b, int64_t *rows, double *room)
+/* Factors of systems one after the other: a (count, n, n) of real and imaginary parts in turn, f (count, 2, n, n) of all
+ * the real ones and then the imaginary ones, rows (count, n). 0: one is singular. */
+int64_t factor_complex(int64_t count, int64_t n, const double *a, double *f, int64_t *rows)
 {
-    double *f = room, *f_i = f + n * n, *x = f_i + n * n, *x_i = x + n * r, *d = x_i + n * r, *d_i = d + n * r;
-    for (int64_t s = 0; s < count; s++, a += 2 * n * n, b += 2 * n * r) {
-        for (int64_t i = 0; i < n * n; i++) { f[i] = a[2 * i]; f_i[i] = a[2 * i + 1]; }
+    for (int64_t s = 0; s < count; s++, a += 2 * n * n, f += 2 * n * n, rows += n) {
+        for (int64_t i = 0; i < n * n; i++) { f[i] = a[2 * i]; f[n * n + i] = a[2 * i + 1]; }
+        if (!factors(n, f, f + n * n, rows)) return 0;
+    }
+    return 1;
+}
+
+/* Solutions in place of b (count, n, r), of real and imaginary parts in turn, for the systems a and their factors; each
+ * is corrected once by its residual. Room: 4 n r. */
+void solve_complex(int64_t count, int64_t n, int64_t r, const double *a, const double *f, const int64_t *rows,
+                   double *b, double *room)
+{
+    double *x = room, *x_i = x + n * r, *d = x_i + n * r, *d_i = d + n * r;
+    for (int64_t s = 0; s < count; s++, a += 2 * n * n, f += 2 * n * n, rows += n, b += 2 * n * r) {
         for (int64_t i = 0; i < n * r; i++) { d[i] = x[i] = b[2 * i]; d_i[i] = x_i[i] = b[2 * i + 1]; }
-        if (!factors(n, f, f_i, rows)) return 0;
-        substitute(n, r, f, f_i, rows, x, x_i);
+        substitute(n, r, f, f + n * n, rows, x, x_i);
         for (int64_t i = 0; i < n; i++)
             for (int64_t k = 0; k < n; k++) {
                 complex_t entry = {a[2 * (i * n + k)], a[2 * (i * n + k) + 1]};
                 if (entry.real != 0.0 || entry.imaginary != 0.0)
                     subtract_multiple(r, entry, x + k * r, x_i + k * r, d + i * r, d_i + i * r);
             }
-        substitute(n, r, f, f_i, rows, d, d_i);
+        substitute(n, r, f, f + n * n, rows, d, d_i);
         for (int64_t i = 0; i < n * r; i++) { b[2 * i] = x[i] + d[i]; b[2 * i + 1] = x_i[i] + d_i[i]; }
     }
-    return 1;
 }
 
 /* --- eigenvalues ---------------------------------------------------------------------------------- */

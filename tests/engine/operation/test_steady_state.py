@@ -504,10 +504,52 @@ def test_the_peak_of_a_heavily_damped_mode_is_swept(zeta):
     """Largest at f √(1 − 2ζ²), there T J2/(J1+J2) / (2ζ √(1 − ζ²)): the textbook peak of one mode."""
     _, steady = run(two_disks(zeta))
     (row,) = (r for r in steady.rows if r.mode is None)
-    # the top is flat: rounding of the torque moves it by the root of that
-    assert row.frequency == pytest.approx(50.0 * math.sqrt(1.0 - 2.0 * zeta**2), rel=2e-8)
+    assert row.frequency == pytest.approx(50.0 * math.sqrt(1.0 - 2.0 * zeta**2), rel=1e-9)
     peak = 7.0 * 4.0 / 16.0 / (2.0 * zeta * math.sqrt(1.0 - zeta**2))
     assert row.torque == pytest.approx(peak, rel=1e-9)
+
+
+@pytest.mark.parametrize("zeta", [0.003, 0.1, 0.3])
+def test_the_peak_beside_a_pole_is_found(zeta):
+    """A damper beside the shaft: the textbook's transmissibility, largest at r² = (√(1 + 8ζ²) − 1)/(4ζ²)."""
+    J1, J2, omega = 12.0, 4.0, 2.0 * math.pi * 50.0
+    damper = 2.0 * zeta * omega * J1 * J2 / (J1 + J2)
+    _, steady = run(two_disks(damping=damper))
+    (row,) = (r for r in steady.rows if r.mode is None)
+    r2 = (math.sqrt(1.0 + 8.0 * zeta**2) - 1.0) / (4.0 * zeta**2)
+    assert row.frequency == pytest.approx(50.0 * math.sqrt(r2), rel=1e-9)
+    turned = (2.0 * zeta) ** 2 * r2
+    peak = 7.0 * J2 / (J1 + J2) * math.sqrt((1.0 + turned) / ((1.0 - r2) ** 2 + turned))
+    assert row.torque == pytest.approx(peak, rel=1e-9)
+    assert row.error < 1e-9
+
+
+def test_slopes_of_torques_are_those_of_differences():
+    """Dampers, also to ground, loss factors, stated damping, a rigid mesh, a shaft with ends of its own inertia."""
+    case = geared(None, damping_ratio=0.02)
+    tube = ElementRow("Tube", "shaft", "Other", "Far", None, 0.1, 0.0, 3.0, 8e10, 7850.0)
+    stations = (*case.stations, StationRow("Far", None, 1.0, 2.5))
+    case = replace(case, elements=(*case.elements, tube), stations=stations)
+    train = build_train(case, {"Tube": 3})
+    assert train.rigid_meshes
+    assert train.shaft_ends
+    modes = modes_of(train)
+    omega = modes.omega[modes.n_rigid : modes.n_rigid + 4] * np.array([0.7, 0.98, 1.0, 1.03])
+    load = np.zeros(train.n_stations)
+    load[1] = 1.0
+
+    def respond(at, **options):
+        stated = stated_damping(case, modes)
+        return harmonic_response(train, modes, at, load, damping_ratio=stated, **options)
+
+    step = 1e-4 * omega
+    near, far = (
+        respond(omega + k * step).element_torque - respond(omega - k * step).element_torque
+        for k in (1, 2)
+    )
+    slope = respond(omega, slopes=True).torque_slope
+    difference = (8.0 * near - far) / (12.0 * step)
+    assert slope == pytest.approx(difference, rel=1e-8, abs=1e-9 * np.max(np.abs(difference)))
 
 
 def test_the_frequency_of_a_pole_that_dampers_move_is_swept():
