@@ -11,6 +11,7 @@ from engine.case.choices import ElementKind, Method
 from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, DEFAULT_TOLERANCE_STARTS
 from engine.case.plausibility import implausible
 from engine.case.result_words import Outcome
+from engine.fatigue.allowable_starts import notes_on_starts
 from engine.model.motor import motors_of
 from engine.operation.full_speed import full_speed
 from engine.operation.plausible_train import unusual_train
@@ -120,8 +121,7 @@ def _start_warnings(results: Results) -> Iterator[str]:
             "calculated. Type them to have starts judged."
         )
         return
-    for shaft in starts.shafts:
-        yield from shaft.notes
+    yield from notes_on_starts(starts.shafts)
     if math.isfinite(case.starts_factor or 1.0) and (case.starts_factor or 1.0) != 1.0:
         yield f"Allowable starts are divided by StartsFactor {case.starts_factor:g} when judged."
 

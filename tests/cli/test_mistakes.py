@@ -290,7 +290,7 @@ V6 = [
     (no_scf, "Elements, SCF is blank at all 6 shafts"),
     (no_pulsation, "MotorTorque, Pulsating of 'Motor' is zero at every speed"),
     (newtons_under_meganewtons, "× rated torque: no verdict is given. Check its unit."),
-    (millimetres, "nominal stress of 'Motor shaft' 0.00"),
+    (millimetres, "nominal stress of 'Motor shaft' (and 5 more) 0.00"),
 ]
 
 
