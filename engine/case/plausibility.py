@@ -511,9 +511,8 @@ def _weak_excitations(case: CaseData) -> Iterator[Implausible]:
     strongest = max(share or 0.0 for share in shares)
     if strongest < LEAST_EXCITATION:
         yield Implausible(
-            f"every Torque of Excitations at most {100.0 * strongest:.3g} % of the transmitted torque "
-            "(usual: 0.5 to 10 %)",
-            _SIGN,
+            f"every Torque of Excitations at most {100.0 * strongest:.3g} % of the transmitted torque",
+            f"Usual: {EXCITATION.usual}. {_SIGN}",
         )
 
 

@@ -59,8 +59,8 @@ class UsualRange:
             row, shown = self._words(beyond)
             what = self.measure or self.quantity
             yield Implausible(
-                f"{what}{row} {shown} (usual: {self.usual})",
-                f"See {self.table}, {self.quantity}. {self.advice}",
+                f"{what}{row} {shown}",
+                f"Usual: {self.usual}. See {self.table}, {self.quantity}. {self.advice}",
             )
 
     def notes(self, values: Iterable[tuple[str | None, float | None]]) -> Iterator[str]:

@@ -25,10 +25,13 @@ def test_the_examples_are_plausible():
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        ({"damping_ratio": 0.20}, "DampingRatio 20 % (usual: 0.5 % to 3 % of critical"),
+        (
+            {"damping_ratio": 0.20},
+            "DampingRatio 20 %: no verdict is given. Usual: 0.5 % to 3 % of critical",
+        ),
         ({"damping_ratio": 0.0002}, "DampingRatio: 0.02 %"),
         ({"damping_ratio": 0.08}, "DampingRatio: 8 % is unusual"),
-        ({"damping_range": 0.003}, "DampingRange 0.3 % (usual: 20 % to 50 %"),
+        ({"damping_range": 0.003}, "DampingRange 0.3 %: no verdict is given. Usual: 20 % to 50 %"),
         ({"margin_required": 0.03}, "MarginRequired: 3 % is unusual"),
         ({"starts_required": 5.0}, "StartsRequired: 5 is unusual"),
         ({"damping_ratio": None}, "No damping is stated"),

@@ -16,7 +16,13 @@ from engine.fatigue.cycle_counting import (
     paper_count,
     turning_points,
 )
-from engine.fatigue.damage import damage_interval, miner_damage, needs_counting, starts_from_damage
+from engine.fatigue.damage import (
+    damage_interval,
+    miner_damage,
+    needs_counting,
+    starts_from_damage,
+    starts_in_words,
+)
 from engine.fatigue.sn_curve import SNCurve, sn_curve_for
 from engine.fatigue.stress import shear_stress
 
@@ -467,3 +473,16 @@ def test_the_upper_end_is_the_least_of_all_shafts_too():
 def test_no_judged_shaft_is_not_unlimited():
     starts = allowable_starts([])
     assert (starts.governing, starts.starts, starts.unlimited) == (None, None, False)
+
+
+@pytest.mark.parametrize(
+    ("starts", "words"),
+    [
+        (15119.26, "15,119"),
+        (15119.0 - 1e-6, "15,119"),
+        (123_456_789.3, "123,456,789"),
+        (21_517_068_562_385_580.0, "2.15e+16"),
+    ],
+)
+def test_starts_are_whole_ones_and_absurd_ones_a_power(starts, words):
+    assert starts_in_words(starts) == words

@@ -101,7 +101,7 @@ def findings(case: Case) -> list[str]:
         ({"mode_damping": (ModeDampingRow(1, 0.5),)}, "Damping ratio of 'mode 1' 50 %"),
         ({"field_slip": 0.0003, "pull_out_torque": 1e5}, "FieldSlip 0.03 %"),
         ({"minimum_speed": 1.7, "maximum_speed": 1.9}, "MaximumSpeed 1.008 % of synchronous speed"),
-        (LOSSY, "Loss factor of 'LS coupling' 5 "),
+        (LOSSY, "Loss factor of 'LS coupling' 5"),
         (VISCOUS, "Damping of 'LS coupling' 152.2 × Stiffness at line frequency"),
         (REVERSAL, "Reversal limit of 'Mesh' 428 × rated torque"),
         ({"excitations": WEAK}, "every Torque of Excitations at most 0.01 %"),
