@@ -22,6 +22,8 @@ LARGEST_BACKLASH, LARGEST_ANGULAR_BACKLASH = 0.01, 0.05
 LOWEST_VOLTAGE, LOWEST_TRIP = 0.3, 0.05
 #: A curve should reach this share of synchronous speed where EndSpeed is blank.
 CURVE_REACH = 0.97
+#: EndSpeed and MaximumSpeed over synchronous speed; below, a fraction was typed under a percent sign. [1]
+LEAST_END_SPEED = 0.1
 #: Torque curves of more than one point that end below this share of synchronous speed.
 LEAST_REACH = 0.05
 #: Largest pulsating torque over the rated one, below which there is none; round rotors have 0.05. [1]
@@ -182,7 +184,8 @@ USUAL: tuple[tuple[UsualRange, Callable[[CaseData], Values]], ...] = (
     (
         UsualRange(
             "Case", "MaximumSpeed", 0.5, 10.0, "% of synchronous speed", 0.01,
-            "100 %, the highest speed of continuous operation", _UNIT, possible=(0.1, math.inf),
+            "100 %, the highest speed of continuous operation", _UNIT,
+            possible=(LEAST_END_SPEED, math.inf),
         ),
         partial(_of_synchronous, "MaximumSpeed"),
     ),
@@ -190,6 +193,7 @@ USUAL: tuple[tuple[UsualRange, Callable[[CaseData], Values]], ...] = (
         UsualRange(
             "Case", "EndSpeed", 0.5, 1.0, "% of synchronous speed", 0.01,
             "95 to 98 %, where the motor pulls in", "Check its unit and the percent sign.",
+            possible=(LEAST_END_SPEED, math.inf),
         ),
         partial(_of_synchronous, "EndSpeed"),
     ),
@@ -211,6 +215,7 @@ USUAL: tuple[tuple[UsualRange, Callable[[CaseData], Values]], ...] = (
         UsualRange(
             "Case", "StartsFactor", 1.0, 100.0, "", 1.0,
             "1 to 20: allowable starts are divided by it", "Below 1 it is no safety factor.",
+            possible=(1.0, math.inf),
         ),
         partial(_scalar, "StartsFactor"),
     ),
@@ -546,12 +551,13 @@ def _ranges_of_curves(case: CaseData) -> Iterator[tuple[str, float, float]]:
 
 def _short_curves(case: CaseData) -> Iterator[Implausible]:
     """Fractions typed as per cent: what holds at full speed is held from standstill on."""
-    for curve, _, end in _ranges_of_curves(case):
-        if end < LEAST_REACH:
-            yield Implausible(
-                f"{curve} ends at {100.0 * end:.3g} % of synchronous speed",
-                "Check the unit of its speeds and the percent sign.",
-            )
+    short = [(curve, end) for curve, _, end in _ranges_of_curves(case) if end < LEAST_REACH]
+    if short:
+        (curve, end), others = short[0], f" (and {len(short) - 1} more)" if len(short) > 1 else ""
+        yield Implausible(
+            f"{curve}{others} ends at {100.0 * end:.3g} % of synchronous speed",
+            "Check the unit of its speeds and the percent sign.",
+        )
 
 
 def _ends_of_curves(case: CaseData) -> Iterator[str]:
@@ -629,6 +635,10 @@ def _shapes(case: CaseData) -> Iterator[str]:
                 f"MotorTorque, Pulsating of '{station}' is zero at every speed. A synchronous motor pulsates at "
                 "twice the slip frequency until it is in step, usually with 0.2 to 1 × RatedTorque."
             )
+        if largest * case.speed_ratios.get(station, 1.0) < LEAST_TORQUE * (
+            case.ratings.rated_torque or 0.0
+        ):
+            continue  # said by `_weak_motors`
         running = [p for p in points if (p.speed or 0.0) < BEFORE_PULL_OUT]
         if len(running) > 1 and all((p.pulsating or 0.0) > abs(p.average or 0.0) for p in running):
             yield (

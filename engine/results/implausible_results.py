@@ -10,6 +10,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from engine.case.plausibility import LEAST_END_SPEED
 from engine.case.result_words import Outcome
 from engine.case.usual_range import Implausible, UsualRange
 from engine.fatigue.stress import stress_of_unit_torque
@@ -66,7 +67,9 @@ def _of_the_start(results: Results) -> Iterator[Implausible]:
     outcome, rated = start.outcome, case.ratings.rated_torque
     is_whole = outcome.outcome in (Outcome.REACHED, Outcome.SYNCHRONISED)
     low, high = RUN_UP
-    if is_whole and not low <= outcome.time <= high:
+    synchronous = case.ratings.synchronous_speed or 0.0
+    is_cut = outcome.end_speed < LEAST_END_SPEED * synchronous  # `EndSpeed` is said instead
+    if is_whole and not is_cut and not low <= outcome.time <= high:
         yield Implausible(
             f"start of {outcome.time:.3g} s",
             "Check EndSpeed, inertias, speed ratios and torque curves.",

@@ -101,6 +101,8 @@ def findings(case: Case) -> list[str]:
         ({"mode_damping": (ModeDampingRow(1, 0.5),)}, "Damping ratio of 'mode 1' 50 %"),
         ({"field_slip": 0.0003, "pull_out_torque": 1e5}, "FieldSlip 0.03 %"),
         ({"minimum_speed": 1.7, "maximum_speed": 1.9}, "MaximumSpeed 1.008 % of synchronous speed"),
+        ({"end_speed": 0.0097 * 60.0 * math.pi}, "EndSpeed 0.97 % of synchronous speed"),
+        ({"starts_factor": 0.5}, "StartsFactor 0.5"),
         (LOSSY, "Loss factor of 'LS coupling' 5"),
         (VISCOUS, "Damping of 'LS coupling' 152.2 × Stiffness at line frequency"),
         (REVERSAL, "Reversal limit of 'Mesh' 428 × rated torque"),
@@ -140,7 +142,10 @@ def test_what_can_be_meant_keeps_its_verdict(changes: dict[str, Any]) -> None:
         ({"motor_torque__pulsating": 0.0}, "Pulsating of 'Motor' is zero at every speed"),
         ({"motor_torque__pulsating": 0.01}, "is at most 0.16 % of rated torque at every speed"),
         ({"elements__stiffness": 1e-3}, "twist of 'LS coupling' (and 3 more) 135.1 degrees"),
-        ({"load_torque__speed": 0.01}, "LoadTorque of 'LP comp' ends at 1 % of synchronous speed"),
+        (
+            {"load_torque__speed": 0.01},
+            "LoadTorque of 'LP comp' (and 1 more) ends at 1 % of synchronous speed",
+        ),
     ],
     ids=["no pulsation", "pu under %", "kN m under N m", "fractions under %"],
 )
