@@ -18,6 +18,7 @@ from typing import Any
 from addin.batch.inputs import summary_files
 from addin.batch.own_files import SUMMARY_SHEETS
 from addin.batch.records import DONE, Record
+from addin.contract.number_formats import WHOLE
 from addin.contract.sheet import text_height
 from addin.xlsx.whole_files import write_whole
 from engine.case.result_words import NoNumber
@@ -86,7 +87,7 @@ FILE_COLUMNS: tuple[Column, ...] = (
     Column("Largest stress at", _of("stress_where"), 19),
     Column("Torque reversals [count]", _of("reversals"), 10, "0"),
     Column("Torque reverses at", _of("reversals_where"), 12),
-    Column("Allowable starts [count]", _starts, 10, "#,##0"),
+    Column("Allowable starts [count]", _starts, 10, WHOLE),
     Column("Starts governed by", _of("starts_where"), 19),
     Column("Start", _of("outcome"), 11),
     Column("Errors [count]", lambda r: len(r.errors), 8, "0"),

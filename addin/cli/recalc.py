@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import shutil
 from collections.abc import Sequence
 from pathlib import Path
@@ -36,6 +35,7 @@ from addin.contract.problems import printable
 from addin.writing.history_file import history_stems
 from addin.writing.recalculate import PreparedInput, RecalculationOutcome, beside, recalculate
 from engine.case.result_words import ACCEPTABLE, NoNumber
+from engine.fatigue.damage import starts_in_words
 
 
 def recalc(
@@ -153,6 +153,6 @@ def _summary_cells(calculation: Calculation) -> list[str]:
     elif figures.starts_unlimited:
         starts = NoNumber.UNLIMITED
     elif figures.starts is not None:
-        starts = f"{math.floor(figures.starts):,}"
+        starts = starts_in_words(figures.starts)
     outcome = "–" if calculation.results.start is None else figures.outcome
     return [modes, margin, peak, outcome, starts, figures.verdict]

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-#: Starts are rounded down to whole ones; a count nearer than this to the next one is that one. [1]
-WHOLE_STARTS = 1e-9
+from engine.case.defaults import WHOLE_STARTS
+
 #: Defined name of the cell with the change whose shifts of frequency are shown as live formulas.
 CHANGE_NAME = "SensitivityChange"
 

@@ -37,4 +37,7 @@ RUN_FACTS: tuple[tuple[str, str], ...] = (
     ("run_InertiaConstant", "Inertia constant H of the train [s]"),
     ("run_MotorInertiaConstant", "Inertia constant H of the motor alone [s]"),
     ("run_LoadShare", "LoadTorque at full speed over rated torque [%]"),
+    ("run_RatedPower", "Rated power [kW]"),
+    ("run_RatedTorque", "Rated torque [N m]"),
+    ("run_RunningLoadShare", "Sum of the running loads over rated torque [%]"),
 )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from addin.contract import number_formats as shown
 from addin.contract.banner import NOTES
 from addin.contract.chart_tables import HISTORIES
 from addin.contract.result_tables import CROSSING_ROWS
@@ -113,7 +114,7 @@ SHEETS: tuple[Sheet, ...] = (
         {"A": 1.5, "B": 26, "C": 14, "D": 9, "E:F": 18, "G": 2, "H": 28, "I:J": 11, "K": 21,
          "L": 40, "M": 22, "N": 44},
         {"Verdicts": "H11"},
-        (ChartAt("train", "B12", 612, 270), ChartAt("speed-time", "B40", 612, 290)),
+        (ChartAt("train", "B12", 612, 270), ChartAt("speed-time", "B43", 612, 290)),
         freeze="",
         header_rows=2,
         one_page=True,
@@ -362,13 +363,13 @@ CYCLE_FACTS = (
         '=IF(run_GoverningShaft="","",'
         'IF(COUNTIF(AllowableStarts[Allowable starts],"not judged")>0,"not judged",'
         'IF(SUM(StartCycles[Damage check])>0,1/SUM(StartCycles[Damage check]),"unlimited")))',
-        number_format="#,##0.0",
+        number_format=shown.STARTS,
     ),
     KeyNumber(
         "Allowable starts in table AllowableStarts",
         '=IF(run_GoverningShaft="","",IFERROR(INDEX(AllowableStarts[Allowable starts],'
         'MATCH(run_GoverningShaft,AllowableStarts[Element],0)),""))',
-        number_format="#,##0.0",
+        number_format=shown.STARTS,
     ),
 )
 
@@ -383,7 +384,12 @@ def _extreme(column: str, extreme: str) -> str:
     return f'=IF(COUNT({column})=0,"",{extreme}({column}))'
 
 
-#: Key numbers of the Summary.
+def _rounded(positive: str, digits: int) -> str:
+    """A positive number with so many digits, for words; TEXT would need the format of each language."""
+    return f"ROUND({positive},{digits - 1}-INT(LOG10({positive})))"
+
+
+#: Key numbers of the Summary: first the train at full speed, as `torsionbook check` says it.
 KEY_NUMBERS = (
     KeyNumber(
         "Poles",
@@ -398,20 +404,39 @@ KEY_NUMBERS = (
         "#,##0.0",
         BLANK_TEXT.format("run_ShaftSpeeds"),
     ),
-    KeyNumber("Total ratio", BLANK_TEXT.format("run_TotalRatio"), number_format="0.0000"),
+    KeyNumber("Total ratio", BLANK_TEXT.format("run_TotalRatio"), "", shown.TELLING_RATIO),
+    KeyNumber(
+        "Rated power",
+        BLANK_TEXT.format("run_RatedPower"),
+        "kW",
+        shown.TELLING_LARGE,
+        f'=IF(run_RatedPower="","",{_rounded("run_RatedPower/0.74569987158227", 5)}&" hp")',
+    ),
+    KeyNumber(
+        "Rated torque",
+        BLANK_TEXT.format("run_RatedTorque"),
+        "N m",
+        shown.TELLING_LARGE,
+        f'=IF(run_RatedTorque="","",{_rounded("run_RatedTorque/1.3558179483314", 5)}&" lbf ft")',
+    ),
     KeyNumber(
         "Inertia constant H",
         BLANK_TEXT.format("run_InertiaConstant"),
         "s",
-        "0.00",
-        '=IF(run_MotorInertiaConstant="","","motor "&ROUND(run_MotorInertiaConstant,2)&" s")',
+        shown.TELLING,
+        f'=IF(run_MotorInertiaConstant="","","motor "&{_rounded("run_MotorInertiaConstant", 3)}&" s")',
     ),
-    KeyNumber("Load at full speed / rated", BLANK_TEXT.format("run_LoadShare"), "%", "0.0"),
+    KeyNumber(
+        "Load at full speed / rated", BLANK_TEXT.format("run_LoadShare"), "%", shown.TELLING_SHARE
+    ),
+    KeyNumber(
+        "Running load / rated", BLANK_TEXT.format("run_RunningLoadShare"), "%", shown.TELLING_SHARE
+    ),
     KeyNumber(
         "First torsional mode",
         '=IFERROR(INDEX(NaturalFrequencies[Frequency],MATCH(1,NaturalFrequencies[Mode],0)),"")',
         "NaturalFrequencies[Frequency]",
-        "0.000",
+        shown.TELLING_SMALL,
     ),
     KeyNumber(
         "Modes below 2 × line frequency",
@@ -431,7 +456,7 @@ KEY_NUMBERS = (
         "Duration of the start",
         BLANK_TEXT.format("run_StartTime"),
         "s",
-        "0.000",
+        shown.TELLING_SMALL,
         BLANK_TEXT.format("run_OutcomeWord"),
     ),
     KeyNumber(
@@ -454,7 +479,7 @@ KEY_NUMBERS = (
         'IF(COUNTIF(AllowableStarts[Allowable starts],"unlimited")>0,"unlimited",'
         'IF(COUNTIF(AllowableStarts[Allowable starts],"?*")>0,"not judged","")))',
         "",
-        "#,##0",
+        shown.WHOLE,
         _element_at("AllowableStarts[Starts to judge]", "MIN"),
     ),
 )

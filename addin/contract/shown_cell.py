@@ -6,9 +6,9 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from addin.contract.live_formulas import WHOLE_STARTS
 from addin.contract.shown_units import ShownUnits
 from addin.contract.tables import Field, TableSpec
+from engine.case.defaults import WHOLE_STARTS
 from engine.case.result_words import NoNumber
 
 #: Column whose unit shows a judged number of a dimension in `Verdicts`.

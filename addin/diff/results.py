@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Any
 
 from addin.contract.audit_items import DIGEST_ITEM
-from addin.contract.live_formulas import WHOLE_STARTS
 from addin.contract.shown_cell import VERDICT_UNITS
 from addin.contract.tables import Field, TableSpec, result_table
 from addin.contract.units import USUAL
@@ -20,6 +18,7 @@ from addin.diff.units import Units
 from addin.recorded.match_rows import match_rows, row_name
 from addin.recorded.provenance import is_own_of_each_run
 from addin.verify.compare import is_number
+from engine.fatigue.damage import starts_in_words
 
 #: Relative size of what rounding, other units and other processors change. [1]
 _ROUNDING = 1e-9
@@ -209,7 +208,7 @@ def _judged_in_words(value: Value | RoundedNumber, dimension: str, units: Units)
         return str(value or "")
     if dimension not in VERDICT_UNITS:
         return (
-            f"{math.floor(value.number * (1.0 + WHOLE_STARTS)):,}"  # whole starts, never rounded up
+            starts_in_words(value.number)
             if dimension == "count"
             else value.words or f"{value.number:,.6g}"
         )

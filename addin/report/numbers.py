@@ -7,8 +7,9 @@ from __future__ import annotations
 
 import math
 
-from addin.contract.live_formulas import WHOLE_STARTS
+from engine.case.defaults import WHOLE_STARTS
 from engine.case.result_words import NoNumber
+from engine.fatigue.damage import MANY_STARTS
 
 _UP = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 #: From here on a number is written with a power of ten.
@@ -148,7 +149,7 @@ _DECIMALS = {
 
 def _whole(value: float) -> str:
     floor = math.floor(value * (1.0 + WHOLE_STARTS))
-    return f"{floor:,}" if floor < _LARGE else engineering(value)
+    return f"{floor:,}" if floor < MANY_STARTS else engineering(value)
 
 
 def _fraction(value: float) -> str:

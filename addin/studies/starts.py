@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -11,6 +10,7 @@ from addin.contract.study_spec import CUT_SHORT
 from addin.studies.study import CutShort, Option, Study, StudyResult, StudyTask, TerminalTable
 from addin.workers.parallel_map import Cancelled
 from engine.case.case import Case
+from engine.fatigue.damage import starts_in_words
 from engine.studies.starts.condition_result import ConditionResult, calculate_condition
 from engine.studies.starts.conditions import StartCondition, condition_problems
 from engine.studies.starts.damage_ledger import damage_ledger, ledger_rows, remaining_rows
@@ -82,7 +82,7 @@ def _terminal(study: StudyResult, options: Mapping[str, Any]) -> Iterator[Termin
     for row in study.result[0].rows:
         starts = "not judged" if not row.judged else "unlimited"
         if row.allowable_starts is not None:
-            starts = f"{math.floor(row.allowable_starts * (1.0 + 1e-9)):,}"
+            starts = starts_in_words(row.allowable_starts)
         time = "–" if row.time is None else f"{row.time:.2f}"
         peak = "–" if row.peak_over_rated is None else f"{row.peak_over_rated:.2f}"
         rows.append((row.condition.name, row.words, time, peak, starts, row.governing or "–"))

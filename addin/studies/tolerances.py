@@ -187,7 +187,7 @@ TOLERANCES = Study(
             "of the nominal run does not.",
         ),
         Option(
-            "only", int, None, "Calculate this one of the samples again, and nothing else.", least=1,
+            "only", int, None, "Calculate this one of the samples again, and nothing else: not with --out, --in-place or --json.", least=1,
             is_setting=False,
         ),
         Option(

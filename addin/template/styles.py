@@ -82,7 +82,9 @@ _FORMATS: Mapping[str, Mapping[str, Any]] = {
     "result": _boxed(align="right"),
     "result_text": _boxed(shrink=True, **_LEFT),
     "result_wrap": _boxed(text_wrap=True, **_LEFT),
-    "result_mixed": _boxed(align="right", shrink=True, num_format="#,##0.####"),
+    "result_mixed": _boxed(
+        align="right", shrink=True, num_format="[<1000000000]#,##0.####;0.00E+00"
+    ),
     "result_center": _boxed(align="center"),
     "verdict": _boxed(align="center", bold=True, font_size=8, shrink=True),
     "check": _boxed("teal", _LIVE),

@@ -435,6 +435,9 @@ def _at_full_speed(run: RunView) -> dict[str, Any]:
             "InertiaConstant",
             "MotorInertiaConstant",
             "LoadShare",
+            "RatedPower",
+            "RatedTorque",
+            "RunningLoadShare",
         )
         return dict.fromkeys(f"run_{name}" for name in names)
     return {
@@ -443,8 +446,15 @@ def _at_full_speed(run: RunView) -> dict[str, Any]:
         "run_TotalRatio": facts.total_ratio,
         "run_InertiaConstant": facts.inertia_constant,
         "run_MotorInertiaConstant": facts.motor_inertia_constant,
-        "run_LoadShare": None if facts.load is None else 100.0 * facts.load,
+        "run_LoadShare": _percent(facts.load),
+        "run_RatedPower": None if facts.rated_power is None else 1e-3 * facts.rated_power,
+        "run_RatedTorque": facts.rated_torque,
+        "run_RunningLoadShare": _percent(facts.running_load),
     }
+
+
+def _percent(share: float | None) -> float | None:
+    return None if share is None else 100.0 * share
 
 
 def chosen_elements(workbook: Workbook) -> list[str | None]:

@@ -15,9 +15,8 @@ module             responsibility
                    values in SI
 `case`             the checked case: what every calculation begins from
 `missing_inputs`   what a case cannot answer yet, and which input is missing for it
-`usual_range`      ranges in which a quantity usually lies, and the sentence about one outside
-`plausibility`     numbers that are possible but look like a slip: a unit, a percent sign, a
-                   forgotten row
+`usual_range`      ranges in which a quantity usually lies, and what is said of one outside
+`plausibility`     numbers that look like a slip: a unit, a percent sign, a forgotten row
 `practice_limits`  what the literature says of torque reversal, with its sources
 `result_words`     words that stand in results, beside numbers or in their place
 `study_inputs`     inputs of the studies: couplings, scatter, start conditions,

@@ -20,3 +20,5 @@ LONGEST_START = 600.0
 DEFAULT_TOLERANCE_STARTS = 0.02
 #: A torque below zero by less than this share of the largest torque is not called a reversal.
 NOTABLE_REVERSAL = 1e-3
+#: Starts are rounded down to whole ones; a count nearer than this to the next one is that one. [1]
+WHOLE_STARTS = 1e-9

@@ -1,9 +1,9 @@
-"""Numbers that are possible but look like a slip: a unit, a percent sign, a forgotten row.
+"""Numbers that look like a slip: a unit, a percent sign, a forgotten row.
 
 Nothing here stops a calculation. Each note says what was found, what is usual and what the usual
-slip is, because a wrong unit changes a verdict without any error. What only the whole train can
-tell, such as the stress of a shaft by the torque that it transmits, is in
-`engine.operation.plausible_train`.
+slip is, because a wrong unit changes a verdict without any error. What cannot be meant takes the
+place of the verdict (`impossible_inputs`). What only the whole train can tell, such as the stress
+of a shaft by the torque that it transmits, is in `engine.operation.plausible_train`.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from functools import partial
 
 from engine.case.choices import ElementKind, SNBasis
 from engine.case.data import CaseData, ElementRow, MaterialRow, MotorTorqueRow, value_of
-from engine.case.usual_range import UsualRange, quotient
+from engine.case.usual_range import Implausible, UsualRange, quotient
 
 #: Backlash over pitch radius and angular backlash beyond which a unit looks wrong. [1, rad]
 LARGEST_BACKLASH, LARGEST_ANGULAR_BACKLASH = 0.01, 0.05
@@ -22,6 +22,16 @@ LARGEST_BACKLASH, LARGEST_ANGULAR_BACKLASH = 0.01, 0.05
 LOWEST_VOLTAGE, LOWEST_TRIP = 0.3, 0.05
 #: A curve should reach this share of synchronous speed where EndSpeed is blank.
 CURVE_REACH = 0.97
+#: EndSpeed and MaximumSpeed over synchronous speed; below, a fraction was typed under a percent sign. [1]
+LEAST_END_SPEED = 0.1
+#: Torque curves of more than one point that end below this share of synchronous speed.
+LEAST_REACH = 0.05
+#: Largest pulsating torque over the rated one, below which there is none; round rotors have 0.05. [1]
+LEAST_PULSATION = 0.02
+#: The strongest excitation over the torque transmitted there, below which none is judged. [1]
+LEAST_EXCITATION = 5e-4
+#: No shaft is of a stronger material; maraging steels end at 2.8 GPa. [Pa]
+LARGEST_STRENGTH = 5e9
 #: A motor whose average torque stays below this share of the rated one starts nothing. [1]
 LEAST_TORQUE = 0.05
 #: Average torque at rest over the largest one of the curve; below, nothing starts. [1]
@@ -75,6 +85,28 @@ def implausible(case: CaseData) -> tuple[str, ...]:
     )
 
 
+def impossible_inputs(case: CaseData) -> tuple[Implausible, ...]:
+    """Inputs that cannot be meant, and with which a check would pass or fail for nothing.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+
+    Returns
+    -------
+    tuple of Implausible
+        Empty where verdicts can be given.
+    """
+    return (
+        *(one for usual, values in USUAL for one in usual.impossible(values(case))),
+        *_short_curves(case),
+        *_no_pulsation(case),
+        *_weak_excitations(case),
+        *_impossible_strengths(case),
+    )
+
+
 # --- single cells ---------------------------------------------------------------------------------
 
 
@@ -109,33 +141,36 @@ def _curve_over_rated(column: str, case: CaseData) -> Values:
     return list(largest.items())
 
 
-_RATIO_OF_DAMPING = (
-    0.001,
-    0.10,
-    *_PERCENT,
-    "0.5 % to 3 % of critical for a train, more only with elastomer couplings",
-    _SIGN,
-)
+_TRAIN_DAMPING = "0.5 % to 3 % of critical for a train, more only with elastomer couplings"
 
 #: Usual ranges of single cells, and how the cells are found.
 USUAL: tuple[tuple[UsualRange, Callable[[CaseData], Values]], ...] = (
     (
-        UsualRange("Case", "DampingRatio", *_RATIO_OF_DAMPING),
+        UsualRange(
+            "Case", "DampingRatio", 0.001, 0.06, *_PERCENT, _TRAIN_DAMPING,
+            f"{_SIGN} A damper coupling has its damping in table Elements or ModeDamping.",
+            possible=(0.0, 0.1),
+        ),
         lambda case: [(None, case.damping_ratio or None)],
     ),
     (
         UsualRange(
-            "Case", "DampingRange", 0.02, 0.9, *_PERCENT, "20 % to 50 %: damping is hardly known better", _SIGN
+            "Case", "DampingRange", 0.02, 0.9, *_PERCENT, "20 % to 50 %: damping is hardly known better", _SIGN,
+            possible=(0.01, 1.0),
         ),
         lambda case: [(None, case.damping_range or None)],
     ),
     (
-        UsualRange("ModeDamping", "Damping ratio", *_RATIO_OF_DAMPING),
+        UsualRange(
+            "ModeDamping", "Damping ratio", 0.001, 0.1, *_PERCENT, _TRAIN_DAMPING, _SIGN,
+            possible=(0.0, 0.3),
+        ),
         lambda case: [(f"mode {m.mode}", m.damping_ratio or None) for m in case.mode_damping],
     ),
     (
         UsualRange(
-            "Case", "MarginRequired", 0.02, 0.5, *_PERCENT, "20 % calculated, 10 % measured", _SIGN
+            "Case", "MarginRequired", 0.05, 0.5, *_PERCENT, "20 % calculated, 10 % measured", _SIGN,
+            possible=(0.01, 1.0),
         ),
         partial(_scalar, "MarginRequired"),
     ),
@@ -148,8 +183,17 @@ USUAL: tuple[tuple[UsualRange, Callable[[CaseData], Values]], ...] = (
     ),
     (
         UsualRange(
+            "Case", "MaximumSpeed", 0.5, 10.0, "% of synchronous speed", 0.01,
+            "100 %, the highest speed of continuous operation", _UNIT,
+            possible=(LEAST_END_SPEED, math.inf),
+        ),
+        partial(_of_synchronous, "MaximumSpeed"),
+    ),
+    (
+        UsualRange(
             "Case", "EndSpeed", 0.5, 1.0, "% of synchronous speed", 0.01,
             "95 to 98 %, where the motor pulls in", "Check its unit and the percent sign.",
+            possible=(LEAST_END_SPEED, math.inf),
         ),
         partial(_of_synchronous, "EndSpeed"),
     ),
@@ -162,13 +206,23 @@ USUAL: tuple[tuple[UsualRange, Callable[[CaseData], Values]], ...] = (
     ),
     (
         UsualRange(
+            "Case", "StartsRequired", 50.0, 1e6, "", 1.0,
+            "1,000 to 10,000", "It is the number of starts of a whole life.",
+        ),
+        partial(_scalar, "StartsRequired"),
+    ),
+    (
+        UsualRange(
             "Case", "StartsFactor", 1.0, 100.0, "", 1.0,
             "1 to 20: allowable starts are divided by it", "Below 1 it is no safety factor.",
+            possible=(1.0, math.inf),
         ),
         partial(_scalar, "StartsFactor"),
     ),
     (
-        UsualRange("Case", "FieldSlip", 0.003, 0.2, *_PERCENT, "2 to 5 %", _SIGN),
+        UsualRange(
+            "Case", "FieldSlip", 0.003, 0.2, *_PERCENT, "2 to 5 %", _SIGN, possible=(1e-3, 1.0)
+        ),
         partial(_scalar, "FieldSlip"),
     ),
     (
@@ -206,6 +260,7 @@ USUAL: tuple[tuple[UsualRange, Callable[[CaseData], Values]], ...] = (
             "Elements", "Loss factor", 0.0, 0.4, "", 1.0,
             "0.005 to 0.02 of steel, to 0.2 of elastomer couplings",
             "Check the percent sign; a relative damping ψ is 2π times the loss factor.",
+            possible=(0.0, 2.0),
         ),
         partial(_column, "elements", "Loss factor", "Element"),
     ),
@@ -219,7 +274,7 @@ USUAL: tuple[tuple[UsualRange, Callable[[CaseData], Values]], ...] = (
     (
         UsualRange(
             "Materials", "UTS", 100e6, 2500e6, "MPa", 1e6,
-            "shaft steels: 500 to 1200 MPa, 70 to 170 ksi", _UNIT,
+            "shaft steels: 500 to 1200 MPa, 70 to 170 ksi", _UNIT, possible=(0.0, LARGEST_STRENGTH),
         ),
         partial(_column, "materials", "UTS", "Material"),
     ),
@@ -236,13 +291,6 @@ USUAL: tuple[tuple[UsualRange, Callable[[CaseData], Values]], ...] = (
             "Check its unit (20 % is 0.2 pu) and RatedTorque.",
         ),
         partial(_curve_over_rated, "Pulsating"),
-    ),
-    (
-        UsualRange(
-            "Excitations", "Torque", 1e-3, 0.5, "% of the transmitted torque", 0.01, "0.5 to 10 %",
-            _SIGN,
-        ),
-        partial(_column, "excitations", "torque share", "Name"),
     ),
     (
         UsualRange(
@@ -310,7 +358,7 @@ def _gear_ratios(case: CaseData) -> Iterator[str]:
 def _strengths(case: CaseData) -> Iterator[str]:
     """Strengths and S-N points of one material against its UTS."""
     for m in case.materials:
-        if not m.uts:
+        if not m.uts or m.uts > LARGEST_STRENGTH:
             continue
         name = f"of '{m.material}'"
         if m.yield_ and m.yield_ < LEAST_YIELD * m.uts:
@@ -337,6 +385,22 @@ def _strengths(case: CaseData) -> Iterator[str]:
                 f"SNPoints, Cycles of '{material}': the line ends at {life:.4g} cycles, which is unusual "
                 "(10⁶ to 10⁷). Cycles are counted, not in thousands or millions."
             )
+
+
+def _impossible_strengths(case: CaseData) -> Iterator[Implausible]:
+    """Strengths of a wrong unit: every stress beside them is small, and every check passes."""
+    for name, column, rows in (
+        ("Yield", "Yield", case.materials),
+        ("Endurance", "Endurance", case.materials),
+        ("S-N stress", "Stress", case.sn_points),
+    ):
+        for row in rows:
+            strength = value_of(row, column)
+            if strength and strength > LARGEST_STRENGTH:
+                yield Implausible(
+                    f"{name} of '{row.material}' {strength / 1e6:.3g} MPa (steels: to 2,500)", _UNIT
+                )
+                return
 
 
 def _endurance(m: MaterialRow, basis: SNBasis) -> Iterator[str]:
@@ -404,11 +468,17 @@ def _no_effect(case: CaseData) -> Iterator[str]:
 
 # --- excitations ----------------------------------------------------------------------------------
 
+EXCITATION = UsualRange(
+    "Excitations", "Torque", 1e-3, 0.5, "% of the transmitted torque", 0.01, "0.5 to 10 %", _SIGN
+)
+
 
 def _excitations(case: CaseData) -> Iterator[str]:
-    """Excitations that every train has, where the engineer types a list of his own."""
+    """Their torques, and those that every train has, where the engineer types a list of his own."""
     if not case.excitations:
         return
+    if not any(_weak_excitations(case)):
+        yield from EXCITATION.notes((row.name, row.torque_share) for row in case.excitations)
     ratios, synchronous = case.speed_ratios, case.ratings.synchronous_speed
     line = case.ratings.line_frequency
     if not synchronous:
@@ -438,6 +508,19 @@ def _excitations(case: CaseData) -> Iterator[str]:
         )
 
 
+def _weak_excitations(case: CaseData) -> Iterator[Implausible]:
+    """Torques of a wrong percent sign: every response is small, and every check passes."""
+    shares = [row.torque_share for row in case.excitations if row.torque is None]
+    if not shares or len(shares) < len(case.excitations) or None in shares:  # blank = 1 %
+        return
+    strongest = max(share or 0.0 for share in shares)
+    if strongest < LEAST_EXCITATION:
+        yield Implausible(
+            f"every Torque of Excitations at most {100.0 * strongest:.3g} % of the transmitted torque",
+            f"Usual: {EXCITATION.usual}. {_SIGN}",
+        )
+
+
 # --- torque curves --------------------------------------------------------------------------------
 
 
@@ -455,24 +538,61 @@ def _curves(case: CaseData) -> Iterator[str]:
             )
 
 
-def _ends_of_curves(case: CaseData) -> Iterator[str]:
-    ends: dict[tuple[str, str | None], list[float]] = {}
+def _ranges_of_curves(case: CaseData) -> Iterator[tuple[str, float, float]]:
+    """Table and station, lowest and highest speed of each curve of more than one point. [1]"""
+    speeds: dict[str, list[float]] = {}
     for table, points in (("MotorTorque", case.motor_torque), ("LoadTorque", case.load_torque)):
         for p in points:
-            ends.setdefault((table, p.station), []).append(p.speed or 0.0)
+            speeds.setdefault(f"{table} of '{p.station}'", []).append(p.speed or 0.0)
+    for curve, typed in speeds.items():
+        if len(typed) > 1:
+            yield curve, min(typed), max(typed)
+
+
+def _short_curves(case: CaseData) -> Iterator[Implausible]:
+    """Fractions typed as per cent: what holds at full speed is held from standstill on."""
+    short = [(curve, end) for curve, _, end in _ranges_of_curves(case) if end < LEAST_REACH]
+    if short:
+        (curve, end), others = short[0], f" (and {len(short) - 1} more)" if len(short) > 1 else ""
+        yield Implausible(
+            f"{curve}{others} ends at {100.0 * end:.3g} % of synchronous speed",
+            "Check the unit of its speeds and the percent sign.",
+        )
+
+
+def _ends_of_curves(case: CaseData) -> Iterator[str]:
     synchronous = case.ratings.synchronous_speed
     reach = case.end_speed / synchronous if case.end_speed and synchronous else CURVE_REACH
-    for (table, station), speeds in ends.items():
+    for curve, begin, end in _ranges_of_curves(case):
         held = []
-        if min(speeds) > 0.0:
-            held.append(f"begins at {100 * min(speeds):.3g} % of synchronous speed")
-        if max(speeds) < reach:
-            held.append(f"ends at {100 * max(speeds):.3g} % of synchronous speed")
-        if held and len(speeds) > 1:
+        if begin > 0.0:
+            held.append(f"begins at {100 * begin:.3g} % of synchronous speed")
+        if end < reach:
+            held.append(f"ends at {100 * end:.3g} % of synchronous speed")
+        if held and end >= LEAST_REACH:
             yield (
-                f"{table} of '{station}' {' and '.join(held)}; outside its range the torque is "
-                "held constant. Check the unit of its speeds, or add points."
+                f"{curve} {' and '.join(held)}; outside its range the torque is held constant. Check the "
+                "unit of its speeds, or add points."
             )
+
+
+def _no_pulsation(case: CaseData) -> Iterator[Implausible]:
+    """A start that nothing excites: every torque of it is the average one, and every check passes.
+
+    With a transient at breaker closing or prescribed torques the motor may be of another kind.
+    """
+    if not case.motor_torque or case.shock_amplitude or case.torque_time:
+        return
+    ratios, rated = case.speed_ratios, case.ratings.rated_torque or 0.0
+    largest = max(abs(p.pulsating or 0.0) * ratios.get(p.station, 1.0) for p in case.motor_torque)
+    if largest and largest >= LEAST_PULSATION * rated:
+        return
+    share = f"at most {100.0 * largest / rated:.3g} % of rated torque" if largest else "zero"
+    yield Implausible(
+        f"MotorTorque, Pulsating of '{case.motor_torque[0].station}' is {share} at every speed",
+        "Nothing excites the modes in the start. A synchronous motor pulsates at twice the slip frequency until "
+        "it is in step, usually with 0.2 to 1 × RatedTorque: type it, and check its unit.",
+    )
 
 
 def _weak_motors(case: CaseData) -> Iterator[str]:
@@ -510,12 +630,15 @@ def _shapes(case: CaseData) -> Iterator[str]:
                 f"MotorTorque, Average of '{station}' is {at_rest.average or 0.0:.4g} N m at rest: nothing "
                 "starts. Check that Speed is the speed, from 0 to 100 %, and not the slip."
             )
-        if largest and not any(p.pulsating for p in points):
+        if largest and not any(p.pulsating for p in points) and not any(_no_pulsation(case)):
             yield (
-                f"MotorTorque, Pulsating of '{station}' is zero at every speed: nothing excites the modes in "
-                "the start. A synchronous motor pulsates at twice the slip frequency until it is in "
-                "step, usually with 0.2 to 1 × RatedTorque."
+                f"MotorTorque, Pulsating of '{station}' is zero at every speed. A synchronous motor pulsates at "
+                "twice the slip frequency until it is in step, usually with 0.2 to 1 × RatedTorque."
             )
+        if largest * case.speed_ratios.get(station, 1.0) < LEAST_TORQUE * (
+            case.ratings.rated_torque or 0.0
+        ):
+            continue  # said by `_weak_motors`
         running = [p for p in points if (p.speed or 0.0) < BEFORE_PULL_OUT]
         if len(running) > 1 and all((p.pulsating or 0.0) > abs(p.average or 0.0) for p in running):
             yield (

@@ -10,7 +10,7 @@ section "Stress criterion" and Figure 3, q = Σ nᵢ/Nᵢ and 1/q starts.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -27,6 +27,15 @@ from engine.fatigue.cycle_counting import (
 from engine.fatigue.damage import damage_interval, miner_damage, needs_counting, starts_from_damage
 from engine.fatigue.sn_curve import SNCurve
 from engine.fatigue.stress import SHEAR_YIELD_RATIO, in_megapascals, stress_of_unit_torque
+
+
+@dataclass(frozen=True)
+class ShaftNote:
+    """What a reader must know of one shaft; of several shafts with one cause the worst is named."""
+
+    cause: str  #: What they have in common. [word]
+    size: float  #: The worst shaft has the largest. [1]
+    words: str  #: The sentence after the name of the shaft.
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +61,8 @@ class ShaftFatigue:
     #: Cycles a start above the first S-N point, where the line is extended. [1]
     above_first_point: float
     above_shear_yield: bool | None  #: Nominal peak above Yield/2; None when Yield is blank.
-    notes: tuple[str, ...]  #: What a reader must know.
+    curve_notes: tuple[str, ...]  #: What was assumed of its S-N line.
+    notes: tuple[ShaftNote, ...]  #: What a reader must know.
     #: Bound on the relative change of the starts by effects left out, part of the interval; None = no bound
     #: is known, and then the interval has no ends. [1]
     left_out: float | None = 0.0
@@ -139,41 +149,72 @@ def shaft_fatigue(
         peak_nominal_stress=peak,
         above_first_point=above,
         above_shear_yield=None if shear_yield is None else peak > shear_yield,
-        notes=sn_curve.notes,
+        curve_notes=sn_curve.notes,
+        notes=(),
     )
-    return replace(shaft, notes=(*shaft.notes, *_notes(shaft, sn_curve, scf, shear_yield)))
+    return replace(shaft, notes=tuple(_notes(shaft, sn_curve, scf, shear_yield)))
+
+
+def notes_on_starts(shafts: Iterable[ShaftFatigue]) -> Iterator[str]:
+    """The sentences a reader must see beside the allowable starts, one a cause.
+
+    Parameters
+    ----------
+    shafts : iterable of ShaftFatigue
+        Every judged shaft. [Pa, 1]
+
+    Yields
+    ------
+    str
+        Of several shafts with one cause it names the worst and counts the others.
+    """
+    judged = list(shafts)
+    yield from dict.fromkeys(note for shaft in judged for note in shaft.curve_notes)
+    by_cause: dict[str, list[tuple[ShaftNote, str]]] = {}
+    for shaft in judged:
+        for note in shaft.notes:
+            by_cause.setdefault(note.cause, []).append((note, shaft.element))
+    for named in by_cause.values():
+        worst, element = max(named, key=lambda one: one[0].size)
+        others = f" (worst of {len(named)} shafts)" if len(named) > 1 else ""
+        yield f"{element}{others}: {worst.words}"
 
 
 def _notes(
     shaft: ShaftFatigue, curve: SNCurve, scf: float, shear_yield: float | None
-) -> tuple[str, ...]:
-    """The sentences a reader must see beside the numbers of one shaft."""
-    notes: list[str] = []
-    name, peak = shaft.element, shaft.peak_nominal_stress
+) -> Iterator[ShaftNote]:
+    peak = shaft.peak_nominal_stress
     if shaft.above_first_point:
-        notes.append(
-            f"{name}: {shaft.above_first_point:g} cycles per start lie above the first S-N point "
+        yield ShaftNote(
+            "above the first S-N point",
+            shaft.above_first_point,
+            f"{shaft.above_first_point:g} cycles per start lie above the first S-N point "
             f"({in_megapascals(float(curve.stress[0]))}); their life is extrapolated, "
-            "not test data. Add S-N points at higher stress."
+            "not test data. Add S-N points at higher stress.",
         )
     if shear_yield is not None and peak > shear_yield:
-        notes.append(
-            f"{name}: the nominal peak {in_megapascals(peak)} is above the shear yield Yield/2 = "
+        yield ShaftNote(
+            "shaft yields",
+            peak / shear_yield,
+            f"the nominal peak {in_megapascals(peak)} is above the shear yield Yield/2 = "
             f"{in_megapascals(shear_yield)} (maximum shear theory): the shaft yields, so the allowable "
-            "starts, counted from elastic stress, are invalid."
+            "starts, counted from elastic stress, are invalid.",
         )
     elif shear_yield is not None and scf * peak > shear_yield:
-        notes.append(
-            f"{name}: SCF times the nominal peak, {in_megapascals(scf * peak)}, is above the shear yield "
-            f"Yield/2 = {in_megapascals(shear_yield)}: local yielding at the notch (not judged)."
+        yield ShaftNote(
+            "notch yields",
+            scf * peak / shear_yield,
+            f"SCF times the nominal peak, {in_megapascals(scf * peak)}, is above the shear yield "
+            f"Yield/2 = {in_megapascals(shear_yield)}: local yielding at the notch (not judged).",
         )
     if (shaft.damage_low == 0.0) != (shaft.damage_high == 0.0):
-        notes.append(
-            f"{name}: within the error of the history every cycle may lie at or below the "
+        yield ShaftNote(
+            "near the endurance limit",
+            shaft.largest_amplitude / curve.endurance if curve.endurance else 0.0,
+            "within the error of the history every cycle may lie at or below the "
             f"endurance limit {in_megapascals(curve.endurance)}, so the upper bound of the allowable "
-            "starts is unlimited."
+            "starts is unlimited.",
         )
-    return tuple(notes)
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,9 +8,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from engine.case.choices import BelowEndurance
+from engine.case.defaults import WHOLE_STARTS
 from engine.errors import InternalError
 from engine.fatigue.cycle_counting import CycleCount
 from engine.fatigue.sn_curve import SNCurve
+
+#: From here on a number of starts is shown by its power of ten. [1]
+MANY_STARTS = 1e9
 
 
 def miner_damage(amplitude: ArrayLike, count: ArrayLike, curve: SNCurve) -> float:
@@ -96,6 +100,23 @@ def starts_from_damage(damage: float) -> float | None:
     if damage == 0.0 or math.isinf(1.0 / damage):
         return None
     return 1.0 / damage
+
+
+def starts_in_words(starts: float) -> str:
+    """Whole starts, never rounded up; of a thousand millions and more, which nobody makes, the power.
+
+    Parameters
+    ----------
+    starts : float
+        Starts; a count off by rounding alone is the whole one. [1]
+
+    Returns
+    -------
+    str
+        Such as ``15,119`` or ``2.15e+16``. [text]
+    """
+    whole = math.floor(starts * (1.0 + WHOLE_STARTS))
+    return f"{whole:,}" if whole < MANY_STARTS else f"{starts:.2e}"
 
 
 def needs_counting(largest_amplitude: float, curve: SNCurve, stress_error: float = 0.0) -> bool:

@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from engine.case.choices import ElementKind
 from engine.case.data import CaseData, ElementRow, value_of
-from engine.case.usual_range import UsualRange, quotient
+from engine.case.plausibility import impossible_inputs
+from engine.case.usual_range import Implausible, UsualRange, quotient
 from engine.model.excitation import transmitted_torque
 from engine.model.train import Train
 from engine.numerics.same_bits import product
@@ -28,11 +29,8 @@ LARGE_INERTIA = 10.0
 LARGEST_LOAD = 1.2
 #: Torques below this share of the largest, referred, count as none. [1]
 NO_TORQUE = 1e-9
-#: No shaft is of a stronger material; maraging steels end at 2.8 GPa. [Pa]
-LARGEST_STRENGTH = 5e9
-#: Nominal stress of a shaft that carries at least `CARRYING` of the largest torque, referred; usual are
-#: 10 to 80 MPa. [Pa, 1]
-LEAST_STRESS, CARRYING = 20e3, 0.01
+#: Stress is compared in shafts that carry at least this share of the largest torque, referred. [1]
+CARRYING = 0.01
 #: A limit of torque above this multiple of rated torque judges nothing. [1]
 LARGEST_LIMIT = 100.0
 
@@ -43,16 +41,23 @@ OWN_INERTIA = UsualRange(
 )  # fmt: skip
 STRESS = UsualRange(
     "Elements", "Stress diameter", 0.5e6, 150e6, f"MPa {_CARRIED}", 1e6, "10 to 80 MPa",
-    "Check its unit, that it is no radius, and the loads.", "nominal stress",
+    "Check its unit, that it is no radius, and the loads.", "nominal stress", (20e3, math.inf),
 )  # fmt: skip
 SHAFT_STRESS = replace(STRESS, quantity="OD")
 TWIST = UsualRange(
     "Elements", "Stiffness", 0.0, math.radians(20.0), f"degrees {_CARRIED}", math.radians(1.0),
     "shafts below 2 degrees, rubber couplings to 15", "Check its unit.", "twist",
+    (0.0, math.radians(60.0)),
 )  # fmt: skip
 COUPLING_TWIST = replace(
-    TWIST, low=math.radians(0.002), high=math.inf, usual="couplings: 0.02 to 2 degrees"
-)
+    TWIST, low=math.radians(0.002), high=math.inf, usual="couplings: 0.02 to 2 degrees",
+    possible=(-math.inf, math.inf),
+)  # fmt: skip
+#: Loss factor that a viscous damper has at line frequency; tuned dampers end at about 1.
+LINK_DAMPING = UsualRange(
+    "Elements", "Damping", 0.0, 2.0, "× Stiffness at line frequency", 1.0,
+    "to 0.3, of damper couplings to 1", "Check its unit.", possible=(0.0, 20.0),
+)  # fmt: skip
 TOOTH = UsualRange(
     "Elements", "Stiffness", 1e-8, 5e-4, f"µm {_CARRIED}", 1e-6, "5 to 50 µm",
     "In table Elements it is torsional, on the From side; check its unit.", "deflection of the teeth",
@@ -83,21 +88,9 @@ LIMITS = tuple(
         ("Rated torque", 1.0, 100.0, "1 to 5"),
         ("Peak torque limit", 1.0, 100.0, "2 to 15"),
         ("Vibratory limit", 0.01, 20.0, "0.1 to 1.5"),
+        ("Reversal limit", 0.0, 20.0, "0 to 1"),
     )
 )  # fmt: skip
-
-
-@dataclass(frozen=True)
-class Implausible:
-    """One thing that no train has."""
-
-    finding: str  #: In few words, for the banner.
-    advice: str  #: What to check.
-
-    @property
-    def sentence(self) -> str:
-        """Both, as a note."""
-        return f"{self.finding[:1].upper()}{self.finding[1:]}: no verdict is given. {self.advice}"
 
 
 def impossible_train(case: CaseData, train: Train, facts: FullSpeed) -> tuple[Implausible, ...]:
@@ -135,61 +128,87 @@ def impossible_train(case: CaseData, train: Train, facts: FullSpeed) -> tuple[Im
                     "and RatedTorque or RatedPower.",
                 )
             )
-    return (*impossible, *_impossible_strengths(case), *_impossible_elements(case, train))
+    carried = _carried(case, train)
+    sections = _sections(case, carried)
+    return (
+        *impossible_inputs(case),
+        *impossible,
+        *(one for usual, stresses in sections for one in usual.impossible(stresses)),
+        *TWIST.impossible(_links(_twists(case, carried))),
+        *LINK_DAMPING.impossible(_link_damping(case)),
+        *_impossible_limits(case),
+    )
 
 
-def _impossible_strengths(case: CaseData) -> Iterator[Implausible]:
-    """Strengths of a wrong unit: every stress beside them is small, and every check passes."""
-    strengths = [
-        (column, row.material, value_of(row, column))
-        for column, rows in (
-            ("UTS", case.materials),
-            ("Yield", case.materials),
-            ("Endurance", case.materials),
-            ("Stress", case.sn_points),
-        )
-        for row in rows
-    ]
-    for column, material, strength in strengths:
-        if strength is not None and strength > LARGEST_STRENGTH:
-            name = "S-N stress" if column == "Stress" else column
-            yield Implausible(
-                f"{name} of '{material}' {strength / 1e6:.3g} MPa (steels: to 2,500)",
-                "Check its unit.",
-            )
-            return
-
-
-def _impossible_elements(case: CaseData, train: Train) -> Iterator[Implausible]:
-    """Shafts that are stressed by nothing, and limits that nothing reaches."""
-    ratios, torque = case.element_speed_ratios, transmitted_torque(case, train).element
-    names = [str(e.element) for e in case.elements]
-    carried = dict(zip(names, np.abs(torque).tolist(), strict=True))
-    largest = max((t * ratios[name] for name, t in carried.items()), default=0.0)
-    for e in case.elements:
-        name = str(e.element)
-        if not e.stress_diameter or carried[name] * ratios[name] < CARRYING * largest:
-            continue
-        stress = _stress(carried[name], e.stress_diameter, e.stress_bore)
-        if stress is not None and 0.0 < stress < LEAST_STRESS:
-            yield Implausible(
-                f"nominal stress of '{name}' {stress / 1e6:.2g} MPa under the torque that it transmits "
-                "(usual: 10 to 80 MPa)",
-                "Check the unit of its Stress diameter.",
-            )
-            break
+def _impossible_limits(case: CaseData) -> Iterator[Implausible]:
+    """A limit of torque that nothing reaches."""
     rated = case.ratings.rated_torque
     if not rated:
         return
     for e in case.elements:
         for usual in LIMITS:
-            limit, referred = value_of(e, usual.quantity), ratios[e.element] / rated
-            if limit and limit * referred > LARGEST_LIMIT:
+            limit = value_of(e, usual.quantity)
+            if limit and limit * case.element_speed_ratios[e.element] > LARGEST_LIMIT * rated:
+                share = limit * case.element_speed_ratios[e.element] / rated
                 yield Implausible(
-                    f"{usual.quantity} of '{e.element}' {limit * referred:.3g} × rated torque",
+                    f"{usual.quantity} of '{e.element}' {share:.3g} × rated torque",
                     "Check its unit.",
                 )
                 return
+
+
+def _carried(case: CaseData, train: Train) -> dict[str, float]:
+    """The torque that each element transmits, at its own speed. [N m]"""
+    torque = transmitted_torque(case, train).element
+    return {str(e.element): abs(t) for e, t in zip(case.elements, torque.tolist(), strict=True)}
+
+
+def _sections(
+    case: CaseData, carried: dict[str, float]
+) -> tuple[tuple[UsualRange, list[tuple[str | None, float | None]]], ...]:
+    """Nominal stress by the transmitted torque, where there is enough of it to tell. [Pa]"""
+    ratios = case.element_speed_ratios
+    largest = max((t * ratios[name] for name, t in carried.items()), default=0.0)
+    loaded = [
+        (e, carried[str(e.element)])
+        for e in case.elements
+        if carried[str(e.element)] * ratios[e.element] > CARRYING * largest
+    ]
+    judged = [
+        (e.element, _stress(torque, e.stress_diameter, e.stress_bore))
+        for e, torque in loaded
+        if e.stress_diameter
+    ]
+    others = [
+        (e.element, _stress(torque, e.od, e.id))
+        for e, torque in loaded
+        if e.od and not e.stress_diameter and e.kind == ElementKind.SHAFT
+    ]
+    return (STRESS, judged), (SHAFT_STRESS, others)
+
+
+def _twists(case: CaseData, carried: dict[str, float]) -> list[tuple[ElementRow, float]]:
+    """Angles by which the transmitted torque twists what has a typed stiffness. [rad]"""
+    return [
+        (e, torque / e.stiffness)
+        for e in case.elements
+        if e.stiffness and (torque := carried[str(e.element)]) > 0.0
+    ]
+
+
+def _links(twists: list[tuple[ElementRow, float]]) -> list[tuple[str | None, float]]:
+    kinds = (ElementKind.SHAFT, ElementKind.COUPLING)
+    return [(e.element, twist) for e, twist in twists if e.kind in kinds]
+
+
+def _link_damping(case: CaseData) -> list[tuple[str | None, float | None]]:
+    """Damping of links over their stiffness, at line frequency. [1]"""
+    omega = 2.0 * math.pi * (case.ratings.line_frequency or 0.0)
+    return [
+        (e.element, omega * e.damping / e.stiffness)
+        for e in case.elements
+        if e.damping and e.stiffness
+    ]
 
 
 def unusual_train(case: CaseData, train: Train, facts: FullSpeed) -> tuple[str, ...]:
@@ -209,30 +228,36 @@ def unusual_train(case: CaseData, train: Train, facts: FullSpeed) -> tuple[str, 
     tuple of str
         A sentence a slip; empty if everything looks usual.
     """
-    torque = transmitted_torque(case, train).element
-    carried = {str(e.element): abs(t) for e, t in zip(case.elements, torque.tolist(), strict=True)}
+    carried = _carried(case, train)
     return (
         *_inertia(case, facts),
-        *_idle(case, train, carried),
-        *_strength(case, carried),
-        *_stiffness(case, carried),
-        *_gears(case, carried),
+        *_idle(case, carried),
+        *(note for usual, stresses in _sections(case, carried) for note in usual.notes(stresses)),
+        *_limits(case, carried),
+        *_stiffness(case, _twists(case, carried)),
+        *LINK_DAMPING.notes(_link_damping(case)),
+        *_gears(case),
         *_mode_numbers(case, train),
     )
 
 
 def _inertia(case: CaseData, facts: FullSpeed) -> Iterator[str]:
-    constant = facts.inertia_constant
-    if constant is not None and LARGE_INERTIA < constant <= INERTIA_CONSTANT[1]:
+    """Of the train, or of the motor alone: one note, as both have mostly one cause."""
+    constant, own = facts.inertia_constant, facts.motor_inertia_constant
+    if constant is not None and not INERTIA_CONSTANT[0] <= constant <= INERTIA_CONSTANT[1]:
+        return  # said by `impossible_train`
+    if constant is not None and constant > LARGE_INERTIA:
+        alone = "" if own is None else f", of the motor alone {own:.3g} s"
         yield (
-            f"The inertia constant H = {constant:.3g} s is unusual (1 to 5 s). Check the unit of inertias "
-            "(J, WR², GD²), the speed ratios and the rated power."
+            f"The inertia constant H = {constant:.3g} s is unusual (1 to 5 s){alone}. Check the unit of "
+            "inertias (J, WR², GD²), the speed ratios and the rated power."
         )
+        return
     motors = list(dict.fromkeys(p.station for p in case.motor_torque))
-    yield from OWN_INERTIA.notes([(motors[0], facts.motor_inertia_constant)] if motors else [])
+    yield from OWN_INERTIA.notes([(motors[0], own)] if motors else [])
 
 
-def _idle(case: CaseData, train: Train, carried: dict[str, float]) -> Iterator[str]:
+def _idle(case: CaseData, carried: dict[str, float]) -> Iterator[str]:
     """Elements with limits of torque or stress that carry none: a load is missing, or a wrong station."""
     ratios = case.element_speed_ratios
     largest = max((t * ratios[name] for name, t in carried.items()), default=0.0)
@@ -250,23 +275,14 @@ def _idle(case: CaseData, train: Train, carried: dict[str, float]) -> Iterator[s
         )
 
 
-def _strength(case: CaseData, carried: dict[str, float]) -> Iterator[str]:
-    """Nominal stress, and makers' limits, against the transmitted torque; what carries none is left out."""
-    loaded = [e for e in case.elements if carried[str(e.element)] > 0.0]
-    yield from STRESS.notes(
-        (e.element, _stress(carried[str(e.element)], e.stress_diameter, e.stress_bore))
-        for e in loaded
-        if e.stress_diameter
-    )
-    yield from SHAFT_STRESS.notes(
-        (e.element, _stress(carried[str(e.element)], e.od, e.id))
-        for e in loaded
-        if e.od and not e.stress_diameter and e.kind == ElementKind.SHAFT
-    )
+def _limits(case: CaseData, carried: dict[str, float]) -> Iterator[str]:
+    """Makers' limits against the transmitted torque; what carries none is left out."""
+    if any(_impossible_limits(case)):
+        return
     for usual in LIMITS:
         yield from usual.notes(
-            (e.element, limit / carried[str(e.element)])
-            for e in loaded
+            (e.element, quotient(limit, carried[str(e.element)]))
+            for e in case.elements
             if (limit := value_of(e, usual.quantity))
         )
 
@@ -278,27 +294,21 @@ def _stress(torque: float, diameter: float, bore: float | None) -> float | None:
     return quotient(16.0 * torque, section)
 
 
-def _stiffness(case: CaseData, carried: dict[str, float]) -> Iterator[str]:
+def _stiffness(case: CaseData, twists: list[tuple[ElementRow, float]]) -> Iterator[str]:
     """Typed stiffnesses against the transmitted torque."""
-
-    def twist(e: ElementRow) -> float:
-        return carried[str(e.element)] / (e.stiffness or math.inf)
-
-    loaded = [e for e in case.elements if e.stiffness and carried[str(e.element)] > 0.0]
-    links = [e for e in loaded if e.kind in (ElementKind.SHAFT, ElementKind.COUPLING)]
-    yield from TWIST.notes((e.element, twist(e)) for e in links)
+    yield from TWIST.notes(_links(twists))
     yield from COUPLING_TWIST.notes(
-        (e.element, twist(e)) for e in links if e.kind == ElementKind.COUPLING
+        (e.element, twist) for e, twist in twists if e.kind == ElementKind.COUPLING
     )
     radius = {m.element: m.pitch_radius_drive for m in case.meshes}
     yield from TOOTH.notes(
-        (e.element, twist(e) * r)
-        for e in loaded
+        (e.element, twist * r)
+        for e, twist in twists
         if e.kind == ElementKind.GEAR_MESH and (r := radius.get(e.element))
     )
 
 
-def _gears(case: CaseData, carried: dict[str, float]) -> Iterator[str]:
+def _gears(case: CaseData) -> Iterator[str]:
     """Pitch line velocity, and gears on bearings."""
     synchronous, ratios = case.ratings.synchronous_speed, case.speed_ratios
     ends = {e.element: (e.from_, e.to) for e in case.elements if e.kind == ElementKind.GEAR_MESH}

@@ -10,10 +10,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from engine.case.plausibility import LEAST_END_SPEED
 from engine.case.result_words import Outcome
+from engine.case.usual_range import Implausible, UsualRange
 from engine.fatigue.stress import stress_of_unit_torque
 from engine.operation.full_speed import full_speed
-from engine.operation.plausible_train import Implausible, impossible_train
+from engine.operation.plausible_train import impossible_train
 from engine.results.results import Results
 
 #: A first torsional mode below this is none of a motor train. [Hz]
@@ -24,8 +26,10 @@ HIGHEST_FIRST_MODE = 500.0
 RUN_UP = (0.2, 120.0)
 #: Peak torque of a start without events over rated torque; the largest published are about 8. [1]
 LARGEST_PEAK = 20.0
-#: Nominal stress over the shear yield. [1]
-LARGEST_STRESS = 10.0
+STRESS = UsualRange(
+    "Elements", "Stress diameter", 0.0, 1.0, "× its shear yield", 1.0, "below 1",
+    "Check its unit.", "stress", (0.0, 10.0),
+)  # fmt: skip
 
 
 def implausible_results(results: Results) -> tuple[Implausible, ...]:
@@ -63,7 +67,9 @@ def _of_the_start(results: Results) -> Iterator[Implausible]:
     outcome, rated = start.outcome, case.ratings.rated_torque
     is_whole = outcome.outcome in (Outcome.REACHED, Outcome.SYNCHRONISED)
     low, high = RUN_UP
-    if is_whole and not low <= outcome.time <= high:
+    synchronous = case.ratings.synchronous_speed or 0.0
+    is_cut = outcome.end_speed < LEAST_END_SPEED * synchronous  # `EndSpeed` is said instead
+    if is_whole and not is_cut and not low <= outcome.time <= high:
         yield Implausible(
             f"start of {outcome.time:.3g} s",
             "Check EndSpeed, inertias, speed ratios and torque curves.",
@@ -81,13 +87,8 @@ def _of_stresses(results: Results) -> Iterator[Implausible]:
     case, start = results.case, results.start
     strength = {m.material: m.yield_ or m.uts for m in case.materials}
     size = {} if start is None else {p.element: p.size for p in start.peaks}
-    for e in case.elements:
-        limit = strength.get(e.material)
-        if not e.stress_diameter or not limit or e.element not in size:
-            continue
-        stress = size[e.element] * stress_of_unit_torque(e) / (0.5 * limit)
-        if stress > LARGEST_STRESS:
-            yield Implausible(
-                f"stress of '{e.element}' {stress:.3g} × its shear yield",
-                "Check the unit of its Stress diameter.",
-            )
+    yield from STRESS.impossible(
+        (e.element, size[e.element] * stress_of_unit_torque(e) / (0.5 * limit))
+        for e in case.elements
+        if e.stress_diameter and (limit := strength.get(e.material)) and e.element in size
+    )

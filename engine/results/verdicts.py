@@ -29,6 +29,7 @@ from engine.operation.steady_state import STRESS_ROUNDING, SteadyState, SteadySt
 from engine.results.implausible_results import implausible_results
 from engine.results.results import Results, Verdict
 from engine.start.crossings import Crossing
+from engine.start.lowest_torque import lowest_torques
 from engine.start.peaks import ElementPeak
 from engine.start.reversals import Reversal, reversing_elements
 from engine.start.start import Start
@@ -395,7 +396,7 @@ def _reversal(
         yield Verdict(name, None, None, "torque", verdict, "", coverage, listed(names))
         return
 
-    lowest_of = _lowest(start)
+    lowest_of = lowest_torques(start)
     judged = {
         r.element: Judgement.WITHIN_ERROR
         if r.verdict == Judgement.PASS and lowest_of[r.element] < -(r.limit or r.hysteresis)
@@ -419,21 +420,6 @@ def _reversal(
     yield Verdict(
         name, row.minimum_torque, lowest, "torque", verdict, row.sentence, coverage, named
     )
-
-
-def _lowest(start: Start) -> dict[str, float]:
-    """Torque of each element at the unfavourable end of the range of its minimum. [N m]"""
-    ensemble = start.repeatability
-    found = {}
-    for i, p in enumerate(start.peaks):
-        least, error = p.minimum, p.error
-        if ensemble is not None:
-            # the error reaches to the ends of the peak's range; the minimum has a range of its own
-            low, high = p.repeated or (p.size, p.size)
-            least = min(p.minimum, ensemble.lowest[i])
-            error = max(p.error - max(high - p.size, p.size - low), 0.0)
-        found[p.element] = least - error - (p.left_out or 0.0)
-    return found
 
 
 def _starts(results: Results) -> Iterator[Verdict]:

@@ -11,6 +11,7 @@ from engine.case.choices import ElementKind, Method
 from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, DEFAULT_TOLERANCE_STARTS
 from engine.case.plausibility import implausible
 from engine.case.result_words import Outcome
+from engine.fatigue.allowable_starts import notes_on_starts
 from engine.model.motor import motors_of
 from engine.operation.full_speed import full_speed
 from engine.operation.plausible_train import unusual_train
@@ -30,12 +31,15 @@ LOW_FREQUENCY, LONG_START = 1.0, 60.0
 
 def warnings_of(results: Results) -> Iterator[str]:
     """What a reader must know beside the numbers."""
-    yield from (one.sentence for one in implausible_results(results))
+    impossible = implausible_results(results)
+    yield from (one.sentence for one in impossible)
     yield from implausible(results.case)
     facts = full_speed(results.case, results.train)
     yield from unusual_train(results.case, results.train, facts)
     yield from results.margins.warnings
     yield from results.steady.warnings
+    if not impossible:  # else it is a consequence
+        yield from _low_frequency(results)
     yield from _start_warnings(results)
     yield from _inaccurate_starts(results)
     yield from _pulling_teeth(results)
@@ -60,15 +64,18 @@ def _unstable_feedback(results: Results) -> Iterator[str]:
             )
 
 
-def _start_warnings(results: Results) -> Iterator[str]:
-    """About modes, the plan, the start and its fatigue."""
-    case, modes, start, starts = results.case, results.modes, results.start, results.starts
-    first = modes.elastic_frequency[:1]
+def _low_frequency(results: Results) -> Iterator[str]:
+    first = results.modes.elastic_frequency[:1]
     if len(first) and LOWEST_MODE <= first[0] < LOW_FREQUENCY:
         yield (
             f"The first torsional mode at {first[0]:.3g} Hz is unusually low. Check the units of "
             "stiffnesses and inertias."
         )
+
+
+def _start_warnings(results: Results) -> Iterator[str]:
+    """About the plan, the start and its fatigue."""
+    case, start, starts = results.case, results.start, results.starts
     yield from results.plans[-1].warnings
     if start is None:
         yield "No motor torque curve and no prescribed torque: no start was calculated."
@@ -120,9 +127,8 @@ def _start_warnings(results: Results) -> Iterator[str]:
             "calculated. Type them to have starts judged."
         )
         return
-    for shaft in starts.shafts:
-        yield from shaft.notes
-    if math.isfinite(case.starts_factor or 1.0) and (case.starts_factor or 1.0) != 1.0:
+    yield from notes_on_starts(starts.shafts)
+    if 1.0 < (case.starts_factor or 1.0) < math.inf:
         yield f"Allowable starts are divided by StartsFactor {case.starts_factor:g} when judged."
 
 

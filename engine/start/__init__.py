@@ -20,6 +20,8 @@ module            responsibility
 `side_by_side`    many calculations in turn, whose starts run side by side in the lanes of one loop
 `start`           the start: average and pulsating torque against the loads, from rest to the end
                   speed
+`lowest_torque`   the lowest torque of each element, by how much it may be lower, and what may be
+                  said of its sign
 `amplification`   how far a mode was built up where 2 × slip crossed it, against what the pulsation
                   does statically
 `crossings`       where the falling 2 × slip line crosses each mode during the start, and what

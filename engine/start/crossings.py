@@ -7,6 +7,7 @@ against pulsating torque, acceleration ("Philosophy of resonant response locatio
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -22,7 +23,9 @@ from engine.numerics.same_bits import interp, square
 from engine.operation.margins import percent_speed
 from engine.operation.steady_state import modal_element_torque
 from engine.start.amplification import modal_amplitude, modal_torque
+from engine.start.lowest_torque import doubts_of_minima, sign_in_words
 from engine.start.start import Start
+from engine.start.trajectory import Turning
 
 #: A mode within this share of twice line frequency is excited by the initial shock (the paper).
 INITIAL_SHOCK_ZONE = 0.10
@@ -98,7 +101,7 @@ def crossings_of(
     frequencies = [float(modes.frequency[r]) for r in below]
     # elastic torques are all of a mode only where nothing else holds energy
     is_modal = not start.contacts and not modal.train.bodies and (model is None or model is modal)
-    crossings = []
+    crossings, turning, doubts = [], start.turning_of_element(), doubts_of_minima(start)
     for i, r in enumerate(below):
         f = frequencies[i]
         percent = percent_speed(f, line_frequency)
@@ -110,7 +113,7 @@ def crossings_of(
             frequency=f,
             percent_speed=percent,
             time=time,
-            **_response(case, start, window),
+            **_response(case, turning, window),
         )
         if time is not None:
             acceleration = runup.acceleration_at(speed)
@@ -124,12 +127,8 @@ def crossings_of(
             )
             grown = _amplification(case, modal, start, (crossing, r), window, is_modal)
             crossing = replace(crossing, amplification=grown)
-        lowest, largest = (
-            crossing.mesh_minimum_torque,
-            max((p.size for p in start.peaks), default=0.0),
-        )
-        reverses = None if lowest is None else lowest < -NOTABLE_REVERSAL * largest
-        note = _note(crossing, float(damping.ratio[r]), line_frequency, reverses, is_modal)
+        mesh = _mesh_torque(case, turning, doubts, window)
+        note = _note(crossing, float(damping.ratio[r]), line_frequency, mesh, is_modal)
         crossings.append(replace(crossing, note=note))
     return tuple(crossings)
 
@@ -199,14 +198,38 @@ def _window(
     return t0, start.outcome.time if t1 is None else t1
 
 
-def _response(case: CaseData, start: Start, window: tuple[float, float] | None) -> dict[str, Any]:
+def _mesh_torque(
+    case: CaseData,
+    turning: Mapping[int, Turning],
+    doubts: Mapping[str, float | None],
+    window: tuple[float, float] | None,
+) -> str:
+    """What the torque of the mesh that comes nearest to reversal does while the mode responds."""
+    if window is None:
+        return ""
+    found = []
+    for index, (when, torque) in turning.items():
+        name = str(case.elements[index].element)
+        inside = torque[(when >= window[0]) & (when <= window[1])]
+        if case.elements[index].kind != ElementKind.GEAR_MESH or not len(inside):
+            continue
+        lowest, doubt = float(inside.min()), doubts.get(name)
+        hysteresis = NOTABLE_REVERSAL * float(np.max(np.abs(torque)))
+        nearness = (lowest - (doubt or 0.0)) / hysteresis if hysteresis else 0.0
+        found.append((nearness, sign_in_words(lowest, doubt, hysteresis)))
+    return min(found)[1] if found else ""
+
+
+def _response(
+    case: CaseData, turning: Mapping[int, Turning], window: tuple[float, float] | None
+) -> dict[str, Any]:
     """Governing element with its torque and stress range, and the lowest mesh torque."""
     if window is None:
         return {}
     spans: dict[int, float] = {}
     stresses: dict[int, float] = {}
     lowest: list[float] = []
-    for index, (when, value) in start.turning_of_element().items():
+    for index, (when, value) in turning.items():
         inside = value[(when >= window[0]) & (when <= window[1])]
         if not len(inside):
             continue
@@ -229,9 +252,7 @@ def _response(case: CaseData, start: Start, window: tuple[float, float] | None) 
     }
 
 
-def _note(
-    p: Crossing, ratio: float, line_frequency: float, reverses: bool | None, is_modal: bool
-) -> str:
+def _note(p: Crossing, ratio: float, line_frequency: float, mesh: str, is_modal: bool) -> str:
     """What happened at the crossing, and the paper's reasons in words."""
     notes = []
     if p.frequency >= 2.0 * line_frequency * (1.0 - INITIAL_SHOCK_ZONE):
@@ -253,8 +274,8 @@ def _note(
         if average > 0.0
         else "The average torque is not positive at the crossing."
     )
-    if reverses is not None:
-        notes.append("Mesh torque reverses." if reverses else "Mesh torque stays positive.")
+    if mesh:
+        notes.append(f"At this crossing the mesh torque {mesh}.")
     return " ".join(notes)
 
 

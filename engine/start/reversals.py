@@ -29,13 +29,11 @@ from engine.model.train import Train
 from engine.numerics.distinct import distinct
 from engine.numerics.same_bits import interp
 from engine.start.event_results import ContactRecord
+from engine.start.lowest_torque import doubts_of_minima, sign_in_words
 from engine.start.start import Start
 
 #: Torque above zero by less than this share of the largest of its element is rounding: teeth apart.
 ROUNDING = 1e-9
-
-#: A torque that comes below zero by less than the hysteresis, in words.
-NEAR_ZERO = f"does not reverse (below zero by less than {NOTABLE_REVERSAL:.1%} of its largest)"
 
 #: Halvings of a bracket of a zero crossing: from any step down to the rounding of the time.
 BISECTIONS = 60
@@ -105,10 +103,12 @@ def torque_reversals(
     wanted = reversing_elements(case)
     turning = start.turning_of_element()
     transmitted = transmitted_torque(case, train).element if wanted else np.zeros(0)
-    touched = {c.element: c for c in contacts}
+    touched, doubts = {c.element: c for c in contacts}, doubts_of_minima(start)
     return tuple(
-        _reversal(case, start, i, turning[i], float(transmitted[i]), touched.get(train.elements[i]))
-        for i in wanted
+        _reversal(
+            case, start, i, turning[i], float(transmitted[i]), doubts.get(name), touched.get(name)
+        )
+        for i, name in ((i, train.elements[i]) for i in wanted)
         if i in turning
     )
 
@@ -119,6 +119,7 @@ def _reversal(
     index: int,
     turning: tuple[Floats, Floats],
     transmitted: float,
+    doubt: float | None,
     contact: ContactRecord | None,
 ) -> Reversal:
     """One element."""
@@ -131,7 +132,7 @@ def _reversal(
     began, ended = _passages(start, int(start.output_of_element[index]), when, torque, hysteresis)
     lasted = ended - began
     slip = _slip_frequency(case, start, time)
-    verdict, sentence = _verdict(element, minimum, hysteresis, contact)
+    verdict, sentence = _verdict(element, minimum, doubt, hysteresis, contact)
     if len(began):
         sentence += f" ({_numbers(len(began), float(began[0]), float(lasted.max()), slip)})"
     if verdict == Judgement.NOT_JUDGED:
@@ -163,13 +164,16 @@ def _reversal(
 
 
 def _verdict(
-    element: ElementRow, minimum: float, hysteresis: float, contact: ContactRecord | None
+    element: ElementRow,
+    minimum: float,
+    doubt: float | None,
+    hysteresis: float,
+    contact: ContactRecord | None,
 ) -> tuple[Judgement, str]:
     """The maker's limit judges; without one a reversal is reported, not judged."""
     reverses = minimum < -hysteresis
     parts = contact is not None and contact.impacts > 0
-    lowest = "stays positive" if minimum >= 0.0 else NEAR_ZERO
-    sentence = f"{element.element}: torque {'reverses' if reverses else lowest}"
+    sentence = f"{element.element}: torque {sign_in_words(minimum, doubt, hysteresis)}"
     if contact is not None and parts:
         reached = "reverses" if reverses else "falls to zero"
         sentence = f"{element.element}: torque {reached}, teeth re-engage {contact.impacts} times"

@@ -290,7 +290,7 @@ V6 = [
     (no_scf, "Elements, SCF is blank at all 6 shafts"),
     (no_pulsation, "MotorTorque, Pulsating of 'Motor' is zero at every speed"),
     (newtons_under_meganewtons, "× rated torque: no verdict is given. Check its unit."),
-    (millimetres, "nominal stress of 'Motor shaft' 0.00"),
+    (millimetres, "nominal stress of 'Motor shaft' (and 5 more) 0.00"),
 ]
 
 
@@ -331,3 +331,8 @@ def test_a_calculation_repeats_the_train_at_full_speed(tmp_path: Path) -> None:
     assert at.sheet is not None
     assert at.rect is not None
     assert book.shown_value(at.sheet, cell_name(at.rect.top, at.rect.left)) == pytest.approx(25.0)
+    numbers = {"run_RatedPower": 58.4 * 60.0 * math.pi, "run_RatedTorque": 58400.0}
+    for name, expected in numbers.items():
+        at = book.name(name)
+        shown = book.shown_value(at.sheet, cell_name(at.rect.top, at.rect.left))
+        assert shown == pytest.approx(expected, rel=1e-9)

@@ -200,7 +200,7 @@ def _crossings(elements: list[str]) -> list[dict[str, Any]]:
             "mesh_minimum_torque": -51900.0,
             "note": "Sweep of 15.3 Hz/s limits the build-up to at most 18 × static (steady resonance "
             "33 ×): faster acceleration reduces it further. Pulsating torque is 16% of the average "
-            "torque at the crossing. Mesh torque reverses.",
+            "torque at the crossing. At this crossing the mesh torque reverses.",
         }
         for mode, f in enumerate(FREQUENCIES[:3], 1)
     ]

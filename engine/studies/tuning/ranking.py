@@ -23,6 +23,7 @@ from types import MappingProxyType
 
 from engine.case.result_words import Judgement
 from engine.case.study_inputs import DisplayUnit
+from engine.fatigue.damage import starts_in_words
 from engine.start.crossings import Crossing
 from engine.studies.tuning.evaluate import EvaluatedCombination, KeyAnswers
 from engine.studies.tuning.options import Variable
@@ -235,7 +236,7 @@ def _severity(a: KeyAnswers, b: KeyAnswers | None, stress: DisplayUnit) -> str:
     if a.unlimited:
         parts.append("unlimited starts")
     elif a.starts is not None:
-        text = f"{_count(a.starts)} starts"
+        text = f"{starts_in_words(a.starts)} starts"
         if b is not None and b.starts:
             text += _times(a.starts / b.starts)
         parts.append(text)
@@ -257,8 +258,3 @@ def _times(factor: float) -> str:
     if abs(factor - 1.0) < SAME:
         return " (as is)"
     return f" ({float(f'{factor:.3g}'):,.12g} × as is)"
-
-
-def _count(starts: float) -> str:
-    """Whole starts, never rounded up; a count off by rounding alone is the whole one."""
-    return f"{math.floor(starts * (1.0 + 1e-9)):,}" if starts < 1e9 else f"{starts:.3g}"

@@ -8,7 +8,7 @@ import pytest
 
 from engine.case.data import ElementRow, MaterialRow, SNPointRow
 from engine.errors import InternalError, ModelError
-from engine.fatigue.allowable_starts import allowable_starts, shaft_fatigue
+from engine.fatigue.allowable_starts import allowable_starts, notes_on_starts, shaft_fatigue
 from engine.fatigue.cycle_counting import (
     CycleCount,
     count_cycles,
@@ -16,7 +16,13 @@ from engine.fatigue.cycle_counting import (
     paper_count,
     turning_points,
 )
-from engine.fatigue.damage import damage_interval, miner_damage, needs_counting, starts_from_damage
+from engine.fatigue.damage import (
+    damage_interval,
+    miner_damage,
+    needs_counting,
+    starts_from_damage,
+    starts_in_words,
+)
 from engine.fatigue.sn_curve import SNCurve, sn_curve_for
 from engine.fatigue.stress import shear_stress
 
@@ -343,7 +349,10 @@ def test_the_interval_ends_at_unlimited_near_the_endurance_limit():
     assert shaft.starts_low < shaft.allowable_starts
     assert shaft.starts_high is None
     assert shaft.starts_error is None
-    assert any("upper bound of the allowable starts is unlimited" in note for note in shaft.notes)
+    assert any(
+        "upper bound of the allowable starts is unlimited" in note
+        for note in notes_on_starts([shaft])
+    )
 
 
 def test_just_below_the_limit_the_interval_begins_at_a_number():
@@ -351,13 +360,18 @@ def test_just_below_the_limit_the_interval_begins_at_a_number():
     shaft = shaft_fatigue(SHAFT, torque, curve(), STEEL, relative_torque_error=0.02)
     assert (shaft.unlimited, shaft.starts_high) == (True, None)
     assert shaft.starts_low > 1e5
-    assert any("upper bound of the allowable starts is unlimited" in note for note in shaft.notes)
+    assert any(
+        "upper bound of the allowable starts is unlimited" in note
+        for note in notes_on_starts([shaft])
+    )
 
 
 def test_cycles_above_the_first_point_are_counted_and_told():
     shaft = shaft_fatigue(SHAFT, np.array([410.0, -410.0, 300.0]) * MPA, curve(), STEEL)
     assert shaft.above_first_point == 0.5
-    assert any("0.5 cycles per start lie above the first S-N point" in n for n in shaft.notes)
+    assert any(
+        "0.5 cycles per start lie above the first S-N point" in n for n in notes_on_starts([shaft])
+    )
 
 
 @pytest.mark.parametrize(
@@ -377,7 +391,7 @@ def test_shear_yield_is_judged_on_the_nominal_peak(torque, scf, above, sentence)
     element = dataclasses.replace(SHAFT, scf=scf)
     shaft = shaft_fatigue(element, [-torque * MPA], curve(), STEEL)
     assert shaft.above_shear_yield is above
-    said = [note for note in shaft.notes if "yield" in note]
+    said = [note for note in notes_on_starts([shaft]) if "yield" in note]
     assert len(said) == (0 if sentence is None else 1)
     assert sentence is None or sentence in said[0]
 
@@ -390,8 +404,19 @@ def test_a_blank_yield_is_not_judged():
 def test_notes_of_the_line_come_first():
     line = sn_curve_for(MaterialRow(material="steel", basis="bending"), TWO_POINTS)
     shaft = shaft_fatigue(SHAFT, np.array([2000.0]) * MPA, line, STEEL)
-    assert shaft.notes[:2] == line.notes
-    assert len(shaft.notes) > 2
+    said = tuple(notes_on_starts([shaft]))
+    assert said[:2] == line.notes
+    assert len(said) > 2
+
+
+def test_several_shafts_with_one_cause_are_one_note():
+    """Nominal peaks of 350 and 500 MPa above a shear yield of 300 MPa; 100 MPa is below."""
+    named = [
+        shaft_fatigue(dataclasses.replace(SHAFT, element=name), [peak * MPA], curve(), STEEL)
+        for name, peak in (("near", 350.0), ("far", 500.0), ("last", 100.0))
+    ]
+    (note,) = (n for n in notes_on_starts(named) if "shear yield" in n)
+    assert note.startswith("far (worst of 2 shafts): the nominal peak 500 MPa")
 
 
 # --- the train ------------------------------------------------------------------------------------
@@ -448,3 +473,16 @@ def test_the_upper_end_is_the_least_of_all_shafts_too():
 def test_no_judged_shaft_is_not_unlimited():
     starts = allowable_starts([])
     assert (starts.governing, starts.starts, starts.unlimited) == (None, None, False)
+
+
+@pytest.mark.parametrize(
+    ("starts", "words"),
+    [
+        (15119.26, "15,119"),
+        (15119.0 - 1e-6, "15,119"),
+        (123_456_789.3, "123,456,789"),
+        (21_517_068_562_385_580.0, "2.15e+16"),
+    ],
+)
+def test_starts_are_whole_ones_and_absurd_ones_a_power(starts, words):
+    assert starts_in_words(starts) == words

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import pytest
 
 from engine.case.case import Case
+from engine.case.data import ExcitationRow, ModeDampingRow
+from engine.case.plausibility import implausible
 from engine.case.result_words import ACCEPTABLE, Judgement
 from engine.model.build_train import build_train
 from engine.operation.full_speed import full_speed
+from engine.operation.plausible_train import impossible_train, unusual_train
 from engine.results.implausible_results import implausible_results
 from engine.run import run
 from tests.random_starts import random_start
@@ -68,6 +72,117 @@ def test_a_gross_mistake_takes_the_place_of_the_verdict(
     finding = next(x for x in overall.where.split("; ") if words in x)
     (note,) = (w for w in results.warnings if w.lower().startswith(finding.lower()))
     assert "no verdict is given. " in note
+
+
+LOSSY = {"elements": ("LS coupling", {"loss_factor": 5.0})}
+VISCOUS = {"elements": ("LS coupling", {"damping": 1e7})}
+REVERSAL = {"elements": ("Mesh", {"reversal_limit": 25e6})}
+WEAK = tuple(ExcitationRow(f"{k}x", k, "Motor", torque_share=1e-4) for k in (1.0, 2.0))
+
+
+def with_changes(case: Case, **changes: Any) -> Case:
+    """The case with scalars or tables replaced, or with columns of one row of Elements."""
+    name, columns = changes.get("elements", (None, {}))
+    rows = tuple(replace(e, **columns) if e.element == name else e for e in case.elements)
+    return Case(**(vars(case) | changes | {"elements": rows}))
+
+
+def findings(case: Case) -> list[str]:
+    train = build_train(case)
+    return [one.finding for one in impossible_train(case, train, full_speed(case, train))]
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"margin_required": 0.002}, "MarginRequired 0.2 %"),
+        ({"damping_ratio": 0.15}, "DampingRatio 15 %"),
+        ({"damping_range": 0.003}, "DampingRange 0.3 %"),
+        ({"mode_damping": (ModeDampingRow(1, 0.5),)}, "Damping ratio of 'mode 1' 50 %"),
+        ({"field_slip": 0.0003, "pull_out_torque": 1e5}, "FieldSlip 0.03 %"),
+        ({"minimum_speed": 1.7, "maximum_speed": 1.9}, "MaximumSpeed 1.008 % of synchronous speed"),
+        ({"end_speed": 0.0097 * 60.0 * math.pi}, "EndSpeed 0.97 % of synchronous speed"),
+        ({"starts_factor": 0.5}, "StartsFactor 0.5"),
+        (LOSSY, "Loss factor of 'LS coupling' 5"),
+        (VISCOUS, "Damping of 'LS coupling' 152.2 × Stiffness at line frequency"),
+        (REVERSAL, "Reversal limit of 'Mesh' 428 × rated torque"),
+        ({"excitations": WEAK}, "every Torque of Excitations at most 0.01 %"),
+    ],
+    ids=lambda x: next(iter(x)) if isinstance(x, dict) else None,
+)
+def test_a_percent_sign_or_unit_that_would_pass_a_check_gives_no_verdict(
+    changes: dict[str, Any], words: str
+) -> None:
+    """The damping by hand: 120π/s × 10⁷ N m s/rad over 24.76 MN m/rad."""
+    (finding,) = findings(with_changes(with_limits(sample_case("modified")), **changes))
+    assert finding.startswith(words)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"margin_required": 0.01},
+        {"margin_required": 0.0},
+        {"damping_ratio": 0.1},
+        {"damping_range": 0.02},
+        {"mode_damping": (ModeDampingRow(1, 0.25),)},
+        {"elements": ("LS coupling", {"loss_factor": 1.1})},
+        {"excitations": (*WEAK, ExcitationRow("3x", 3.0, "Motor"))},
+    ],
+    ids=lambda x: next(iter(x)),
+)
+def test_what_can_be_meant_keeps_its_verdict(changes: dict[str, Any]) -> None:
+    """A margin of nothing, a damper coupling, weak harmonics beside one of 1 %."""
+    assert findings(with_changes(with_limits(sample_case("modified")), **changes)) == []
+
+
+@pytest.mark.parametrize(
+    ("factors", "words"),
+    [
+        ({"motor_torque__pulsating": 0.0}, "Pulsating of 'Motor' is zero at every speed"),
+        ({"motor_torque__pulsating": 0.01}, "is at most 0.16 % of rated torque at every speed"),
+        ({"elements__stiffness": 1e-3}, "twist of 'LS coupling' (and 3 more) 135.1 degrees"),
+        (
+            {"load_torque__speed": 0.01},
+            "LoadTorque of 'LP comp' (and 1 more) ends at 1 % of synchronous speed",
+        ),
+    ],
+    ids=["no pulsation", "pu under %", "kN m under N m", "fractions under %"],
+)
+def test_a_start_in_which_nothing_can_be_judged_gives_no_verdict(
+    factors: dict[str, float], words: str
+) -> None:
+    """58,400 N m over 24,762 N m/rad are 2.358 rad."""
+    assert words in findings(scaled(with_limits(sample_case("modified")), **factors))[0]
+
+
+def test_with_a_transient_at_breaker_closing_a_motor_need_not_pulsate() -> None:
+    """An induction motor has the transient alone."""
+    case = scaled(sample_case("modified"), motor_torque__pulsating=0.0)
+    assert findings(replace(case, shock_amplitude=3e5, shock_time_constant=0.05)) == []
+    assert findings(case) != []
+
+
+@pytest.mark.parametrize(
+    "factors",
+    [
+        {"elements__stress_diameter": 25.4},
+        {"materials__uts": 145.0},
+        {"stations__inertia": 30.0},
+        {"elements__peak_torque_limit": 1e3},
+        {"elements__stiffness": 1e-3},
+        {"motor_torque__pulsating": 0.0},
+        {"load_torque__speed": 0.01},
+    ],
+    ids=lambda x: next(iter(x)),
+)
+def test_one_cause_is_one_note(factors: dict[str, float]) -> None:
+    """What is impossible is not said to be unusual as well."""
+    case = scaled(with_limits(sample_case("modified")), **factors)
+    train = build_train(case)
+    facts = full_speed(case, train)
+    assert impossible_train(case, train, facts) != ()
+    assert (*implausible(case), *unusual_train(case, train, facts)) == ()
 
 
 @pytest.mark.parametrize("design", ["proposed", "modified"])
