@@ -156,19 +156,19 @@ def _row(rng: np.random.Generator, name: str, quantity: str, spread: float) -> S
 
 
 def coverage(name: str, number: int, *, alike: bool = False) -> dict[str, float]:
-    """How many intervals of one trial hold the truth."""
+    """How many intervals of one trial hold the truth, of those that are given."""
     one = trial(name, number, alike=alike)
     began = time.process_time()
     found = calibrate(one.case, one.inputs)
     seconds = time.process_time() - began
     held = [
         p.change_low <= one.truth[p.quantity, p.name] - 1.0 <= p.change_high
-        for p in found.parameters
+        for p in (found.parameters if found.intervals_hold else ())
     ]
     return {
         "held": sum(held),
         "rows": len(held),
-        "more unknowns": len(held) > len(found.measurements),
+        "more unknowns": len(found.parameters) > len(found.measurements),
         "determined": sum(p.determined == "determined" for p in found.parameters),
         "explained": found.explained is True,
         "contradicted": found.explained is False,

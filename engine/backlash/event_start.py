@@ -94,6 +94,9 @@ MAX_HALVINGS = 5
 MOST_WORK = 50_000_000
 #: Share of it that the first, coarsest run may take: one twice as fine must still be possible.
 FIRST_SHARE = 1.0 / 3.0
+#: The same of a start with clearances that had to be stopped even without any: it is stopped sooner, and
+#: no finer run gets further. (1 s; one of bearings damped with 1e18 N s/m takes five times as long a contact.)
+HOPELESS_WORK = MOST_WORK // 10
 #: Runs of an ensemble, those that led to it included.
 ENSEMBLE = 12
 #: Change of all torques from one run of an ensemble to the next, and of the step. [1]
@@ -143,6 +146,7 @@ def run_event_start(
     tolerance = case.tolerance_peak or DEFAULT_TOLERANCE_PEAK
     setup = _set_up(case, modal, effects, linear, tolerance)
     model, step = setup.model, setup.step
+    most_work = HOPELESS_WORK if linear.gave_up else MOST_WORK
 
     modelled = model.pieces.basis.flanks
 
@@ -150,9 +154,11 @@ def run_event_start(
         changed = _changed(model, times) if times else model
         return _simulated(replace(setup, model=changed), h, tolerance, most)
 
-    coarse = _light(at(step, FIRST_SHARE * MOST_WORK))
-    fine = at(0.5 * step, MOST_WORK - coarse.work)
-    gave_up = coarse.events.gave_up or fine.events.gave_up
+    coarse = _light(at(step, FIRST_SHARE * most_work))
+    # where the coarser one was stopped, this one is, too: as far as it comes with as much work
+    stopped = coarse.events.gave_up
+    fine = at(0.5 * step, coarse.work if stopped else most_work - coarse.work)
+    gave_up = stopped or fine.events.gave_up
     halvings, repeatability, taken, last = 0, None, coarse.work + fine.work, False
     runs: list[_Run] = []
     further: list[tuple[int, float]] = []
@@ -171,7 +177,7 @@ def run_event_start(
         met = error <= tolerance and not gave_up
         values = fine.n_steps * len(setup.truncation)
         next_work = fine.work * max(2.0, fine.work / coarse.work)
-        enough = 0.5 * (MOST_WORK - taken)  # the other half is for an ensemble
+        enough = 0.5 * (most_work - taken)  # the other half is for an ensemble
         last |= halvings >= MAX_HALVINGS or 2 * values > MAX_VALUES or next_work > enough
         if gave_up:
             break  # a finer run would only give up sooner
@@ -181,17 +187,17 @@ def run_event_start(
             runs, felt, hopeless = [fine, coarse], False, False
             if not last:
                 further = [(1, 0.5 * step)]
-                other = at(0.5 * step, MOST_WORK - taken, 1)
+                other = at(0.5 * step, most_work - taken, 1)
                 taken += other.work
                 runs.append(other)
                 felt = _spread(fine, other, judged.output_of_element) > FELT * tolerance
                 hopeless = _together_until(fine.events, other.events, TOGETHER * step) < math.inf
             if (met and hopeless) or last or felt:  # no step is fine enough to keep runs together
                 for k, h in _variations(step):
-                    if coarse.work > MOST_WORK - taken:
+                    if coarse.work > most_work - taken:
                         break
                     further.append((k, h))
-                    runs.append(_light(at(h, MOST_WORK - taken, k)))
+                    runs.append(_light(at(h, most_work - taken, k)))
                     taken += runs[-1].work
                 runs = [run for run in runs if not run.events.gave_up]
                 counted = {index for index, _ in judged_shafts(case)}
@@ -232,6 +238,7 @@ def run_event_start(
         left_out=None if setup.drops_modes else 0.0,
         forces=force_histories(train, run),
         load_angle=None if pull_in is None else 0.5 * run.phase[0],
+        gave_up=gave_up,
     )
 
 
@@ -595,10 +602,11 @@ def _outcome(
         return outcome
     share, rpm = speed / synchronous, speed * 30.0 / math.pi
     if run.gave_up:
+        parted = len(run.log) > 0 and not linear.gave_up
+        of = "elements with a clearance" if parted else "meshes, bearings and dampers"
         text = (
             f"Time out: stopped after {run.trajectory.n_steps} steps at {end:.4g} s ({share:.1%} "
-            f"speed), with {len(run.log)} contact changes. Check stiffness and damping of the "
-            "elements with a clearance."
+            f"speed), with {len(run.log)} contact changes. Check stiffness and damping of the {of}."
         )
         return StartOutcome(Outcome.TIME_OUT, end, speed, text)
     if run.trip_time is not None:

@@ -98,6 +98,8 @@ class Start(JudgedRun):
     #: Unwrapped load angle at the samples, the motor lagging positive; None without a field. [rad]
     #: Shape (n_times,).
     load_angle: Floats | None = None
+    #: Whether it was stopped after as much work as a start may take: what follows is missing. [flag]
+    gave_up: bool = False
 
     @property
     def is_sensitive(self) -> bool:

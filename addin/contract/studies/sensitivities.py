@@ -26,7 +26,8 @@ def _changes(head: str, answer: str, plain: str) -> tuple[Field, ...]:
         ),
         number(
             f"{head} error", "fraction", "Estimated error of this derivative.",
-            "Difference between the two finite-difference estimates", _TANGENT,
+            "Difference between the two finite-difference estimates, plus three times the change at twice "
+            "the step and the distance from the tangent", _TANGENT,
             of_row=(f"Sensitivities.{head} change",),
         ),
         *(

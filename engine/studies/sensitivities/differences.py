@@ -11,7 +11,7 @@ from engine.arrays import Floats
 from engine.errors import ModelError
 from engine.start.side_by_side import side_by_side
 from engine.start.start_fatigue import judged_shafts
-from engine.studies.nearby_start import NearStart, near_start, near_train
+from engine.studies.nearby_start import LINEAR, NearStart, near_start, near_train
 from engine.studies.sensitivities.plan import NARROW, WHOLE, WIDE, DerivativeUnit
 from engine.studies.variation import Change, varied_case
 
@@ -31,6 +31,10 @@ class Differences:
     #: ln of the largest torque at − 1 % and + 1 %, over the stated one. [1] Shape (2, n_elements).
     peak_ends: Floats
     starts_ends: Floats  #: ln of the starts there, over the stated one. [1] Shape (2, n_judged).
+    #: How much twice the step changes either derivative, several times the error of the step; 0 of starts
+    #: that choose their steps themselves. [1] Shape (n_elements,).
+    peak_step: Floats
+    starts_step: Floats  #: Likewise. [1] Shape (n_judged,).
     trouble: str = ""  #: Why there is none; else empty.
 
 
@@ -53,15 +57,19 @@ def differences(unit: DerivativeUnit) -> Differences:
     n, judged = len(unit.case.elements), len(judged_shafts(unit.case))
     quantity, name = unit.parameter
 
-    def changed(share: float) -> NearStart:
+    def changed(run: tuple[float, float]) -> NearStart:
+        share, steps = run
         case = varied_case(unit.case, [Change(quantity, name, 1.0 + share)])
-        return near_start(case, unit.recipe, near_train(case, unit.recipe))
+        return near_start(case, unit.recipe, near_train(case, unit.recipe), steps)
 
+    runs = [(share, 1.0) for share in (-WHOLE, -WIDE, -NARROW, 0.0, NARROW, WIDE, WHOLE)]
+    if unit.recipe.start == LINEAR:
+        runs += [(-NARROW, 2.0), (NARROW, 2.0)]
     try:
-        answers = side_by_side(changed, (-WHOLE, -WIDE, -NARROW, 0.0, NARROW, WIDE, WHOLE))
+        answers = side_by_side(changed, runs)
     except ModelError as error:
         e, j = np.zeros((2, n)), np.zeros((2, judged))
-        return Differences(unit.index, e[0], e[1], j[0], j[1], e, j, str(error))
+        return Differences(unit.index, e[0], e[1], j[0], j[1], e, j, e[0], j[0], str(error))
     trouble = ""
     if not all(s.counted for s in answers):
         trouble = "A start with this quantity changed by 1 % is not completed."
@@ -73,8 +81,10 @@ def differences(unit: DerivativeUnit) -> Differences:
         unit.index,
         *_extrapolated(peak),
         *_extrapolated(starts),
-        peak[[0, -1]] - peak[3],
-        starts[[0, -1]] - starts[3],
+        peak[[0, 6]] - peak[3],
+        starts[[0, 6]] - starts[3],
+        _by_the_step(peak),
+        _by_the_step(starts),
         trouble,
     )
 
@@ -86,7 +96,17 @@ def _log(values: Floats, power: float = 1.0) -> Floats:
 
 def _extrapolated(logs: Floats) -> tuple[Floats, Floats]:
     """Richardson's derivative from two central differences, and their difference."""
-    _, low_wide, low, _, high, high_wide, _ = logs
-    wide = (high_wide - low_wide) / (math.log1p(WIDE) - math.log1p(-WIDE))
-    narrow = (high - low) / (math.log1p(NARROW) - math.log1p(-NARROW))
+    wide, narrow = _slope(logs[1], logs[5], WIDE), _slope(logs[2], logs[4], NARROW)
     return narrow + (narrow - wide) / 3.0, np.abs(narrow - wide)
+
+
+def _by_the_step(logs: Floats) -> Floats:
+    """How much twice the step changes the narrow difference; 0 without such runs."""
+    if len(logs) == 7:
+        return np.zeros_like(logs[0])
+    return np.abs(_slope(logs[7], logs[8], NARROW) - _slope(logs[2], logs[4], NARROW))
+
+
+def _slope(low: Floats, high: Floats, share: float) -> Floats:
+    """Central difference over the same share down and up."""
+    return np.asarray((high - low) / (math.log1p(share) - math.log1p(-share)))

@@ -326,3 +326,18 @@ def test_a_start_that_takes_too_many_steps_is_given_up_once(
     assert start.outcome.outcome == "time out"
     assert "steps" in start.outcome.sentence
     assert (start.halvings, start.met_tolerance) == (0, False)
+
+
+def test_a_start_given_up_without_clearances_is_followed_less_with_them(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    case = with_teeth(backlash=2e-4)
+    linear = run_start(case, prepared(case))
+    assert not linear.gave_up
+    monkeypatch.setattr("engine.backlash.event_start.HOPELESS_WORK", 60_000)
+    effects = StartEffects(clearances=("Mesh",))
+    assert not run_event_start(case, prepared(case), effects, linear).gave_up
+    start = run_event_start(case, prepared(case), effects, replace(linear, gave_up=True))
+    assert start.gave_up
+    assert start.outcome.outcome == "time out"
+    assert "meshes, bearings and dampers" in start.outcome.sentence

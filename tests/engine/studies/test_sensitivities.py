@@ -61,8 +61,13 @@ def geared_and_judged(short: Case) -> Case:
 
 
 @pytest.fixture(scope="module", params=["geared", pytest.param("paper", marks=pytest.mark.slow)])
-def found(request: pytest.FixtureRequest, short: Case) -> Derivatives:
-    return derivatives(short if request.param == "paper" else geared_and_judged(short))
+def judged(request: pytest.FixtureRequest, short: Case) -> Case:
+    return short if request.param == "paper" else geared_and_judged(short)
+
+
+@pytest.fixture(scope="module")
+def found(judged: Case) -> Derivatives:
+    return derivatives(judged)
 
 
 # --- frequencies ----------------------------------------------------------------------------------
@@ -184,6 +189,27 @@ def test_torques_are_homogeneous(found: Derivatives) -> None:
     assert (
         float(np.median(found.peak_errors[rows].sum(axis=0))) < 0.05
     )  # else it would prove little
+
+
+def test_stated_errors_hold_at_a_fourth_of_the_step_and_are_near(
+    judged: Case, found: Derivatives
+) -> None:
+    plan = plan_derivatives(judged)
+    finer = replace(plan.recipe, step=0.25 * plan.recipe.step)
+    ratios = []
+    for unit in derivative_units(plan):
+        if unit.parameter[0] not in ("average torque", "stiffness"):
+            continue
+        i, true = unit.index, differences(replace(unit, recipe=finer))
+        for own, stated, other, doubt in (
+            (found.peaks, found.stated_peak_errors, true.peak, true.peak_error),
+            (found.all_starts, found.stated_starts_errors, true.starts, true.starts_error),
+        ):
+            off = np.abs(own[i] - other)
+            assert np.all(off <= stated[i] + doubt), unit.parameter
+            ratios += list(stated[i] / off)
+    # the relative error of the answers times the largest derivative, in place of the measured change, is 1,850
+    assert float(np.median(ratios)) < 300.0
 
 
 def test_starts_follow_the_sn_line_by_its_slope(found: Derivatives) -> None:
