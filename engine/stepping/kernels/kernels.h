@@ -188,6 +188,9 @@ void function_values(int64_t which, int64_t n, const double *x, int64_t x_step, 
                      double *out);
 void interpolate(int64_t n, const double *x, int64_t n_points, const double *points, const double *values,
                  double *out);
+void curve_through(int64_t n, const double *x, const double *y, double *cubics);
+void curve_values(int64_t n_knots, const double *knots, const double *cubics, int64_t n, const double *x, double *out);
+double curve_steepest(int64_t n_knots, const double *knots, const double *cubics);
 void fading_sum(int64_t n, double share, double *values);
 void product(int64_t m, int64_t n, int64_t k, const double *a, int64_t a_row, int64_t a_column,
              const double *b, int64_t b_row, int64_t b_column, double *c);
