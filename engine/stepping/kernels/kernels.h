@@ -186,6 +186,7 @@ int64_t rainflow(int64_t n, const double *point, int64_t *first, int64_t *second
 const char *about(void); /* compiler, target, digest of the sources */
 /* Numbers and small matrices in a fixed order (engine/numerics/same_bits.py). */
 enum { SINE, COSINE, EXPONENTIAL, LOGARITHM, POWER, ARCTANGENT, HYPOTENUSE };
+double function_of(int64_t which, double x, double y);
 void function_values(int64_t which, int64_t n, const double *x, int64_t x_step, const double *y, int64_t y_step,
                      double *out);
 void interpolate(int64_t n, const double *x, int64_t n_points, const double *points, const double *values,
@@ -194,8 +195,7 @@ void curve_through(int64_t n, const double *x, const double *y, double *cubics);
 void curve_values(int64_t n_knots, const double *knots, const double *cubics, int64_t n, const double *x, double *out);
 double curve_steepest(int64_t n_knots, const double *knots, const double *cubics);
 void fading_sum(int64_t n, double share, double *values);
-void product(int64_t m, int64_t n, int64_t k, const double *a, int64_t a_row, int64_t a_column,
-             const double *b, int64_t b_row, int64_t b_column, double *c);
+void product(int64_t m, int64_t n, int64_t k, const double *a, const double *b, double *c);
 int64_t jacobi_svd(int64_t m, int64_t n, double *columns, double *left, double *sigma, double *right,
                    int64_t *order, double *room);
 int64_t solve_real(int64_t n, int64_t r, double *a, double *b);
