@@ -146,7 +146,7 @@ def _components(train: Train) -> list[tuple[Ints, Ints, bool]]:
         ends[row].append(dof)
     stiff = [row for row, k in enumerate(train.stiffness.tolist()) if k > 0.0 and ends[row]]
     heads = group_heads(
-        train.n_dof, ((ends[row][0], other) for row in stiff for other in ends[row][1:])
+        train.n_dof, tuple((ends[row][0], other) for row in stiff for other in ends[row][1:])
     )
     dofs: dict[int, list[int]] = {}
     for dof, head in enumerate(heads):

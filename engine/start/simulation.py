@@ -93,6 +93,8 @@ class _Loop:
             name: np.zeros(wide)
             for name in ("last", "last_rate", "before", "before_rate", "largest")
         } | {"last_time": np.zeros(lanes)}
+        self.turning: dict[str, Floats] = {}
+        self.turning_room = 0
         self.make_room(0 if histories else TURNING_ROOM)
         self.room = kernels.room_for(lanes, self.system, self.drive)
         kernels.begin_starts(
