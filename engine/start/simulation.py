@@ -84,44 +84,45 @@ class _Loop:
             time=np.zeros(lanes), reason=self.reason, done=self.done,
         )  # fmt: skip
         wide = (n_outputs, lanes)
-        self.rows = {"time": np.empty((CHUNK, lanes)), "speed": np.empty((CHUNK, lanes))}
-        if histories:
-            shape = (CHUNK, n_outputs, lanes)
-            self.rows |= {"torque": np.empty(shape), "torque_rate": np.empty(shape)}
+        self.histories = histories
         self.count = np.zeros(wide, dtype=np.int64)
         self.ends = {
             name: np.zeros(wide)
             for name in ("last", "last_rate", "before", "before_rate", "largest")
         } | {"last_time": np.zeros(lanes)}
-        self.turning: dict[str, Floats] = {}
-        self.turning_room = 0
-        self.make_room(0 if histories else TURNING_ROOM)
+        room = 0 if histories else TURNING_ROOM
+        self.turning = {name: np.empty((*wide, room)) for name in ("when", "value")}
+        self.rows = self._new_rows()
+        self.out = self._samples()
         self.room = kernels.room_for(lanes, self.system, self.drive)
         kernels.begin_starts(
             lanes, self.system, self.drive, self.torques, self.state, self.out, self.room
         )
 
-    def make_room(self, room: int) -> None:
-        """Room for turning points; those that were found stay."""
-        turning = {name: np.empty((*self.count.shape, room)) for name in ("when", "value")}
-        if np.any(self.count):
-            for name, values in turning.items():
-                values[..., : self.turning_room] = self.turning[name]
-        self.turning, self.turning_room = turning, room
-        self.out = struct(
-            "samples_t",
-            rows=CHUNK,
-            room=room,
-            count=self.count,
-            **self.rows,
-            **turning,
-            **self.ends,
-        )
+    def _new_rows(self) -> dict[str, Floats]:
+        shape = (len(self.count), CHUNK, self.lanes)
+        names = ("torque", "torque_rate") if self.histories else ()
+        return {name: np.empty(shape[1:]) for name in ("time", "speed")} | {
+            name: np.empty(shape) for name in names
+        }
+
+    def _samples(self) -> Any:
+        room = self.turning["when"].shape[-1]
+        return struct(
+            "samples_t", rows=CHUNK, room=room, count=self.count,
+            **self.rows, **self.turning, **self.ends,
+        )  # fmt: skip
 
     def advance(self) -> bool:
-        """The next rows; False once every start has ended."""
-        if self.turning_room and np.max(self.count) > self.turning_room // 2:
-            self.make_room(2 * self.turning_room)
+        """The next rows; False once every start has ended. Rows of histories are new ones each time."""
+        if self.histories:
+            self.rows = self._new_rows()
+        elif 2 * np.max(self.count) > self.turning["when"].shape[-1]:
+            self.turning = {
+                name: np.concatenate([found, np.empty(found.shape)], axis=-1)
+                for name, found in self.turning.items()
+            }
+        self.out = self._samples()
         kernels.advance_starts(
             self.lanes, self.plan, self.system, self.drive, self.torques, self.state, self.out,
             self.room,
@@ -193,11 +194,10 @@ def simulate(
     recorder = Recorder(model.outputs.element, math.inf if keep_all else KEPT_VALUES)
     steps, done, goes_on = 0, 1, True  # the first row is that of rest
     while True:
-        time, speed, torque, rate = (a[:done, ..., 0] for a in loop.rows.values())
-        if done and not np.all(np.isfinite(torque[-1])):
+        time, speed, torque, rate = (a[..., :done, 0] for a in loop.rows.values())
+        if done and not np.all(np.isfinite(torque[:, -1])):
             raise InternalError(_diverged(step, time[-1]))
-        further = np.empty((0, done))
-        recorder.add(time.copy(), speed.copy(), torque.T.copy(), rate.T.copy(), further)
+        recorder.add(time, speed, torque, rate, np.empty((0, done)))
         if not goes_on:
             break
         goes_on = loop.advance()

@@ -80,7 +80,7 @@ typedef struct {
 typedef struct {
     int64_t rows;                  /* room */
     double *time, *speed;          /* (rows; lanes) [s, rad/s] */
-    double *torque, *torque_rate;  /* (rows, n; lanes), or none [N m, N m/s] */
+    double *torque, *torque_rate;  /* (n, rows; lanes), or none [N m, N m/s] */
     double *last_time;             /* (lanes) of the last row, updated [s] */
     double *last, *last_rate;      /* (n; lanes) its torques, updated */
     double *before, *before_rate;  /* (n; lanes) those of the row before it, updated */

@@ -167,8 +167,8 @@ static void record(samples_t *out, int64_t k, lane_t time, lane_t mean, const to
         lane_t torque, rate, *largest = (lane_t *)out->largest + i;
         torque_of(y, i, s, q, v, w->a1, f, fr, &torque, &rate);
         if (out->torque) {
-            ((lane_t *)out->torque)[k * y->n + i] = torque;
-            ((lane_t *)out->torque_rate)[k * y->n + i] = rate;
+            ((lane_t *)out->torque)[i * out->rows + k] = torque;
+            ((lane_t *)out->torque_rate)[i * out->rows + k] = rate;
         }
         if (out->room == 0) continue;
         if (!first) record_turning(out, i, goes_on, time, torque, rate);

@@ -126,6 +126,7 @@ int64_t turning_points(int64_t n, const double *t, const double *y, const double
                 }
             continue;
         }
+        if (!any(may_turn(h, rise, slope[i], slope[i + 1]))) continue;
         turning = turning_of_step(t[i], h, y[i], rise, slope[i], slope[i + 1]);
         for (int j = 0; j < 2; j++)
             if (turning.is[j]) {
