@@ -20,7 +20,7 @@ from engine.start.trajectory import KEPT_VALUES, Recorder, SingleRun, Trajectory
 from engine.stepping import linear_loop as kernels
 from engine.stepping.library import struct
 
-#: Steps between two copies of the rows out of the compiled loop.
+#: At least so many steps of histories are taken in one call of the compiled loop.
 CHUNK = 4096
 #: Turning points of a torque that there is room for at first.
 TURNING_ROOM = 2048
@@ -75,7 +75,7 @@ class _Loop:
         for lane, (count, length) in enumerate(plans):
             counts[lane, : len(count)], steps[lane, : len(count)] = count, length
         self.reason = np.full(lanes, kernels.MORE, dtype=np.int64)
-        self.done = np.zeros(lanes, dtype=np.int64)
+        self.done = np.ones(lanes, dtype=np.int64)  # the first row is that of rest
         self.plan = struct(
             "stretches_t", newmark=simulations[0].method == Method.NEWMARK, most=most,
             n=np.array([len(c) for c, _ in plans], dtype=np.int64), counts=counts, steps=steps,
@@ -84,7 +84,9 @@ class _Loop:
             time=np.zeros(lanes), reason=self.reason, done=self.done,
         )  # fmt: skip
         wide = (n_outputs, lanes)
-        self.histories = histories
+        self.histories, self.n_rows = histories, int(counts.sum(axis=1).max()) + 2  # rest, its end
+        if histories:
+            self.n_rows = min(self.n_rows, max(CHUNK, KEPT_VALUES // max(n_outputs, 1)))
         self.count = np.zeros(wide, dtype=np.int64)
         self.ends = {
             name: np.zeros(wide)
@@ -100,34 +102,38 @@ class _Loop:
         )
 
     def _new_rows(self) -> dict[str, Floats]:
-        shape = (len(self.count), CHUNK, self.lanes)
+        shape = (len(self.count), self.n_rows, self.lanes)
         names = ("torque", "torque_rate") if self.histories else ()
         return {name: np.empty(shape[1:]) for name in ("time", "speed")} | {
             name: np.empty(shape) for name in names
         }
 
-    def _samples(self) -> Any:
+    def _samples(self, done: int = 0) -> Any:
         room = self.turning["when"].shape[-1]
         return struct(
-            "samples_t", rows=CHUNK, room=room, count=self.count,
+            "samples_t", rows=self.n_rows, next=done, room=room, count=self.count,
             **self.rows, **self.turning, **self.ends,
         )  # fmt: skip
 
     def advance(self) -> bool:
-        """The next rows; False once every start has ended. Rows of histories are new ones each time."""
-        if self.histories:
-            self.rows = self._new_rows()
-        elif 2 * np.max(self.count) > self.turning["when"].shape[-1]:
-            self.turning = {
-                name: np.concatenate([found, np.empty(found.shape)], axis=-1)
-                for name, found in self.turning.items()
-            }
-        self.out = self._samples()
+        """Rows as far as there is room; False once every start has ended."""
         kernels.advance_starts(
             self.lanes, self.plan, self.system, self.drive, self.torques, self.state, self.out,
             self.room,
         )  # fmt: skip
         return bool(np.any(self.reason == kernels.MORE))
+
+    def make_room(self) -> None:
+        """New rows where there are histories, else room for as many turning points again."""
+        if self.histories:
+            self.rows, self.done[:] = self._new_rows(), 0
+            self.out = self._samples()
+            return
+        self.turning = {
+            name: np.concatenate([found, np.empty(found.shape)], axis=-1)
+            for name, found in self.turning.items()
+        }
+        self.out = self._samples(self.out.next)
 
 
 def _beside(arrays: Sequence[Floats]) -> Floats:
@@ -192,17 +198,18 @@ def simulate(
     """
     loop = _Loop([Simulation(model, step, method, target_speed, maximum_time)], 1, histories=True)
     recorder = Recorder(model.outputs.element, math.inf if keep_all else KEPT_VALUES)
-    steps, done, goes_on = 0, 1, True  # the first row is that of rest
-    while True:
-        time, speed, torque, rate = (a[..., :done, 0] for a in loop.rows.values())
-        if done and not np.all(np.isfinite(torque[:, -1])):
-            raise InternalError(_diverged(step, time[-1]))
-        recorder.add(time, speed, torque, rate, np.empty((0, done)))
-        if not goes_on:
-            break
+    steps, goes_on = -1, True  # the first row is that of rest
+    while goes_on:
         goes_on = loop.advance()
         done = int(loop.done[0])
+        time, speed, torque, rate = (a[..., :done, 0] for a in loop.rows.values())
+        if not np.all(np.isfinite(torque[:, -1:])):
+            last = int(np.argmin(np.all(np.isfinite(torque), axis=0)))
+            raise InternalError(_diverged(step, time[last]))
+        recorder.add(time, speed, torque, rate, np.empty((0, done)))
         steps += done
+        if goes_on:
+            loop.make_room()
     return recorder.trajectory(bool(loop.reason[0] == kernels.SPEED), steps)[0]
 
 
@@ -242,25 +249,15 @@ def turning_of_starts(simulations: Sequence[Simulation]) -> list[SingleRun | Int
     lanes = 1 if len(simulations) == 1 else kernels.LANES
     loop = _Loop(simulations, lanes, histories=False)
     first = loop.ends["last"].copy()
-    times: list[list[Floats]] = [[loop.rows["time"][:1, lane].copy()] for lane in range(lanes)]
-    speeds = [[loop.rows["speed"][:1, lane].copy()] for lane in range(lanes)]
-    goes_on = True
-    while goes_on:
-        goes_on = loop.advance()
-        for lane, done in enumerate(loop.done[: len(simulations)].tolist()):
-            times[lane].append(loop.rows["time"][:done, lane].copy())
-            speeds[lane].append(loop.rows["speed"][:done, lane].copy())
-    return [
-        _single_run(loop, lane, np.concatenate(times[lane]), np.concatenate(speeds[lane]), first)
-        for lane in range(len(simulations))
-    ]
+    while loop.advance():
+        loop.make_room()
+    return [_single_run(loop, lane, first) for lane in range(len(simulations))]
 
 
-def _single_run(
-    loop: _Loop, lane: int, time: Floats, speed: Floats, first: Floats
-) -> SingleRun | InternalError:
-    """What one lane left."""
+def _single_run(loop: _Loop, lane: int, first: Floats) -> SingleRun | InternalError:
+    """What one lane left; `first`: its torques at rest."""
     simulation = loop.simulations[lane]
+    time, speed = (loop.rows[n][: loop.done[lane], lane].copy() for n in ("time", "speed"))
     if not np.all(np.isfinite(loop.ends["last"][:, lane])):
         return InternalError(_diverged(simulation.step, time[-1]))
     none = np.empty((0, 0))

@@ -78,7 +78,7 @@ typedef struct {
 
 /* What a start without events leaves: a row a step, and where it is wanted each turning point. */
 typedef struct {
-    int64_t rows;                  /* room */
+    int64_t rows, next;            /* room; the row to be written next, updated */
     double *time, *speed;          /* (rows; lanes) [s, rad/s] */
     double *torque, *torque_rate;  /* (n, rows; lanes), or none [N m, N m/s] */
     double *last_time;             /* (lanes) of the last row, updated [s] */
@@ -143,7 +143,7 @@ typedef struct {
     int64_t *at, *taken;         /* (lanes) present stretch and its steps taken, updated */
     double *time;                /* (lanes) at the beginning of the stretch, updated [s] */
     int64_t *reason;             /* (lanes) why it ended; MORE: it goes on; updated */
-    int64_t *done;               /* (lanes) rows of this call */
+    int64_t *done;               /* (lanes) rows that hold its samples */
 } stretches_t;
 
 /* Why a loop came back: room is full, end time, speed reached, load angle reached, a piece has to be made, no
