@@ -594,9 +594,10 @@ def _windows(
     windows: list[tuple[float, float]] = []
     usual = usual_step(tolerance, fastest)
     budget = min(MAX_RINGING_STEPS, MAX_VALUES // max(len(scale), 1))
-    for r in np.flatnonzero(keep & (modes.omega > fastest))[::-1]:
-        with np.errstate(divide="ignore", invalid="ignore"):
-            size = np.where(scale > 0.0, ringing[:, r] / scale, 0.0).max(initial=0.0)
+    known = scale > 0.0
+    sizes = np.max(ringing[known] / scale[known, None], axis=0, initial=0.0).tolist()
+    for r in np.flatnonzero(keep & (modes.omega > fastest))[::-1].tolist():
+        size = sizes[r]
         if effects.fast_modes:
             size *= max(1.0, modes.omega[r] * usual / SAMPLED_ANGLE)
         if size <= FADED * tolerance:
