@@ -195,7 +195,7 @@ def _flight(train: Train, flank: Flank) -> Floats:
 def _groups(rows: Floats) -> Ints:
     """Number of the connected part each degree of freedom belongs to."""
     joined = [np.flatnonzero(row).tolist() for row in rows]
-    pairs = ((ends[0], other) for ends in joined for other in ends[1:])
+    pairs = tuple((ends[0], other) for ends in joined for other in ends[1:])
     return np.array(group_heads(rows.shape[1], pairs), dtype=np.int64)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -74,7 +75,7 @@ class SNCurve:
                 "2k-1 needs k of more than 0.5. Choose another rule or correct the points."
             )
 
-    @property
+    @cached_property
     def slope(self) -> Floats:
         """Exponent k of each segment, N ∝ S^−k. [1]"""
         return np.asarray(-np.diff(log(self.cycles)) / np.diff(log(self.stress)))

@@ -22,6 +22,7 @@ from engine.numerics.torque_curve import TorqueCurve, torque_curve
 STANDSTILL_ZONE = 1e-3
 #: Up to this speed, over synchronous, a load's torque counts as that at standstill. [1]
 NEAR_STANDSTILL = 0.05
+_NEAR = np.linspace(0.0, NEAR_STANDSTILL, 11)
 #: A load must not change its station's speed by more than the zone within this time. [s]
 STANDSTILL_TIME = 2e-3
 #: However light its station, a load has its full torque above this share of its speed: a station
@@ -79,7 +80,7 @@ def loads_of(case: CaseData, train: Train) -> tuple[Load, ...]:
             train.inertia[train.node_dof[station]] / square(float(train.node_scale[station]))
         )
         curve = torque_curve(x, y)
-        sticking = float(np.max(curve(np.linspace(0.0, NEAR_STANDSTILL, 11))))
+        sticking = float(np.max(curve(_NEAR)))
         soft = max(STANDSTILL_ZONE * speed, STANDSTILL_TIME * sticking / inertia)
         soft = min(soft, WIDEST_ZONE * speed)
         loads.append(Load(station, curve, speed, soft))

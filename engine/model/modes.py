@@ -146,7 +146,7 @@ def _components(train: Train) -> list[tuple[Ints, Ints, bool]]:
         ends[row].append(dof)
     stiff = [row for row, k in enumerate(train.stiffness.tolist()) if k > 0.0 and ends[row]]
     heads = group_heads(
-        train.n_dof, ((ends[row][0], other) for row in stiff for other in ends[row][1:])
+        train.n_dof, tuple((ends[row][0], other) for row in stiff for other in ends[row][1:])
     )
     dofs: dict[int, list[int]] = {}
     for dof, head in enumerate(heads):
@@ -297,14 +297,17 @@ def modal_damping(case: CaseData, train: Train, modes: Modes) -> ModalDamping:
     loss = train.element_loss_factor
     safe = np.where(modes.omega > 0.0, modes.omega, 1.0)
     structural = np.where(modes.omega > 0.0, stated + 0.5 * product(loss, modes.strain_share), 0.0)
-    ratio = np.where(modes.omega > 0.0, structural + 0.5 * np.diag(physical) / safe, 0.0)
-    rate = np.where(modes.omega > 0.0, 2.0 * ratio * modes.omega, np.diag(physical))
-    off = np.abs(physical - np.diag(np.diag(physical)))
-    gap = np.abs(modes.omega[:, None] ** 2 - modes.omega[None, :] ** 2)
-    speed = np.maximum(modes.omega[:, None], modes.omega[None, :])
+    own = physical.diagonal().copy()
+    ratio = np.where(modes.omega > 0.0, structural + 0.5 * own / safe, 0.0)
+    rate = np.where(modes.omega > 0.0, 2.0 * ratio * modes.omega, own)
+    np.fill_diagonal(physical, 0.0)
+    i, j = np.nonzero(np.abs(physical) > 1e-12 * np.max(own))
+    off, squares = np.abs(physical[i, j]), modes.omega**2
     with np.errstate(divide="ignore", invalid="ignore"):
-        coupling = np.where(off > 1e-12 * np.max(np.diag(physical)), off * speed / gap, 0.0)
-    return ModalDamping(ratio, structural, rate, float(np.max(off)), float(np.nanmax(coupling)))
+        part = off * np.maximum(modes.omega[i], modes.omega[j]) / np.abs(squares[i] - squares[j])
+    neglected = float(np.max(np.abs(physical)))
+    coupling = float(np.fmax.reduce(part, initial=0.0))  # without 0/0: two rigid modes
+    return ModalDamping(ratio, structural, rate, neglected, coupling)
 
 
 def modal_damping_matrix(train: Train, modes: Modes) -> Floats:

@@ -114,7 +114,8 @@ def rigid_runup(
         if i > 0:
             share = net[i - 1] / (net[i - 1] - net[i])
             equilibrium = float(speed[i - 1] + share * (speed[i] - speed[i - 1]))
-    slowness = np.where(net > 0.0, inertia / np.where(net > 0.0, net, 1.0), np.inf)
+    slowness = np.full(N_GRID, np.inf)
+    np.divide(inertia, net, out=slowness, where=net > 0.0)
     if len(stuck):
         slowness[stuck[0] :] = np.inf
     steps = 0.5 * (slowness[1:] + slowness[:-1]) * np.diff(speed)

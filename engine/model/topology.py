@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
+from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -14,7 +16,7 @@ from engine.model.train import RigidMesh
 
 def drive_ends(case: CaseData, a: Assembly) -> tuple[Floats, Mask, int]:
     """Orientation of each element, its driven side, and a station of the reference shaft."""
-    sides = driven_side(a.edges, len(case.stations), len(case.elements))
+    sides = driven_side(tuple(a.edges), len(case.stations), len(case.elements))
     motors = sorted({a.index[m.station] for m in case.motor_torque if m.station in a.index})
     drivers = motors or _drivers(case, a)  # without either, From is the drive end
     orientation = np.ones(len(case.elements))
@@ -35,19 +37,20 @@ def _drivers(case: CaseData, a: Assembly) -> list[int]:
     return sorted(station for station, torque in total.items() if torque > 0.0)
 
 
-def group_heads(count: int, pairs: Iterable[tuple[int, int]]) -> list[int]:
-    """Groups of numbers that pairs join.
+@lru_cache(maxsize=16)
+def group_heads(count: int, pairs: tuple[tuple[int, int], ...]) -> tuple[int, ...]:
+    """Groups of numbers that pairs join. All trains of a study share them.
 
     Parameters
     ----------
     count : int
         How many numbers, from 0 on. [count]
-    pairs : iterable of (int, int)
+    pairs : tuple of (int, int)
         Two of one group each. [indices]
 
     Returns
     -------
-    list of int
+    tuple of int
         The least number of the group of each. [indices]
     """
     head = list(range(count))
@@ -61,7 +64,7 @@ def group_heads(count: int, pairs: Iterable[tuple[int, int]]) -> list[int]:
     for a, b in pairs:
         first, second = sorted((find(a), find(b)))
         head[second] = first
-    return [find(number) for number in range(count)]
+    return tuple(find(number) for number in range(count))
 
 
 def merge_rigid(rigid: list[tuple[int, int, int]], ratio: list[float]) -> tuple[Ints, Floats, int]:
@@ -83,7 +86,7 @@ def merge_rigid(rigid: list[tuple[int, int, int]], ratio: list[float]) -> tuple[
     n_dof : int
         Number of degrees of freedom. [count]
     """
-    heads = group_heads(len(ratio), [(a, b) for _, a, b in rigid])
+    heads = group_heads(len(ratio), tuple((a, b) for _, a, b in rigid))
     number: dict[int, int] = {}
     dof = np.array([number.setdefault(h, len(number)) for h in heads], dtype=np.int64)
     scale = np.array([ratio[n] / ratio[h] if n != h else 1.0 for n, h in enumerate(heads)])
@@ -105,14 +108,15 @@ def rigid_meshes(rigid: list[tuple[int, int, int]], ratio: Floats) -> tuple[Rigi
     tuple of RigidMesh
         One a rigid mesh. [indices]
     """
-    sides = driven_side(rigid, len(ratio), 1 + max((element for element, _, _ in rigid), default=0))
+    most = 1 + max((element for element, _, _ in rigid), default=0)
+    sides = driven_side(tuple(rigid), len(ratio), most)
     return tuple(
         RigidMesh(element, tuple(np.flatnonzero(sides[element]).tolist()), float(ratio[a]))
         for element, a, _ in rigid
     )
 
 
-def _neighbours(edges: list[tuple[int, int, int]], n: int) -> list[list[tuple[int, int]]]:
+def _neighbours(edges: Sequence[tuple[int, int, int]], n: int) -> list[list[tuple[int, int]]]:
     """For each station its (element, station) neighbours."""
     near: list[list[tuple[int, int]]] = [[] for _ in range(n)]
     for element, a, b in edges:
@@ -121,7 +125,7 @@ def _neighbours(edges: list[tuple[int, int, int]], n: int) -> list[list[tuple[in
     return near
 
 
-def driven_side(edges: list[tuple[int, int, int]], n: int, n_elements: int) -> Mask:
+def driven_side(edges: tuple[tuple[int, int, int], ...], n: int, n_elements: int) -> Mask:
     """Stations on the To side of each element (none for an element to ground).
 
     In an open train every element separates the stations beyond it: a contiguous stretch of
@@ -129,7 +133,7 @@ def driven_side(edges: list[tuple[int, int, int]], n: int, n_elements: int) -> M
 
     Parameters
     ----------
-    edges : list of (int, int, int)
+    edges : tuple of (int, int, int)
         Element and its two stations. [indices]
     n, n_elements : int
         Number of stations and of elements. [count]
@@ -139,10 +143,37 @@ def driven_side(edges: list[tuple[int, int, int]], n: int, n_elements: int) -> M
     ndarray of bool, shape (n_elements, n_stations)
         True on the To side. [mask]
     """
+    walk = _walk(edges, n)
+    start, size = walk.start, walk.size
+    side = np.zeros((n_elements, n), dtype=np.bool_)
+    place = np.array(walk.order, dtype=np.int64)
+    for element, a, b in edges:
+        if walk.parent[b] == a:
+            side[element, place[start[b] : start[b] + size[b]]] = True
+        else:
+            low, high = walk.whole[b]
+            side[element, place[low:high]] = True
+            side[element, place[start[a] : start[a] + size[a]]] = False
+    return side
+
+
+class _Walk(NamedTuple):
+    """Stations in the order in which a depth-first walk enters them; the rest is by station."""
+
+    order: list[int]
+    parent: list[int]  # from which it was entered; −1: a root
+    start: list[int]  # place in the order
+    size: list[int]  # stations entered through it, itself included
+    whole: list[tuple[int, int]]  # stretch of the order that is its whole train
+
+
+@lru_cache(maxsize=16)
+def _walk(edges: tuple[tuple[int, int, int], ...], n: int) -> _Walk:
+    """All trains of a study share it."""
     near = _neighbours(edges, n)
     order: list[int] = []
     parent, start = [-1] * n, [0] * n
-    size, whole = [1] * n, [(0, 0)] * n  # stations beyond each; stretch of its whole train
+    size, whole = [1] * n, [(0, 0)] * n
     entered = [False] * n
     for root in range(n):
         if entered[root]:
@@ -160,16 +191,7 @@ def driven_side(edges: list[tuple[int, int, int]], n: int, n_elements: int) -> M
             size[parent[node]] += size[node]
         for node in order[first:]:
             whole[node] = (first, len(order))
-    side = np.zeros((n_elements, n), dtype=np.bool_)
-    place = np.array(order, dtype=np.int64)
-    for element, a, b in edges:
-        if parent[b] == a:
-            side[element, place[start[b] : start[b] + size[b]]] = True
-        else:
-            low, high = whole[b]
-            side[element, place[low:high]] = True
-            side[element, place[start[a] : start[a] + size[a]]] = False
-    return side
+    return _Walk(order, parent, start, size, whole)
 
 
 def senses_of_rotation(a: Assembly, n: int, reference: int, flips: Mapping[int, bool]) -> Floats:

@@ -62,13 +62,7 @@ PADE = (
 def _values(which: int, x: Any, y: Any = None) -> Any:
     """A function of numbers or of arrays of one shape; a float of a number."""
     if isinstance(x, (float, int)) and (y is None or isinstance(y, (float, int))):
-        one, other, found = (
-            ffi.new("double *", x),
-            ffi.new("double *", 0.0 if y is None else y),
-            ffi.new("double *"),
-        )
-        library.function_values(which, 1, one, 0, other, 0, found)
-        return float(found[0])
+        return float(library.function_of(which, x, 0.0 if y is None else y))
     a = np.asarray(x, dtype=np.float64, order="C")
     b = a if y is None else np.asarray(y, dtype=np.float64, order="C")
     shape = np.shape(x) if y is None else np.broadcast_shapes(np.shape(x), np.shape(y))
@@ -252,11 +246,6 @@ def fading_sum(values: Floats, share: float) -> Floats:
 # --- matrices -------------------------------------------------------------------------------------
 
 
-def _place(a: Any) -> Any:
-    """Pointer to the first number of an array with any steps between its numbers; it does not keep it alive."""
-    return ffi.cast("double *", a.__array_interface__["data"][0])
-
-
 def product(a: Any, b: Any) -> Any:
     """Matrix product `a @ b` of vectors and matrices, each entry summed in the order of its index.
 
@@ -279,13 +268,9 @@ def product(a: Any, b: Any) -> Any:
         raise InternalError(f"a product of shapes {a.shape} and {b.shape}")
     if min(m, n, k) > LARGE:
         return np.matmul(a, b)
-    if left.dtype != np.float64 or right.dtype != np.float64:
-        left, right = left.astype(np.float64), right.astype(np.float64)
+    left, right = (np.ascontiguousarray(side, dtype=np.float64) for side in (left, right))
     out = np.empty((m, n))
-    library.product(
-        m, n, k, _place(left), left.strides[0] // 8, left.strides[1] // 8,
-        _place(right), right.strides[0] // 8, right.strides[1] // 8, _place(out),
-    )  # fmt: skip
+    library.product(m, n, k, address(left), address(right), address(out))
     if a.ndim == b.ndim == 2:
         return out
     return out.reshape(a.shape[:-1] + b.shape[1:]) if a.ndim + b.ndim > 2 else float(out[0, 0])
@@ -376,7 +361,11 @@ class ComplexSystems:
         count, n, _ = a.shape
         self._factors, self._rows = np.empty((count, 2, n, n)), np.empty((count, n), dtype=np.int64)
         if not library.factor_complex(
-            count, n, _place(self._systems), address(self._factors), address(self._rows, "int64_t")
+            count,
+            n,
+            ffi.from_buffer("double[]", self._systems),
+            address(self._factors),
+            address(self._rows, "int64_t"),
         ):
             raise InternalError(SINGULAR)
 
@@ -397,8 +386,8 @@ class ComplexSystems:
         count, n, r = x.shape
         room = np.empty(4 * n * r)
         library.solve_complex(
-            count, n, r, _place(self._systems), address(self._factors), address(self._rows, "int64_t"),
-            _place(x), address(room),
+            count, n, r, ffi.from_buffer("double[]", self._systems), address(self._factors), address(self._rows, "int64_t"),
+            ffi.from_buffer("double[]", x), address(room),
         )  # fmt: skip
         return x
 

@@ -12,7 +12,6 @@ import numpy as np
 from engine.arrays import Floats, Ints
 from engine.case.defaults import LEAST_PEAK_ERROR
 from engine.model.train import Train
-from engine.numerics.distinct import distinct
 from engine.numerics.same_bits import interp
 from engine.start.settings import NEGLIGIBLE
 from engine.start.trajectory import SingleRun, Trajectory, Turning
@@ -100,15 +99,22 @@ def sections_of(run: SingleRun) -> dict[int, tuple[int, int, int]]:
     dict of int to tuple of int
         Element → three outputs, of an undivided element the same; in the order of elements. [index]
     """
-    high = np.array([float(value.max()) for _, value in run.turning])
-    low = np.array([float(value.min()) for _, value in run.turning])
-    element_of = run.trajectory.output_element
-    found = {}
-    for element in distinct(element_of[element_of >= 0]).tolist():  # a bearing is no element
-        own = np.flatnonzero(element_of == element)
-        at = (np.argmax(high[own]), np.argmin(low[own]), np.argmax((high - low)[own]))
-        found[element] = (int(own[at[0]]), int(own[at[1]]), int(own[at[2]]))
-    return found
+    found: dict[int, tuple[int, int, int]] = {}
+    extremes = [(float(value.max()), float(value.min())) for _, value in run.turning]
+    for i, element in enumerate(run.trajectory.output_element.tolist()):
+        if element < 0:  # a bearing is no element
+            continue
+        high, low, wide = found.get(element, (i, i, i))
+        found[element] = (
+            i if extremes[i][0] > extremes[high][0] else high,
+            i if extremes[i][1] < extremes[low][1] else low,
+            i if _range(extremes[i]) > _range(extremes[wide]) else wide,
+        )
+    return dict(sorted(found.items()))
+
+
+def _range(extremes: tuple[float, float]) -> float:
+    return extremes[0] - extremes[1]
 
 
 def _difference(

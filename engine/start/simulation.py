@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -12,7 +13,6 @@ import numpy as np
 from engine.arrays import Floats, Ints
 from engine.case.choices import Method
 from engine.errors import InternalError
-from engine.numerics.distinct import distinct
 from engine.numerics.same_bits import doublings
 from engine.start.start_model import Machines, StartModel
 from engine.start.time_response import knots_of
@@ -20,10 +20,10 @@ from engine.start.trajectory import KEPT_VALUES, Recorder, SingleRun, Trajectory
 from engine.stepping import linear_loop as kernels
 from engine.stepping.library import struct
 
-#: Steps between two copies of the rows out of the compiled loop.
+#: At least so many steps of histories are taken in one call of the compiled loop.
 CHUNK = 4096
-#: The same where only turning points are kept, and turning points of a torque that there is room for.
-SHORT_CHUNK, TURNING_ROOM = 1024, 1024
+#: Turning points of a torque that there is room for at first.
+TURNING_ROOM = 2048
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,14 +43,12 @@ class _Loop:
     Lanes without a start repeat the first one and end at once.
     """
 
-    def __init__(
-        self, simulations: Sequence[Simulation], lanes: int, chunk: int, room: int
-    ) -> None:
+    def __init__(self, simulations: Sequence[Simulation], lanes: int, *, histories: bool) -> None:
         self.lanes, self.simulations = lanes, simulations
         filled = [*simulations, *[simulations[0]] * (lanes - len(simulations))]
         models = [s.model for s in filled]
         n, nf = models[0].reach.shape
-        self.n_outputs = n_outputs = len(models[0].outputs.element)
+        n_outputs = len(models[0].outputs.element)
         self.system = kernels.system_struct(
             _beside([m.stiffness for m in models]),
             _beside([m.rate for m in models]),
@@ -77,7 +75,7 @@ class _Loop:
         for lane, (count, length) in enumerate(plans):
             counts[lane, : len(count)], steps[lane, : len(count)] = count, length
         self.reason = np.full(lanes, kernels.MORE, dtype=np.int64)
-        self.done = np.zeros(lanes, dtype=np.int64)
+        self.done = np.ones(lanes, dtype=np.int64)  # the first row is that of rest
         self.plan = struct(
             "stretches_t", newmark=simulations[0].method == Method.NEWMARK, most=most,
             n=np.array([len(c) for c, _ in plans], dtype=np.int64), counts=counts, steps=steps,
@@ -86,32 +84,56 @@ class _Loop:
             time=np.zeros(lanes), reason=self.reason, done=self.done,
         )  # fmt: skip
         wide = (n_outputs, lanes)
-        self.rows = {"time": np.empty((chunk, lanes)), "speed": np.empty((chunk, lanes))}
-        if room == 0:  # the histories are kept instead
-            shape = (chunk, n_outputs, lanes)
-            self.rows |= {"torque": np.empty(shape), "torque_rate": np.empty(shape)}
-        self.turning = {name: np.empty((*wide, room)) for name in ("when", "value")}
+        self.histories, self.n_rows = histories, int(counts.sum(axis=1).max()) + 2  # rest, its end
+        if histories:
+            self.n_rows = min(self.n_rows, max(CHUNK, KEPT_VALUES // max(n_outputs, 1)))
         self.count = np.zeros(wide, dtype=np.int64)
         self.ends = {
             name: np.zeros(wide)
             for name in ("last", "last_rate", "before", "before_rate", "largest")
-        }
-        self.out = struct(
-            "samples_t", rows=chunk, room=room, count=self.count, last_time=np.zeros(lanes),
-            **self.rows, **self.turning, **self.ends,
-        )  # fmt: skip
+        } | {"last_time": np.zeros(lanes)}
+        room = 0 if histories else TURNING_ROOM
+        self.turning = {name: np.empty((*wide, room)) for name in ("when", "value")}
+        self.rows = self._new_rows()
+        self.out = self._samples()
         self.room = kernels.room_for(lanes, self.system, self.drive)
         kernels.begin_starts(
             lanes, self.system, self.drive, self.torques, self.state, self.out, self.room
         )
 
+    def _new_rows(self) -> dict[str, Floats]:
+        shape = (len(self.count), self.n_rows, self.lanes)
+        names = ("torque", "torque_rate") if self.histories else ()
+        return {name: np.empty(shape[1:]) for name in ("time", "speed")} | {
+            name: np.empty(shape) for name in names
+        }
+
+    def _samples(self, done: int = 0) -> Any:
+        room = self.turning["when"].shape[-1]
+        return struct(
+            "samples_t", rows=self.n_rows, next=done, room=room, count=self.count,
+            **self.rows, **self.turning, **self.ends,
+        )  # fmt: skip
+
     def advance(self) -> bool:
-        """The next rows; False once every start has ended."""
+        """Rows as far as there is room; False once every start has ended."""
         kernels.advance_starts(
             self.lanes, self.plan, self.system, self.drive, self.torques, self.state, self.out,
             self.room,
         )  # fmt: skip
         return bool(np.any(self.reason == kernels.MORE))
+
+    def make_room(self) -> None:
+        """New rows where there are histories, else room for as many turning points again."""
+        if self.histories:
+            self.rows, self.done[:] = self._new_rows(), 0
+            self.out = self._samples()
+            return
+        self.turning = {
+            name: np.concatenate([found, np.empty(found.shape)], axis=-1)
+            for name, found in self.turning.items()
+        }
+        self.out = self._samples(self.out.next)
 
 
 def _beside(arrays: Sequence[Floats]) -> Floats:
@@ -174,20 +196,20 @@ def simulate(
     Trajectory
         Times, mean speed and torques. [SI]
     """
-    loop = _Loop([Simulation(model, step, method, target_speed, maximum_time)], 1, CHUNK, 0)
+    loop = _Loop([Simulation(model, step, method, target_speed, maximum_time)], 1, histories=True)
     recorder = Recorder(model.outputs.element, math.inf if keep_all else KEPT_VALUES)
-    steps, done, goes_on = 0, 1, True  # the first row is that of rest
-    while True:
-        time, speed, torque, rate = (a[:done, ..., 0] for a in loop.rows.values())
-        if done and not np.all(np.isfinite(torque[-1])):
-            raise InternalError(_diverged(step, time[-1]))
-        further = np.empty((0, done))
-        recorder.add(time.copy(), speed.copy(), torque.T.copy(), rate.T.copy(), further)
-        if not goes_on:
-            break
+    steps, goes_on = -1, True  # the first row is that of rest
+    while goes_on:
         goes_on = loop.advance()
         done = int(loop.done[0])
+        time, speed, torque, rate = (a[..., :done, 0] for a in loop.rows.values())
+        if not np.all(np.isfinite(torque[:, -1:])):
+            last = int(np.argmin(np.all(np.isfinite(torque), axis=0)))
+            raise InternalError(_diverged(step, time[last]))
+        recorder.add(time, speed, torque, rate, np.empty((0, done)))
         steps += done
+        if goes_on:
+            loop.make_room()
     return recorder.trajectory(bool(loop.reason[0] == kernels.SPEED), steps)[0]
 
 
@@ -225,51 +247,25 @@ def turning_of_starts(simulations: Sequence[Simulation]) -> list[SingleRun | Int
         Of each, without histories of its torques; or why there is none. [SI]
     """
     lanes = 1 if len(simulations) == 1 else kernels.LANES
-    loop = _Loop(simulations, lanes, SHORT_CHUNK, TURNING_ROOM)
+    loop = _Loop(simulations, lanes, histories=False)
     first = loop.ends["last"].copy()
-    times: list[list[Floats]] = [[loop.rows["time"][:1, lane].copy()] for lane in range(lanes)]
-    speeds = [[loop.rows["speed"][:1, lane].copy()] for lane in range(lanes)]
-    turning: list[list[tuple[Floats, Floats]]] = [[] for _ in range(loop.n_outputs * lanes)]
-    goes_on = True
-    while goes_on:
-        goes_on = loop.advance()
-        for lane, done in enumerate(loop.done[: len(simulations)].tolist()):
-            times[lane].append(loop.rows["time"][:done, lane].copy())
-            speeds[lane].append(loop.rows["speed"][:done, lane].copy())
-        when, value = loop.turning["when"], loop.turning["value"]
-        for k, count in enumerate(loop.count.ravel().tolist()):
-            i, lane = divmod(k, lanes)
-            turning[k].append((when[i, lane, :count].copy(), value[i, lane, :count].copy()))
-        loop.count[:] = 0
-    return [
-        _single_run(loop, lane, np.concatenate(times[lane]), np.concatenate(speeds[lane]),
-                    turning[lane::lanes], first[:, lane])
-        for lane in range(len(simulations))
-    ]  # fmt: skip
+    while loop.advance():
+        loop.make_room()
+    return [_single_run(loop, lane, first) for lane in range(len(simulations))]
 
 
-def _single_run(
-    loop: _Loop, lane: int, time: Floats, speed: Floats,
-    turning: Sequence[Sequence[tuple[Floats, Floats]]], first: Floats,
-) -> SingleRun | InternalError:  # fmt: skip
-    """What one lane left."""
-    simulation, ends = loop.simulations[lane], loop.ends
-    if not np.all(np.isfinite(ends["last"][:, lane])):
+def _single_run(loop: _Loop, lane: int, first: Floats) -> SingleRun | InternalError:
+    """What one lane left; `first`: its torques at rest."""
+    simulation = loop.simulations[lane]
+    time, speed = (loop.rows[n][: loop.done[lane], lane].copy() for n in ("time", "speed"))
+    if not np.all(np.isfinite(loop.ends["last"][:, lane])):
         return InternalError(_diverged(simulation.step, time[-1]))
     none = np.empty((0, 0))
     reached = bool(loop.reason[lane] == kernels.SPEED)
     element = simulation.model.outputs.element
     trajectory = Trajectory(time, speed, none, none, element, reached, len(time) - 1)
     end = trajectory.end_at(simulation.target_speed)
-    last = np.empty((3, 2))
-    last[0] = time[-2:]
-    to_end = []
-    for i, parts in enumerate(turning):
-        whole = tuple(np.concatenate([part[j] for part in parts]) for j in (0, 1))
-        last[1] = ends["before"][i, lane], ends["last"][i, lane]
-        last[2] = ends["before_rate"][i, lane], ends["last_rate"][i, lane]
-        size, rest = float(ends["largest"][i, lane]), float(first[i])
-        to_end.append(kernels.turning_to_end((whole[0], whole[1]), size, rest, end, last))
+    to_end = kernels.lane_to_end(lane, loop.out, loop.count, first, time[-2:], end)
     return SingleRun(trajectory, end, to_end)
 
 
@@ -279,21 +275,21 @@ def _step_plan(model: StartModel, step: float, maximum_time: float) -> tuple[Int
     Steps are the base step divided by powers of two, shortened so that one ends at every knot of
     a torque against time.
     """
-    knots = distinct(np.zeros(0), *knots_of(model.timed))
+    knots = sorted({float(t) for times in knots_of(model.timed) for t in times})
     plan: list[tuple[int, float]] = []
     at = 0.0
     # a ringing mode is sampled as finely as the pulsation is
     stretches = [
-        (until, step / 2 ** doublings(omega / model.pulsation_omega))
+        (float(until), step / 2 ** doublings(omega / model.pulsation_omega))
         for until, omega in model.windows
     ]
     for until, h in [*stretches, (maximum_time, step)]:
         stop = min(until, maximum_time)
         while at < stop * (1.0 - 1e-12):
             count = math.ceil((stop - at) / h * (1.0 - 1e-12))
-            k = int(np.searchsorted(knots, at + 1e-9 * h, side="right"))
+            k = bisect_right(knots, at + 1e-9 * h)
             if k < len(knots) and knots[k] <= at + count * h:
-                ahead = float(knots[k])
+                ahead = knots[k]
                 count = math.ceil((ahead - at) / h * (1.0 - 1e-12))
                 plan.append((count, (ahead - at) / count))
                 at = ahead

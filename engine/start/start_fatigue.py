@@ -8,12 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 
 from engine.arrays import Floats
 from engine.case.choices import RainflowResidue
-from engine.case.data import CaseData, ElementRow
+from engine.case.data import CaseData, ElementRow, MaterialRow, SNPointRow
 from engine.case.defaults import LEAST_PEAK_ERROR
 from engine.case.result_words import Outcome
 from engine.fatigue.allowable_starts import (
@@ -89,7 +90,13 @@ def sn_slope(case: CaseData) -> float:
 def sn_curve_of(case: CaseData, name: str | None) -> SNCurve:
     """S-N line in torsion of a material by its name."""
     material = next(m for m in case.materials if m.material == name)
-    return sn_curve_for(material, [p for p in case.sn_points if p.material == name])
+    return _sn_curve(material, tuple(p for p in case.sn_points if p.material == name))
+
+
+@lru_cache(maxsize=64)
+def _sn_curve(material: MaterialRow, points: tuple[SNPointRow, ...]) -> SNCurve:
+    """Made once for all cases that share the rows, as those of a study do."""
+    return sn_curve_for(material, points)
 
 
 def starts_of(

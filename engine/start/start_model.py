@@ -167,7 +167,8 @@ def start_model(
         )
         of_stations = _force_sizes(case, train, motors, loads, torques, column, effects)
         sizes = _with_dampers(of_stations, modal, dampers, all_reach, fastest)
-        outputs = _outputs(train, modes, forces, dampers, uncoupled)
+        elastic = torque_outputs(train, modes, forces, dampers=dampers.rows)
+        outputs = _outputs(train, elastic, forces, dampers, uncoupled)
         ringing, slow, scale = _mode_amplitudes(modes, outputs, all_reach, sizes, fastest)
         every = effects.fast_modes or events
         keep = _kept_modes(modes, ringing, slow, scale, tolerance, fastest, every)
@@ -198,7 +199,9 @@ def start_model(
         rate=np.ascontiguousarray(np.maximum(rate[keep], 0.0)),
         reach=np.ascontiguousarray(all_reach[keep]),
         mean_speed=np.ascontiguousarray(mean[keep]),
-        outputs=_outputs(train, modes, forces, dampers, uncoupled, keep),
+        outputs=_outputs(
+            train, elastic.of_modes(keep, modes.omega, all_reach), forces, dampers, uncoupled
+        ),
         dampers=(np.arange(len(index), all_reach.shape[1]), dampers.viscous),
         pulsation_omega=fastest,
         windows=_with_breakaway(windows, train, motors, loads, jump, shock, fastest),
@@ -346,18 +349,16 @@ def _damper_step(dampers: _Dampers, reach: Floats, keep: Mask) -> float:
 
 def _outputs(
     train: Train,
-    modes: Modes,
+    outputs: TorqueOutputs,
     forces: Ints,
     dampers: _Dampers,
     uncoupled: Sequence[str],
-    keep: Mask | None = None,
 ) -> TorqueOutputs:
     """Element torques; a rigid mesh also feels the dampers that act as forces on its To side.
 
     Those without a spring are in the torque of their row already. A damper too strong to be coupled
     acts on every mode for itself; its torque between its own ends is then not c times their speed.
     """
-    outputs = torque_outputs(train, modes, forces, keep, dampers=dampers.rows)
     if uncoupled:
         modal = np.isin(
             outputs.element, [train.elements.index(n) for n in uncoupled if n in train.elements]
@@ -593,9 +594,10 @@ def _windows(
     windows: list[tuple[float, float]] = []
     usual = usual_step(tolerance, fastest)
     budget = min(MAX_RINGING_STEPS, MAX_VALUES // max(len(scale), 1))
-    for r in np.flatnonzero(keep & (modes.omega > fastest))[::-1]:
-        with np.errstate(divide="ignore", invalid="ignore"):
-            size = np.where(scale > 0.0, ringing[:, r] / scale, 0.0).max(initial=0.0)
+    known = scale > 0.0
+    sizes = np.max(ringing[known] / scale[known, None], axis=0, initial=0.0).tolist()
+    for r in np.flatnonzero(keep & (modes.omega > fastest))[::-1].tolist():
+        size = sizes[r]
         if effects.fast_modes:
             size *= max(1.0, modes.omega[r] * usual / SAMPLED_ANGLE)
         if size <= FADED * tolerance:

@@ -207,7 +207,8 @@ def time_response(
         raise ModelError("The times of a time response must be in rising order.")
     stations = np.array(sorted({p.station for p in torques}), dtype=np.int64)
     keep = np.ones(modes.n_modes, dtype=np.bool_) if kept is None else kept
-    reach = force_reach(train, modes, stations)[keep]
+    all_reach = force_reach(train, modes, stations)
+    reach = all_reach[keep]
     grid = _step_grid(t, torques)
     v = np.zeros(modes.n_modes) if initial_speed is None else initial_speed
     physical = modal_damping_matrix(train, modes)
@@ -226,7 +227,8 @@ def time_response(
     if len(grid) != len(t):
         pick = np.searchsorted(grid, t)
         out_q, out_v = out_q[:, pick], out_v[:, pick]
-    outputs = torque_outputs(train, modes, stations, keep, damping=physical)
+    outputs = torque_outputs(train, modes, stations, damping=physical)
+    outputs = outputs.of_modes(keep, modes.omega, all_reach)
     torque, torque_rate = product(outputs.position, out_q), product(outputs.position, out_v)
     if np.any(outputs.force) or np.any(outputs.velocity):
         force, rate = np.zeros((len(stations), len(t))), np.zeros((len(stations), len(t)))

@@ -34,6 +34,32 @@ class TorqueOutputs:
     velocity: Floats  #: Y_v. [N m s] Shape (n_outputs, n_modes).
     force: Floats  #: Y_f. [1] Shape (n_outputs, n_forces).
 
+    def of_modes(self, keep: Mask, omega: Floats, reach: Floats) -> TorqueOutputs:
+        """The same of the modes that are integrated; the others get their static correction.
+
+        Parameters
+        ----------
+        keep : ndarray of bool, shape (n_modes,)
+            Modes that are integrated. [mask]
+        omega : ndarray, shape (n_modes,)
+            Natural frequencies of all. [rad/s]
+        reach : ndarray, shape (n_modes, n_forces)
+            What each force does to each mode. [rad/√(kg m²)]
+
+        Returns
+        -------
+        TorqueOutputs
+            Matrices for the kept modes. [SI]
+        """
+        left_out = ~keep & (omega > 0.0)
+        flexible = self.position[:, left_out] / omega[left_out] ** 2
+        return TorqueOutputs(
+            self.element,
+            np.ascontiguousarray(self.position[:, keep]),
+            np.ascontiguousarray(self.velocity[:, keep]),
+            self.force + product(flexible, reach[left_out]),
+        )
+
 
 def force_reach(train: Train, modes: Modes, stations: Ints) -> Floats:
     """What a unit torque at each force station does to each mode, and its angle in each mode.
@@ -60,7 +86,6 @@ def torque_outputs(
     train: Train,
     modes: Modes,
     stations: Ints,
-    kept: Mask | None = None,
     *,
     dampers: Ints | None = None,
     damping: Floats | None = None,
@@ -75,8 +100,6 @@ def torque_outputs(
         All its modes. [SI]
     stations : ndarray of int, shape (n_forces,)
         Stations where torques act. [indices]
-    kept : ndarray of bool, shape (n_modes,), optional
-        Modes that are integrated; the others get their static correction. Default all. [mask]
     dampers : ndarray of int, shape (n_dampers,), optional
         Rows of the incidence matrix whose viscous torque enters as one more force each, after
         those of the stations. [indices]
@@ -86,11 +109,10 @@ def torque_outputs(
     Returns
     -------
     TorqueOutputs
-        Matrices for the kept modes. [SI]
+        Matrices for all modes. [SI]
     """
     rows = np.zeros(0, dtype=np.int64) if dampers is None else dampers
     reach = np.concatenate([force_reach(train, modes, stations), modes.row_twist[rows].T], axis=1)
-    keep = np.ones(modes.n_modes, dtype=np.bool_) if kept is None else kept
     own = train.element_rows
     sign = train.orientation[train.row_element[own]][:, None]
     elastic, viscous_included = train.stiffness[own, None] > 0.0, train.viscous_shown[own, None]
@@ -113,14 +135,11 @@ def torque_outputs(
         rows_q.append(facing * q[None])
         rows_v.append(facing * v[None])
         rows_f.append(facing * product(inertial, reach)[None])
-    all_q, all_f = np.concatenate(rows_q), np.concatenate(rows_f)
-    left_out = ~keep & (modes.omega > 0.0)
-    flexible = all_q[:, left_out] / modes.omega[left_out] ** 2
     return TorqueOutputs(
         train.output_element,
-        np.ascontiguousarray(all_q[:, keep]),
-        np.ascontiguousarray(np.concatenate(rows_v)[:, keep]),
-        all_f + product(flexible, reach[left_out]),
+        np.concatenate(rows_q),
+        np.concatenate(rows_v),
+        np.concatenate(rows_f),
     )
 
 

@@ -98,8 +98,9 @@ class Recorder:
             return
         if self._turning is not None:
             self._take_turning(block)
-        self._last = block if self._last is None else _joined([self._last, block])
-        self._last = tuple(a[..., -2:].copy() for a in self._last)
+        last = tuple(a[..., -2:] for a in block)
+        last = last if self._last is None else _joined([self._last, last])
+        self._last = tuple(a[..., -2:].copy() for a in last)
         thinned = tuple(a[..., self._offset :: self._stride] for a in block)
         self._offset = (self._offset - len(time)) % self._stride
         self._blocks.append(tuple(a.copy() for a in thinned) if self._stride > 1 else thinned)

@@ -23,7 +23,11 @@ _SUFFIX = {"win32": ".dll", "darwin": ".dylib"}
 _FILE = Path(__file__).parent / "kernels" / f"_loops{_SUFFIX.get(sys.platform, '.so')}"
 library: Any = ffi.dlopen(str(_FILE))
 
-_DTYPES = {"double": np.dtype(np.float64), "int64_t": np.dtype(np.int64)}
+#: What an array of each kind is to numpy and to cffi.
+_KINDS = {
+    "double": (np.dtype(np.float64), ffi.typeof("double[]")),
+    "int64_t": (np.dtype(np.int64), ffi.typeof("int64_t[]")),
+}
 #: Arrays that a struct points to live as long as it does.
 _kept: WeakKeyDictionary[Any, tuple[Any, ...]] = WeakKeyDictionary()
 
@@ -33,11 +37,12 @@ def address(values: Any, kind: str = "double") -> Any:
 
     Raises `InternalError` unless the array is C-contiguous and of the wanted type.
     """
-    if values.dtype != _DTYPES[kind] or not values.flags.c_contiguous:
+    dtype, pointer = _KINDS[kind]
+    if values.dtype != dtype or not values.flags.c_contiguous:
         raise InternalError(
             f"a loop takes contiguous arrays of {kind}, this one is of {values.dtype}"
         )
-    return ffi.from_buffer(f"{kind}[]", values)
+    return ffi.from_buffer(pointer, values)
 
 
 def about() -> str:

@@ -24,6 +24,7 @@ __all__ = [
     "drive_coupled",
     "drive_modes",
     "drive_struct",
+    "lane_to_end",
     "room_for",
     "start_forces",
     "system_struct",
@@ -361,3 +362,39 @@ def turning_to_end(
         address(value),
     )
     return when[:count].copy(), value[:count].copy()
+
+
+def lane_to_end(
+    lane: int, out: Any, count: Any, first: Floats, time: Floats, end: float
+) -> list[tuple[Floats, Floats]]:
+    """Turning points of each torque of one of the starts side by side, from rest to its end.
+
+    Parameters
+    ----------
+    lane : int
+        Which start. [index]
+    out : cdata
+        ``samples_t`` that the loop has filled. [SI]
+    count : ndarray of int, shape (n_outputs, lanes)
+        Its numbers of turning points. [count]
+    first : ndarray, shape (n_outputs, lanes)
+        Torques at rest. [N m]
+    time : ndarray, shape (2,)
+        Times of the last two samples. [s]
+    end : float
+        Time of the end, within the last step. [s]
+
+    Returns
+    -------
+    list of (ndarray, ndarray)
+        Times and values. [s, N m]
+    """
+    n, lanes = count.shape
+    longest = int(count[:, lane].max(initial=0)) + 2
+    when, value = np.empty((2, n, longest))
+    found = np.empty(n, dtype=np.int64)
+    library.lane_to_end(
+        n, lanes, lane, out, address(first), address(time), end, longest, address(when),
+        address(value), address(found, "int64_t"),
+    )  # fmt: skip
+    return [(when[i, :k], value[i, :k]) for i, k in enumerate(found.tolist())]

@@ -252,7 +252,7 @@ def near_start(
     ModelError
         If the changed train cannot start.
     """
-    case = replace(CaseData(**vars(case)), keep_history=None)
+    case = CaseData(**vars(case) | {"keep_history": None})
     model = near.model
     if recipe.start_lateral != bool(model.train.bodies):
         model = _model(case, recipe, recipe.start_lateral)

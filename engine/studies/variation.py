@@ -6,10 +6,9 @@ its place. Cases are frozen: a changed one is a new one, and everything not name
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from types import SimpleNamespace
 from typing import Any
 
 from engine.case.choices import ElementKind
@@ -110,13 +109,13 @@ def varied_case(case: CaseData, changes: Iterable[Change]) -> CaseData:
     CaseData
         The changed case, not yet checked. [SI]
     """
-    draft = _Draft(case)  # becomes a case, and is checked, when all changes are in
+    draft = _Draft(case)
     for change in changes:
         if change.quantity in _PUT:
             _PUT[change.quantity](draft, change)
         for table, key, column in _COLUMNS.get(change.quantity, ()):
             _column(draft, table, key, change, column)
-    return CaseData(**vars(draft))
+    return draft.case()
 
 
 def names_with(case: CaseData, quantity: str) -> tuple[str, ...]:
@@ -214,22 +213,56 @@ def _names(case: CaseData, quantity: str) -> list[str]:
     return [str(getattr(row, key)) for row in getattr(case, table)]
 
 
-def _element(case: CaseData | _Draft, name: str) -> ElementRow | None:
+def _element(case: CaseData, name: str) -> ElementRow | None:
     return next((e for e in case.elements if e.element == name), None)
 
 
-def _mesh(case: CaseData | _Draft, name: str) -> MeshRow | None:
+def _mesh(case: CaseData, name: str) -> MeshRow | None:
     return next((m for m in case.meshes if m.element == name), None)
 
 
 # --- changed rows ----------------------------------------------------------------------
 
 
-class _Draft(SimpleNamespace):
-    """The fields of a case while they are changed."""
+class _Draft:
+    """A case while it is changed: its fields, and where the rows of a name stand in its tables."""
 
     def __init__(self, case: CaseData) -> None:
-        super().__init__(**vars(case))
+        self.fields = dict(vars(case))
+        self._rows: dict[str, list[Any]] = {}
+        self._places: dict[tuple[str, str], dict[Any, list[int]]] = {}
+
+    def rows(self, table: str) -> list[Any]:
+        """Rows of a table as changed so far."""
+        if table not in self._rows:
+            self._rows[table] = list(self.fields[table])
+        return self._rows[table]
+
+    def places(self, table: str, key: str, name: str) -> Sequence[int]:
+        """Where the rows of a name stand; no change alters a name."""
+        if (table, key) not in self._places:
+            places = self._places[table, key] = {}
+            for i, row in enumerate(self.rows(table)):
+                places.setdefault(getattr(row, key), []).append(i)
+        return self._places[table, key].get(name, ())
+
+    def row(self, table: str, name: str) -> Any:
+        """First row of an element in a table; None without any."""
+        places = self.places(table, "element", name)
+        return self.rows(table)[places[0]] if places else None
+
+    def change(
+        self, table: str, key: str, change: Change, new: Callable[[Any], Mapping[str, Any]]
+    ) -> None:
+        """The rows of a name say something else."""
+        rows = self.rows(table)
+        for i in self.places(table, key, change.name):
+            rows[i] = _with(rows[i], new(rows[i]))
+
+    def case(self) -> CaseData:
+        """With all changes in."""
+        tables = {table: tuple(rows) for table, rows in self._rows.items()}
+        return CaseData(**self.fields | tables)
 
 
 def _with(row: Any, values: Mapping[str, Any]) -> Any:
@@ -239,24 +272,13 @@ def _with(row: Any, values: Mapping[str, Any]) -> Any:
     return other
 
 
-def _rows(
-    draft: _Draft, table: str, key: str, change: Change, new: Callable[[Any], Mapping[str, Any]]
-) -> None:
-    """The rows of a name say something else."""
-    rows = tuple(
-        _with(row, new(row)) if getattr(row, key) == change.name else row
-        for row in getattr(draft, table)
-    )
-    setattr(draft, table, rows)
-
-
 def _column(draft: _Draft, table: str, key: str, change: Change, column: str) -> None:
-    _rows(draft, table, key, change, lambda row: {column: change.of(getattr(row, column))})
+    draft.change(table, key, change, lambda row: {column: change.of(getattr(row, column))})
 
 
 def _elastic(draft: _Draft, change: Change, own: str, along: str) -> None:
     """A torsional constant of an element; of teeth it may stand along the line of action instead."""
-    element, mesh = _element(draft, change.name), _mesh(draft, change.name)
+    element, mesh = draft.row("elements", change.name), draft.row("meshes", change.name)
     typed = None if element is None else getattr(element, own)
     along_the_teeth = (
         element is not None
@@ -269,13 +291,13 @@ def _elastic(draft: _Draft, change: Change, own: str, along: str) -> None:
         _column(draft, "meshes", "element", change, along)
         return
     if along_the_teeth:
-        _rows(draft, "meshes", "element", change, lambda m: {along: None})
+        draft.change("meshes", "element", change, lambda m: {along: None})
 
     def new(e: ElementRow) -> Mapping[str, Any]:
         link = link_of(e, mesh)
         return {own: change.of(link.stiffness if own == "stiffness" else link.viscous)}
 
-    _rows(draft, "elements", "element", change, new)
+    draft.change("elements", "element", change, new)
 
 
 def _diameter(draft: _Draft, change: Change) -> None:
@@ -287,7 +309,7 @@ def _diameter(draft: _Draft, change: Change) -> None:
             return {"od": od}
         return {"od": od, "stress_diameter": e.stress_diameter * od / e.od}
 
-    _rows(draft, "elements", "element", change, new)
+    draft.change("elements", "element", change, new)
 
 
 def _backlash(draft: _Draft, change: Change) -> None:
@@ -295,14 +317,13 @@ def _backlash(draft: _Draft, change: Change) -> None:
         key = "backlash" if m.backlash else "angular_backlash"
         return {key: change.of(getattr(m, key))}
 
-    _rows(draft, "meshes", "element", change, new)
+    draft.change("meshes", "element", change, new)
 
 
 def _damping_ratio(draft: _Draft, change: Change) -> None:
-    draft.damping_ratio = change.of(draft.damping_ratio)
-    draft.mode_damping = tuple(
-        _with(row, {"damping_ratio": change.of(row.damping_ratio)}) for row in draft.mode_damping
-    )
+    draft.fields["damping_ratio"] = change.of(draft.fields["damping_ratio"])
+    rows = draft.rows("mode_damping")
+    rows[:] = [_with(row, {"damping_ratio": change.of(row.damping_ratio)}) for row in rows]
 
 
 _PUT: Mapping[str, Callable[[_Draft, Change], None]] = {

@@ -3,7 +3,7 @@
 #include "elementary_more.h"
 #include "segment.h"
 
-static double function_of(int64_t which, double x, double y)
+double function_of(int64_t which, double x, double y)
 {
     int finite = x - x == 0.0;
     switch (which) {

@@ -78,9 +78,9 @@ typedef struct {
 
 /* What a start without events leaves: a row a step, and where it is wanted each turning point. */
 typedef struct {
-    int64_t rows;                  /* room */
+    int64_t rows, next;            /* room; the row to be written next, updated */
     double *time, *speed;          /* (rows; lanes) [s, rad/s] */
-    double *torque, *torque_rate;  /* (rows, n; lanes), or none [N m, N m/s] */
+    double *torque, *torque_rate;  /* (n, rows; lanes), or none [N m, N m/s] */
     double *last_time;             /* (lanes) of the last row, updated [s] */
     double *last, *last_rate;      /* (n; lanes) its torques, updated */
     double *before, *before_rate;  /* (n; lanes) those of the row before it, updated */
@@ -143,7 +143,7 @@ typedef struct {
     int64_t *at, *taken;         /* (lanes) present stretch and its steps taken, updated */
     double *time;                /* (lanes) at the beginning of the stretch, updated [s] */
     int64_t *reason;             /* (lanes) why it ended; MORE: it goes on; updated */
-    int64_t *done;               /* (lanes) rows of this call */
+    int64_t *done;               /* (lanes) rows that hold its samples */
 } stretches_t;
 
 /* Why a loop came back: room is full, end time, speed reached, load angle reached, a piece has to be made, no
@@ -179,18 +179,23 @@ int64_t turning_points(int64_t n, const double *t, const double *y, const double
                        double *value);
 int64_t turning_to_end(int64_t n, const double *when, const double *value, double size, double first, double end,
                        const double *last, double *to_when, double *to_value);
+void lane_to_end(int64_t n, int64_t lanes, int64_t lane, const samples_t *out, const double *first, const double *time,
+                 double end, int64_t longest, double *to_when, double *to_value, int64_t *to_count);
 int64_t rainflow(int64_t n, const double *point, int64_t *first, int64_t *second, double *count,
                  int64_t *open);
 const char *about(void); /* compiler, target, digest of the sources */
 /* Numbers and small matrices in a fixed order (engine/numerics/same_bits.py). */
 enum { SINE, COSINE, EXPONENTIAL, LOGARITHM, POWER, ARCTANGENT, HYPOTENUSE };
+double function_of(int64_t which, double x, double y);
 void function_values(int64_t which, int64_t n, const double *x, int64_t x_step, const double *y, int64_t y_step,
                      double *out);
 void interpolate(int64_t n, const double *x, int64_t n_points, const double *points, const double *values,
                  double *out);
+void curve_through(int64_t n, const double *x, const double *y, double *cubics);
+void curve_values(int64_t n_knots, const double *knots, const double *cubics, int64_t n, const double *x, double *out);
+double curve_steepest(int64_t n_knots, const double *knots, const double *cubics);
 void fading_sum(int64_t n, double share, double *values);
-void product(int64_t m, int64_t n, int64_t k, const double *a, int64_t a_row, int64_t a_column,
-             const double *b, int64_t b_row, int64_t b_column, double *c);
+void product(int64_t m, int64_t n, int64_t k, const double *a, const double *b, double *c);
 int64_t jacobi_svd(int64_t m, int64_t n, double *columns, double *left, double *sigma, double *right,
                    int64_t *order, double *room);
 int64_t solve_real(int64_t n, int64_t r, double *a, double *b);

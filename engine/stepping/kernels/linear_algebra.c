@@ -72,12 +72,10 @@ static void panels(int64_t m, int64_t n, int64_t k, matrix_t a, matrix_t b, doub
 }
 
 /* The longer side of the result is that of the sums side by side; the bits are the same. */
-void product(int64_t m, int64_t n, int64_t k, const double *a, int64_t a_row, int64_t a_column,
-             const double *b, int64_t b_row, int64_t b_column, double *c)
+void product(int64_t m, int64_t n, int64_t k, const double *a, const double *b, double *c)
 {
-    matrix_t left = {a, a_row, a_column}, right = {b, b_row, b_column};
-    if (n >= m) panels(m, n, k, left, right, c, n, 1);
-    else panels(n, m, k, (matrix_t){b, b_column, b_row}, (matrix_t){a, a_column, a_row}, c, 1, n);
+    if (n >= m) panels(m, n, k, (matrix_t){a, k, 1}, (matrix_t){b, n, 1}, c, n, 1);
+    else panels(n, m, k, (matrix_t){b, 1, n}, (matrix_t){a, 1, k}, c, 1, n);
 }
 
 /* --- singular values ----------------------------------------------------------------------------- */

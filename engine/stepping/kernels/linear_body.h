@@ -167,8 +167,8 @@ static void record(samples_t *out, int64_t k, lane_t time, lane_t mean, const to
         lane_t torque, rate, *largest = (lane_t *)out->largest + i;
         torque_of(y, i, s, q, v, w->a1, f, fr, &torque, &rate);
         if (out->torque) {
-            ((lane_t *)out->torque)[k * y->n + i] = torque;
-            ((lane_t *)out->torque_rate)[k * y->n + i] = rate;
+            ((lane_t *)out->torque)[i * out->rows + k] = torque;
+            ((lane_t *)out->torque_rate)[i * out->rows + k] = rate;
         }
         if (out->room == 0) continue;
         if (!first) record_turning(out, i, goes_on, time, torque, rate);
@@ -193,6 +193,7 @@ static void BEGIN(const system_t *system, const drive_t *drive, const torques_t 
     renew_forces(all(0.0), all(0.0), every, system, drive, state, &w);
     for (int64_t i = 0; i < system->n; i++) mean += lanes_of(system->mean_speed)[i] * lanes_of(state->v)[i];
     record(out, 0, all(0.0), mean, torques, system, state, every, 1, 1, &w);
+    out->next = 1;
 }
 
 /* Coefficients of the steps of one lane. */
@@ -233,8 +234,7 @@ static void ADVANCE(stretches_t *plan, const system_t *system, const drive_t *dr
     const room_t w = laid_out(system, drive, room);
     double step[LANES] = {0.0}; /* of the coefficients at hand */
     hold_none(drive, w.held);
-    for (int l = 0; l < LANES; l++) plan->done[l] = 0;
-    for (int64_t k = 0; k < out->rows; k++) {
+    for (int64_t k = out->next; k < out->rows; out->next = ++k) {
         int goes_on[LANES], renewed[LANES], running = 0, renews = 0;
         lane_t t = all(0.0), h = all(1.0), mean, time;
         for (int l = 0; l < LANES; l++) {

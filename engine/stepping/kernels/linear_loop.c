@@ -126,6 +126,7 @@ int64_t turning_points(int64_t n, const double *t, const double *y, const double
                 }
             continue;
         }
+        if (!any(may_turn(h, rise, slope[i], slope[i + 1]))) continue;
         turning = turning_of_step(t[i], h, y[i], rise, slope[i], slope[i + 1]);
         for (int j = 0; j < 2; j++)
             if (turning.is[j]) {
@@ -160,4 +161,17 @@ int64_t turning_to_end(int64_t n, const double *when, const double *value, doubl
     to_when[k] = end;
     to_value[k++] = y + s * (a + s * (3.0 * rise - 2.0 * a - b + s * (a + b - 2.0 * rise)));
     return k;
+}
+
+/* The same of each torque of one lane, from what the loop left; time: those of its last two rows; to_when and to_value:
+ * (n, longest). */
+void lane_to_end(int64_t n, int64_t lanes, int64_t lane, const samples_t *out, const double *first, const double *time,
+                 double end, int64_t longest, double *to_when, double *to_value, int64_t *to_count)
+{
+    for (int64_t i = 0; i < n; i++) {
+        const int64_t k = i * lanes + lane;
+        const double last[] = {time[0], time[1], out->before[k], out->last[k], out->before_rate[k], out->last_rate[k]};
+        to_count[i] = turning_to_end(out->count[k], out->when + k * out->room, out->value + k * out->room,
+                                     out->largest[k], first[k], end, last, to_when + i * longest, to_value + i * longest);
+    }
 }

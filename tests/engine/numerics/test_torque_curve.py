@@ -45,3 +45,14 @@ def test_ends_plateaus_and_extremes(y: list[float]) -> None:
 
 def test_one_point_is_a_constant() -> None:
     assert torque_curve(np.array([0.5]), np.array([7.0]))([0.0, 0.5, 1.0]).tolist() == [7.0] * 3
+
+
+@given(st.data(), widths)
+def test_steepest_slope_is_that_of_scipy(data: st.DataObject, steps: list[float]) -> None:
+    x = np.concatenate([[0.0], np.cumsum(steps)])
+    y = np.array(data.draw(st.lists(torques, min_size=x.size, max_size=x.size)))
+    slope = PchipInterpolator(x, y).derivative()
+    turns = slope.derivative().roots(discontinuity=False, extrapolate=False)
+    at = np.concatenate([x, turns[np.isfinite(turns)]])
+    steepest = float(np.max(np.abs(slope(at))))
+    assert torque_curve(x, y).steepest == pytest.approx(steepest, rel=1e-9, abs=1e-300)
