@@ -15,6 +15,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -56,12 +57,12 @@ class SharedBasis:
     #: Their flexibility beyond what the basis covers. [s²] Shape (n_left, n_left).
     left_flexibility: Floats
 
-    @property
+    @cached_property
     def drive_sign(self) -> Floats:
         """+1 where the row of a clearance is positive with its drive flank loaded. [1]"""
         return np.array([self.train.orientation[f.element] for f in self.flanks], dtype=np.float64)
 
-    @property
+    @cached_property
     def drive_rows(self) -> Floats:
         """Compression of each drive flank, shape (n_flanks, m). [rad]"""
         places = [f.drive_row for f in self.flanks]
@@ -249,7 +250,7 @@ class ContactSystems:
         self._keys.append(key)
         return len(self._keys) - 1
 
-    @property
+    @cached_property
     def contacts(self) -> tuple[Floats, Floats, Floats, Floats]:
         """Gap, stiffness, damping and torque scale of each flank. [rad, N m/rad, SI, N m]"""
         flanks = self.basis.flanks
@@ -292,7 +293,7 @@ class ContactSystems:
             self._tables[-1][:] = 0  # coefficients are those of other steps
         return self._tables
 
-    def _row(self, piece: ContactSystem) -> tuple[Floats, ...]:
+    def _row(self, piece: ContactSystem) -> tuple[Any, ...]:
         """Values of one piece, in the order of the tables."""
         flank_rows = np.concatenate([self.basis.drive_rows, self.basis.back_rows])
         return (
@@ -305,6 +306,12 @@ class ContactSystems:
             piece.viscous,
             self._visibility(piece),
             piece.turn,
+            piece.output_position.T,
+            piece.output_velocity.T,
+            piece.output_force.T,
+            piece.output_constant,
+            np.array(np.any(piece.output_velocity), dtype=np.int64),
+            product(self._centres, piece.turn).T,
         )
 
     def _grow(self, n: int, levels: int) -> None:
@@ -316,7 +323,7 @@ class ContactSystems:
         m = self.basis.vectors.shape[1]
         of_steps = ((levels, 2, 2, m), (levels, 2, 4, m), (levels, solved, solved), (levels,))
         new: list[Any] = [np.full(room, -1, dtype=np.int64)]
-        new += [np.zeros((room, *values.shape)) for values in self._row(self.pieces[0])]
+        new += [np.zeros((room, *v.shape), dtype=v.dtype) for v in self._row(self.pieces[0])]
         new += [np.zeros((room, *shape)) for shape in of_steps[:3]]
         new.append(np.zeros((room, levels), dtype=np.int64))
         for k, (table, before) in enumerate(zip(new, old, strict=False) if self._filled else ()):
@@ -344,10 +351,26 @@ class ContactSystems:
                 flank = np.maximum(flank, f.stiffness * both / scale)
         return np.asarray(np.maximum(np.max(position, axis=0, initial=0.0), flank))
 
-    @property
+    @cached_property
     def output_element(self) -> Ints:
         """Element of each output. [index]"""
         return self.basis.train.output_element
+
+    @cached_property
+    def bearings(self) -> tuple[Floats, Floats]:
+        """Stiffness and damping of the bearings of each gear that moves laterally. [N/m, N s/m]"""
+        bodies = self.basis.train.bodies
+        return (
+            np.array([body.stiffness for body in bodies], dtype=np.float64),
+            np.array([body.damping for body in bodies], dtype=np.float64),
+        )
+
+    @cached_property
+    def _centres(self) -> Floats:
+        """Lateral motion of these gears, x and y of each, shape (2 n_bodies, m)."""
+        train = self.basis.train
+        nodes = [node for body in train.bodies for node in (body.node_x, body.node_y)]
+        return np.asarray(self.basis.vectors[train.node_dof[nodes]])
 
 
 def _common_reach(basis: SharedBasis, places: ForceLocations) -> Floats:

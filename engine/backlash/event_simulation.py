@@ -15,10 +15,10 @@ from typing import Any
 import numpy as np
 
 from engine.arrays import Floats, Ints
-from engine.backlash.contact_systems import ContactSystem, ContactSystems
+from engine.backlash.contact_systems import ContactSystems
 from engine.errors import ModelError
 from engine.numerics.distinct import distinct
-from engine.numerics.same_bits import hypot, product
+from engine.numerics.same_bits import product
 from engine.start.start_model import Machines
 from engine.start.time_response import knots_of
 from engine.start.trajectory import KEPT_VALUES, Recorder, Trajectory
@@ -127,24 +127,9 @@ class _Recorder:
 
     def add(self, rows: dict[str, Any], n: int) -> None:
         """Take n rows."""
-        pieces = self.model.pieces
-        of_piece = rows["piece"][:n]
-        n_out = len(pieces.output_element)
-        torque, rate = np.empty((n_out, n)), np.empty((n_out, n))
-        speed = np.empty(n)
-        bearing = np.empty((len(self.largest), n))
-        for p in distinct(of_piece):
-            samples = np.flatnonzero(of_piece == p)
-            alone = len(samples) == n
-            state = (
-                rows[k][:n] if alone else rows[k].take(samples, 0) for k in ("q", "v", "f", "fr")
-            )
-            outputs = _answers(pieces, pieces.pieces[int(p)], *state)
-            if alone:
-                torque, rate, bearing, speed = outputs
-            else:
-                torque[:, samples], rate[:, samples], bearing[:, samples], speed[samples] = outputs
+        torque, rate, bearing = (rows[k][:, :n].copy() for k in ("torque", "rate", "bearing"))
         if self.keep_state:
+            pieces, of_piece = self.model.pieces, rows["piece"][:n]
             for name, kept in (("q", self.position), ("v", self.velocity)):
                 whole = np.empty((pieces.basis.vectors.shape[1], n))
                 for p in distinct(of_piece):
@@ -157,7 +142,7 @@ class _Recorder:
             if force[top] > self.largest[i, 0]:
                 self.largest[i] = force[top], time[top]
         further = np.concatenate([self._unbroken(rows["phase"][:n]), bearing])
-        self._samples.add(time, speed, torque, rate, further)
+        self._samples.add(time, rows["speed"][:n].copy(), torque, rate, further)
 
     def _unbroken(self, phase: Floats) -> Floats:
         """Phases without the jumps of their modulus, shape (n_motors, n)."""
@@ -169,33 +154,6 @@ class _Recorder:
             rows = rows[:, 1:]
         self._phase = rows[:, -1].copy()
         return np.ascontiguousarray(rows)
-
-
-def _answers(
-    pieces: ContactSystems, piece: ContactSystem, q: Floats, v: Floats, f: Floats, fr: Floats
-) -> tuple[Floats, Floats, Floats, Floats]:
-    """Element torques and rates, bearing forces and mean speed of rows of one piece."""
-    torque = (
-        product(piece.output_position, q.T)
-        + product(piece.output_velocity, v.T)
-        + product(piece.output_force, f.T)
-        + piece.output_constant[:, None]
-    )
-    rate = product(piece.output_position, v.T) + product(piece.output_force, fr.T)
-    if np.any(piece.output_velocity):
-        acceleration = product(f, piece.reach.T)
-        acceleration += piece.constant
-        acceleration -= v * piece.rate
-        acceleration -= q * piece.stiffness
-        rate += product(piece.output_velocity, acceleration.T)
-    bodies = pieces.basis.train.bodies
-    bearing = np.empty((len(bodies), len(q)))
-    for i, body in enumerate(bodies):
-        dofs = pieces.basis.train.node_dof[[body.node_x, body.node_y]]
-        shape = product(pieces.basis.vectors[dofs], piece.turn)
-        force = body.stiffness * product(shape, q.T) + body.damping * product(shape, v.T)
-        bearing[i] = hypot(force[0], force[1])
-    return torque, rate, bearing, product(v, product(pieces.mean_speed, piece.turn))
 
 
 def simulate_events(
@@ -274,18 +232,22 @@ class _Simulation:
         self.electrical: Any = tuple(
             a.copy() if isinstance(a, np.ndarray) else a for a in model.electrical
         )
+        n_outputs, n_bodies = len(pieces.output_element), len(pieces.basis.train.bodies)
         self._rows: dict[str, Any] = {  # filled again and again
             "t": np.empty(ROWS),
-            "q": np.zeros((ROWS, m)),
-            "v": np.empty((ROWS, m)),
-            "f": np.empty((ROWS, n_forces)),
-            "fr": np.empty((ROWS, n_forces)),
+            "speed": np.empty(ROWS),
+            "torque": np.empty((n_outputs, ROWS)),
+            "rate": np.empty((n_outputs, ROWS)),
+            "bearing": np.empty((n_bodies, ROWS)),
             "phase": np.empty((ROWS, len(model.phase))),
-            "piece": np.empty(ROWS, dtype=np.int64),
         }
+        if script.keep_state:
+            self._rows["q"], self._rows["v"] = np.empty((ROWS, m)), np.empty((ROWS, m))
+            self._rows["piece"] = np.empty(ROWS, dtype=np.int64)
         self.log = np.empty((LOGGED, 5))
         self.structs = self._structs()
         self.structs[0].piece = piece
+        self._known, self._pieces = 0, None  #: So many pieces are in the tables of the loop.
         self.recorder = _Recorder(model, script.keep_state, script.keep_all)
         self.field_time: float | None = None
         self.trip_time: float | None = None
@@ -307,8 +269,9 @@ class _Simulation:
                 "state_t", q=self.q, v=self.v, phase=self.phase, force=self.force, force_rate=self.rate
             ),
             struct(
-                "output_t", rows=ROWS, time=rows["t"], q=rows["q"], v=rows["v"], force=rows["f"],
-                force_rate=rows["fr"], phase=rows["phase"], piece=rows["piece"],
+                "output_t", rows=ROWS, time=rows["t"], speed=rows["speed"], torque=rows["torque"],
+                torque_rate=rows["rate"], bearing=rows["bearing"], phase=rows["phase"],
+                **{name: rows[name] for name in ("q", "v", "piece") if name in rows},
             ),
             struct("log_t", log=self.log, room=LOGGED),
         )  # fmt: skip
@@ -405,12 +368,16 @@ class _Simulation:
         """Call the compiled loop until it has something to say."""
         model, rows = self.model, self._rows
         self.clock.end_time = stop
-        pieces = events.pieces_struct(
-            model.pieces.tables(self.step, model.sampled), model.damper_force, len(self.contact)
-        )
+        if self._known != len(model.pieces.pieces):
+            self._known = len(model.pieces.pieces)
+            tables = model.pieces.tables(self.step, model.sampled)
+            bearings = model.pieces.bearings
+            self._pieces = events.pieces_struct(
+                tables, model.damper_force, len(self.contact), bearings
+            )
         while True:
-            done, logged, reason = events.advance_pieces(self.clock, pieces, *self.structs)
-            if reason == events.DIVIDED or not np.all(np.isfinite(rows["q"][max(done - 1, 0)])):
+            done, logged, reason = events.advance_pieces(self.clock, self._pieces, *self.structs)
+            if reason == events.DIVIDED or not np.all(np.isfinite(self.q)):
                 raise ModelError(
                     f"The start with clearances cannot be calculated beyond {self.clock.time:.4g} s: damping "
                     "and stiffness of meshes or bearings are too far apart for double precision. Check "

@@ -42,7 +42,7 @@ NEW_PIECE, STUCK, DIVIDED = library.NEW_PIECE, library.STUCK, library.DIVIDED
 #: Tables of the pieces in the order of `pieces_t`.
 TABLES = (
     "keys", "stiffness", "rate", "reach", "constant", "mean_speed", "flank_rows", "viscous", "shows",
-    "turns", "free", "forced", "solver", "made",
+    "turns", "position", "velocity", "direct", "offset", "damped", "centres", "free", "forced", "solver", "made",
 )  # fmt: skip
 
 
@@ -72,13 +72,37 @@ def advance_pieces(
     return rows[0], log.n, reason
 
 
-def pieces_struct(tables: Sequence[Any], damper_force: NDArray[np.int64], n_flanks: int) -> Any:
-    """``pieces_t`` from tables in the order of `TABLES`."""
+def pieces_struct(
+    tables: Sequence[Any],
+    damper_force: NDArray[np.int64],
+    n_flanks: int,
+    bearings: tuple[Floats, Floats],
+) -> Any:
+    """The pieces as the loop takes them.
+
+    Parameters
+    ----------
+    tables : sequence of ndarray
+        In the order of `TABLES`. [SI]
+    damper_force : ndarray of int, shape (n_dampers,)
+        Force of each damper. [index]
+    n_flanks : int
+        Flanks. [count]
+    bearings : tuple of ndarray
+        Stiffness and damping of the bearings of each gear that moves laterally. [N/m, N s/m]
+
+    Returns
+    -------
+    cdata
+        ``pieces_t`` of `kernels.h`. [SI]
+    """
     named = dict(zip(TABLES, tables, strict=True))
     n_pieces, n_forces, n = named["reach"].shape
     return struct(
         "pieces_t", n_pieces=n_pieces, n=n, n_forces=n_forces, n_flanks=n_flanks,
-        n_dampers=len(damper_force), levels=named["made"].shape[1], damper_force=damper_force, **named,
+        n_dampers=len(damper_force), levels=named["made"].shape[1], damper_force=damper_force,
+        n_outputs=named["offset"].shape[1], n_bodies=len(bearings[0]),
+        bearing_stiffness=bearings[0], bearing_damping=bearings[1], **named,
     )  # fmt: skip
 
 

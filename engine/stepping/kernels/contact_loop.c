@@ -14,6 +14,7 @@
  * The step follows what rings: a mode whose ringing shows in an answer is sampled as finely as the pulsation is, any
  * other mode may be passed over, since its motion is exact whatever the step.
  */
+#include "elementary_more.h"
 #include "modal.h"
 #include "step.h"
 
@@ -56,6 +57,7 @@ typedef struct {
     double *base_q, *base_v, *u, *r, *end_q, *end_v, *end_a, *speed, *acceleration;
     held_t *held;                    /* pieces of the curves */
     double *free, *forced, *solver, *matrix, *rotated; /* of a step of any length; room */
+    double *torque, *torque_rate, *share, *share_rate, *direct_rate, *centre, *centre_rate; /* of a row of output */
 } loop_t;
 
 typedef struct { int64_t which, kind; double at; } event_t; /* flank or target; share of the step (2: none) */
@@ -66,7 +68,7 @@ int64_t contact_room(const pieces_t *p, const drive_t *drive)
 {
     int64_t wide = largest_of(largest_of(p->n, p->n_forces), p->n_dampers);
     return 12 * p->n + 3 * p->n_forces + 4 * wide + drive->n_motors + 12 * p->n
-           + 8 * p->n_dampers * p->n_dampers + held_room(drive);
+           + 8 * p->n_dampers * p->n_dampers + held_room(drive) + 5 * p->n_outputs + 4 * p->n_bodies;
 }
 
 static double *take(double **room, int64_t n)
@@ -95,6 +97,13 @@ static void lay_out(loop_t *l, double *room)
     l->forced = take(&room, 8 * n);
     l->solver = take(&room, 4 * nd * nd);
     l->matrix = take(&room, 4 * nd * nd);
+    l->torque = take(&room, l->pieces->n_outputs);
+    l->torque_rate = take(&room, l->pieces->n_outputs);
+    l->share = take(&room, l->pieces->n_outputs);
+    l->share_rate = take(&room, l->pieces->n_outputs);
+    l->direct_rate = take(&room, l->pieces->n_outputs);
+    l->centre = take(&room, 2 * l->pieces->n_bodies);
+    l->centre_rate = take(&room, 2 * l->pieces->n_bodies);
     l->held = (held_t *)take(&room, held_room(l->drive));
     hold_none(l->drive, l->held);
 }
@@ -334,20 +343,71 @@ static void accept(loop_t *l)
     copy(s->n_forces, l->fr1, state->force_rate);
 }
 
-/* A row of output. */
-static void write_row(loop_t *l, int64_t *rows)
+/* What inputs and their rates give: as `to_modes`, from zero. */
+static void sums(int64_t n_out, int64_t n_in, const double *table, const double *in, const double *in_rate,
+                 double *out, double *out_rate)
+{
+    for (int64_t i = 0; i < n_out; i++) out[i] = out_rate[i] = 0.0;
+    to_modes(n_out, n_in, table, in, in_rate, out, out_rate);
+}
+
+/* Acceleration of the modes in the state, from its forces. */
+static void acceleration_of(const loop_t *l, double *a)
 {
     const system_t *s = &l->system;
     const state_t *state = l->state;
+    sums(s->n, s->n_forces, s->reach, state->force, state->force_rate, a, l->r);
+    for (int64_t i = 0; i < s->n; i++)
+        a[i] = a[i] + l->constant[i] - state->v[i] * s->rate[i] - state->q[i] * s->stiffness[i];
+}
+
+/* Torques and their rates in the state. */
+static void torques(const loop_t *l)
+{
+    const pieces_t *p = l->pieces;
+    const state_t *state = l->state;
+    const int64_t n = p->n, nf = p->n_forces, no = p->n_outputs, at = l->flanks->piece;
+    double *y = l->torque, *rate = l->torque_rate;
+    sums(no, n, p->position + at * n * no, state->q, state->v, y, rate);
+    if (p->damped[at]) {
+        acceleration_of(l, l->u);
+        sums(no, n, p->velocity + at * n * no, state->v, l->u, l->share, l->share_rate);
+        for (int64_t i = 0; i < no; i++) y[i] += l->share[i];
+    }
+    sums(no, nf, p->direct + at * nf * no, state->force, state->force_rate, l->share, l->direct_rate);
+    for (int64_t i = 0; i < no; i++) {
+        y[i] = y[i] + l->share[i] + p->offset[at * no + i];
+        rate[i] += l->direct_rate[i];
+        if (p->damped[at]) rate[i] += l->share_rate[i];
+    }
+}
+
+/* A row of output. */
+static void write_row(loop_t *l, int64_t *rows)
+{
+    const pieces_t *p = l->pieces;
+    const state_t *state = l->state;
     output_t *out = l->out;
-    const int64_t k = (*rows)++, nm = l->drive->n_motors;
+    const int64_t k = (*rows)++, n = p->n, nb = p->n_bodies, nm = l->drive->n_motors, at = l->flanks->piece;
+    double unused;
     out->time[k] = l->clock->time;
-    out->piece[k] = l->flanks->piece;
-    copy(s->n, state->q, out->q + k * s->n);
-    copy(s->n, state->v, out->v + k * s->n);
-    copy(s->n_forces, state->force, out->force + k * s->n_forces);
-    copy(s->n_forces, state->force_rate, out->force_rate + k * s->n_forces);
+    along(n, l->system.mean_speed, state->v, state->v, out->speed + k, &unused);
+    torques(l);
+    for (int64_t i = 0; i < p->n_outputs; i++) {
+        out->torque[i * out->rows + k] = l->torque[i];
+        out->torque_rate[i * out->rows + k] = l->torque_rate[i];
+    }
+    if (nb) sums(2 * nb, n, p->centres + at * n * 2 * nb, state->q, state->v, l->centre, l->centre_rate);
+    for (int64_t i = 0; i < nb; i++) {
+        const double stiffness = p->bearing_stiffness[i], damping = p->bearing_damping[i];
+        const double *x = l->centre + 2 * i, *y = l->centre_rate + 2 * i;
+        out->bearing[i * out->rows + k] = hypotenuse(stiffness * x[0] + damping * y[0], stiffness * x[1] + damping * y[1]);
+    }
     copy(nm, state->phase, out->phase + k * nm);
+    if (!out->q) return;
+    copy(n, state->q, out->q + k * n);
+    copy(n, state->v, out->v + k * n);
+    out->piece[k] = at;
 }
 
 /* How often the base step is halved: as long as what rings visibly is resolved. */

@@ -60,12 +60,13 @@ typedef struct {
 
 /* A row a step of the loop with events. */
 typedef struct {
-    double *q, *v;               /* (rows, n) */
-    double *force, *force_rate;  /* (rows, n_forces) */
-    double *time;                /* (rows) [s] */
-    double *phase;               /* (rows, n_motors) */
-    int64_t *piece;              /* (rows) */
-    int64_t rows;                /* room */
+    double *time, *speed;          /* (rows) [s, rad/s] */
+    double *torque, *torque_rate;  /* (n_outputs, rows) [N m, N m/s] */
+    double *bearing;               /* (n_bodies, rows) [N] */
+    double *phase;                 /* (rows, n_motors) */
+    double *q, *v;                 /* (rows, n) modal state, or none */
+    int64_t *piece;                /* (rows) whose modes these are, or none */
+    int64_t rows;                  /* room */
 } output_t;
 
 /* Torques of elements as linear functions of modes, their velocities and forces. */
@@ -101,6 +102,12 @@ typedef struct {
     const double *viscous;                        /* (n_pieces, n_dampers) */
     const double *shows;                          /* (n_pieces, n) share of an answer's scale */
     const double *turns;                          /* (n_pieces, n, n) from the common basis */
+    int64_t n_outputs, n_bodies;
+    const double *position, *velocity;            /* (n_pieces, n, n_outputs) torques of modes [N m, N m s] */
+    const double *direct, *offset;                /* (n_pieces, n_forces, n_outputs) [1], (n_pieces, n_outputs) [N m] */
+    const int64_t *damped;                        /* (n_pieces) whether velocities count */
+    const double *centres;                        /* (n_pieces, n, n_bodies, 2) where gears on bearings move */
+    const double *bearing_stiffness, *bearing_damping; /* (n_bodies) [N/m, N s/m] */
     double *free, *forced, *solver;               /* (n_pieces, levels, 2, 2, n), (…, 2, 4, n), (…, 2 n_d, 2 n_d) */
     int64_t *made;                                /* (n_pieces, levels) 0: coefficients not made yet */
     const int64_t *damper_force;                  /* (n_dampers) */
