@@ -211,7 +211,7 @@ def run_event_start(
     run = replace(fine.events, gave_up=gave_up)
     pull_in = _pull_in(run, case)
     if repeatability is not None:
-        judged = judged.repeated_in(repeatability.sizes)
+        judged = judged.repeated_in(repeatability.extremes)
         met = met and not repeatability.sensitive
     return Start(
         **vars(judged),
@@ -539,7 +539,7 @@ def _repeatability(
     reported = runs[0]
     parted = min(_together_until(reported.events, r.events, apart) for r in runs[1:])
     element_of = reported.trajectory.output_element
-    sizes, lowest, spread = [], [], 0.0
+    extremes, spread = [], 0.0
     largest = max((p.size for p in judged.peaks), default=0.0)
     for element, peak in zip(
         np.flatnonzero(judged.output_of_element >= 0), judged.peaks, strict=True
@@ -550,21 +550,20 @@ def _repeatability(
         for sign in (1.0, -1.0):
             late = np.array([_largest(r, own, sign, parted, math.inf) for r in runs])
             before = np.array([_largest(r, own, sign, -math.inf, parted) for r in runs])
-            extremes = np.maximum(before, late)
-            low, high = prediction_interval(extremes)
+            whole = np.maximum(before, late)
+            low, high = prediction_interval(whole)
             low = max(low, 0.0)
             high = max(high, prediction_interval(late)[1])
-            extreme = float(extremes[0])
+            extreme = float(whole[0])
             spread = max(spread, (high - extreme) / scale, (extreme - low) / scale)
             ends.append((low, high))
-        sizes.append((max(low for low, _ in ends), max(high for _, high in ends)))
-        lowest.append(-ends[1][1])
+        upper, (shallowest, deepest) = ends
+        extremes.append((upper, (-deepest, -shallowest)))
     return Repeatability(
         spread,
         spread > tolerance,
         len(runs),
-        tuple(sizes),
-        tuple(lowest),
+        tuple(extremes),
         tuple(
             {i: run.turning[i] for i, e in enumerate(element_of.tolist()) if e in counted}
             for run in runs

@@ -423,17 +423,7 @@ def _reversal(
 
 def _lowest(start: Start) -> dict[str, float]:
     """Torque of each element at the unfavourable end of the range of its minimum. [N m]"""
-    ensemble = start.repeatability
-    found = {}
-    for i, p in enumerate(start.peaks):
-        least, error = p.minimum, p.error
-        if ensemble is not None:
-            # the error reaches to the ends of the peak's range; the minimum has a range of its own
-            low, high = p.repeated or (p.size, p.size)
-            least = min(p.minimum, ensemble.lowest[i])
-            error = max(p.error - max(high - p.size, p.size - low), 0.0)
-        found[p.element] = least - error - (p.left_out or 0.0)
-    return found
+    return {p.element: p.extremes[1][0] - (p.left_out or 0.0) for p in start.peaks}
 
 
 def _starts(results: Results) -> Iterator[Verdict]:

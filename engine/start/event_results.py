@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from engine.arrays import Floats
+from engine.start.peaks import Range
 from engine.start.trajectory import Turning
 
 
@@ -74,10 +75,8 @@ class Repeatability:
     spread: float  #: Largest distance of a reported peak from an end of its interval, relative. [1]
     sensitive: bool  #: Whether that is more than the tolerance. [flag]
     runs: int  #: Runs of the ensemble. [count]
-    #: Interval of the larger magnitude of the extremes of each element with a peak. [N m]
-    sizes: tuple[tuple[float, float], ...]
-    #: Lower end of the interval of the minimum of each, in the same order. [N m]
-    lowest: tuple[float, ...]
+    #: Intervals of maximum and minimum of each element with a peak. [N m]
+    extremes: tuple[tuple[Range, Range], ...]
     #: Of each run the turning points of the outputs whose cycles are counted. [s, N m]
     histories: tuple[Mapping[int, Turning], ...]
     #: Change of the torques, in billionths, and step of each run beyond the two of any start. [1e-9, s]

@@ -187,7 +187,7 @@ def test_what_comes_after_runs_have_parted_may_exceed_what_came_before() -> None
 
     spread = found(9.2, 8.8, 9.6, 9.2)
     high = prediction_interval(np.array([9.2, 8.8, 9.6, 9.2]))[1]
-    assert spread.sizes == ((10.0, pytest.approx(high)),)
+    assert spread.extremes == (((10.0, pytest.approx(high)), (-4.0, -4.0)),)
     assert spread.spread == pytest.approx(0.1 * high - 1.0)
     assert spread.sensitive
     assert [run[0][1][-1] for run in spread.histories] == [9.2, 8.8, 9.6, 9.2]
