@@ -156,6 +156,7 @@ def run_event_start(
     halvings, repeatability, taken, last = 0, None, coarse.work + fine.work, False
     runs: list[_Run] = []
     further: list[tuple[int, float]] = []
+    first, first_step, had_parted = coarse, step, False
     while True:
         same_until = _together_until(coarse.events, fine.events, TOGETHER * step)
         judged = judge_run(
@@ -177,6 +178,8 @@ def run_event_start(
             break  # a finer run would only give up sooner
         # h and h/2 may agree by chance where they part: only runs that are together have an order
         parted = same_until < math.inf
+        had_parted |= parted
+        repeat = False
         if parted and (met or last or halvings):
             runs, felt, hopeless = [fine, coarse], False, False
             if not last:
@@ -186,18 +189,25 @@ def run_event_start(
                 runs.append(other)
                 felt = _spread(fine, other, judged.output_of_element) > FELT * tolerance
                 hopeless = _together_until(fine.events, other.events, TOGETHER * step) < math.inf
-            if (met and hopeless) or last or felt:  # no step is fine enough to keep runs together
-                for k, h in _variations(step):
-                    if coarse.work > MOST_WORK - taken:
-                        break
-                    further.append((k, h))
-                    runs.append(_light(at(h, MOST_WORK - taken, k)))
-                    taken += runs[-1].work
-                runs = [run for run in runs if not run.events.gave_up]
-                counted = {index for index, _ in judged_shafts(case)}
-                repeatability = _repeatability(runs, TOGETHER * step, judged, tolerance, counted)
-                repeatability = replace(repeatability, further=tuple(further))
-                break
+            # no step is fine enough to keep runs together
+            repeat = (met and hopeless) or last or felt
+        elif had_parted and met and not further:
+            # runs that are together may still be far from one of other torques: the longest step tells
+            runs, other = [fine, coarse], _light(at(first_step, MOST_WORK - taken, 1))
+            taken += other.work
+            repeat = _spread(first, other, judged.output_of_element) > FELT * tolerance
+        if repeat:
+            for k, h in _variations(step):
+                if coarse.work > MOST_WORK - taken:
+                    break
+                further.append((k, h))
+                runs.append(_light(at(h, MOST_WORK - taken, k)))
+                taken += runs[-1].work
+            runs = [run for run in runs if not run.events.gave_up]
+            counted = {index for index, _ in judged_shafts(case)}
+            repeatability = _repeatability(runs, TOGETHER * step, judged, tolerance, counted)
+            repeatability = replace(repeatability, further=tuple(further))
+            break
         if last or (met and not parted):
             break
         finer = at(0.25 * step, enough)
