@@ -399,9 +399,10 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 printed="Speed", pane=Pane.MINOR,
             ),
             number(
-                "Error", "fraction", "Estimated relative error of the peak.",
-                "Change of the extremes from step h to h/2, with a bound on the modes left out and the error from "
-                "the pieces of distributed shafts, divided by the larger extreme",
+                "Error", "fraction", "Estimated error of maximum and minimum, relative to the larger, and of the peak-to-peak torque.",
+                "Change of both extremes from step h to h/2, with a bound on the modes left out and the error from "
+                "the pieces of distributed shafts, divided by the larger extreme; where runs part after impacts, up to "
+                "the ends of the 99 % intervals of maximum, minimum and peak-to-peak torque",
                 "docs/method.md, The start; docs/method.md, Distributed shafts", of_case=("TolerancePeak", "Method"), format=shown.ERROR,
                 error=ReportedError.ESTIMATE, printed="Estimated error", pane=Pane.MINOR,
             ),
@@ -425,6 +426,20 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 "from several runs",
                 "docs/method.md, Errors of a start", us="lbf*ft", of_row=("StartupPeaks.Error", "StartupPeaks.Left out"),
                 error=ReportedError.PEAKS, pane=Pane.MINOR,
+            ),
+            number(
+                "Minimum low", "torque", "Lowest minimum torque, likewise; Torque reversal uses it.",
+                "Minimum torque − error − left out; where runs part after impacts, the lower end of a 99 % interval "
+                "of the minimum",
+                "docs/method.md, Errors of a start", us="lbf*ft", of_row=("StartupPeaks.Error", "StartupPeaks.Left out"),
+                format=shown.SIGNED, error=ReportedError.PEAKS, share_of="Peak-to-peak torque", pane=Pane.MINOR,
+            ),
+            number(
+                "Minimum high", "torque", "Highest minimum torque, likewise.",
+                "Minimum torque + error + left out; where runs part after impacts, the upper end of a 99 % interval "
+                "of the minimum",
+                "docs/method.md, Errors of a start", us="lbf*ft", of_row=("StartupPeaks.Error", "StartupPeaks.Left out"),
+                format=shown.SIGNED, error=ReportedError.PEAKS, share_of="Peak-to-peak torque", pane=Pane.MINOR,
             ),
         ),
     ),

@@ -162,6 +162,7 @@ def run_event_start(
     halvings, repeatability, taken, last = 0, None, coarse.work + fine.work, False
     runs: list[_Run] = []
     further: list[tuple[int, float]] = []
+    first, first_step, had_parted = coarse, step, False
     while True:
         same_until = _together_until(coarse.events, fine.events, TOGETHER * step)
         judged = judge_run(
@@ -183,6 +184,8 @@ def run_event_start(
             break  # a finer run would only give up sooner
         # h and h/2 may agree by chance where they part: only runs that are together have an order
         parted = same_until < math.inf
+        had_parted |= parted
+        repeat = False
         if parted and (met or last or halvings):
             runs, felt, hopeless = [fine, coarse], False, False
             if not last:
@@ -192,18 +195,25 @@ def run_event_start(
                 runs.append(other)
                 felt = _spread(fine, other, judged.output_of_element) > FELT * tolerance
                 hopeless = _together_until(fine.events, other.events, TOGETHER * step) < math.inf
-            if (met and hopeless) or last or felt:  # no step is fine enough to keep runs together
-                for k, h in _variations(step):
-                    if coarse.work > most_work - taken:
-                        break
-                    further.append((k, h))
-                    runs.append(_light(at(h, most_work - taken, k)))
-                    taken += runs[-1].work
-                runs = [run for run in runs if not run.events.gave_up]
-                counted = {index for index, _ in judged_shafts(case)}
-                repeatability = _repeatability(runs, TOGETHER * step, judged, tolerance, counted)
-                repeatability = replace(repeatability, further=tuple(further))
-                break
+            # no step is fine enough to keep runs together
+            repeat = (met and hopeless) or last or felt
+        elif had_parted and met and not further:
+            # runs that are together may still be far from one of other torques: the longest step tells
+            runs, other = [fine, coarse], _light(at(first_step, most_work - taken, 1))
+            taken += other.work
+            repeat = _spread(first, other, judged.output_of_element) > FELT * tolerance
+        if repeat:
+            for k, h in _variations(step):
+                if coarse.work > most_work - taken:
+                    break
+                further.append((k, h))
+                runs.append(_light(at(h, most_work - taken, k)))
+                taken += runs[-1].work
+            runs = [run for run in runs if not run.events.gave_up]
+            counted = {index for index, _ in judged_shafts(case)}
+            repeatability = _repeatability(runs, TOGETHER * step, judged, tolerance, counted)
+            repeatability = replace(repeatability, further=tuple(further))
+            break
         if last or (met and not parted):
             break
         finer = at(0.25 * step, enough)
@@ -217,7 +227,7 @@ def run_event_start(
     run = replace(fine.events, gave_up=gave_up)
     pull_in = _pull_in(run, case)
     if repeatability is not None:
-        judged = judged.repeated_in(repeatability.sizes)
+        judged = judged.repeated_in(repeatability.extremes)
         met = met and not repeatability.sensitive
     return Start(
         **vars(judged),
@@ -546,7 +556,7 @@ def _repeatability(
     reported = runs[0]
     parted = min(_together_until(reported.events, r.events, apart) for r in runs[1:])
     element_of = reported.trajectory.output_element
-    sizes, lowest, spread = [], [], 0.0
+    extremes, spread = [], 0.0
     largest = max((p.size for p in judged.peaks), default=0.0)
     for element, peak in zip(
         np.flatnonzero(judged.output_of_element >= 0), judged.peaks, strict=True
@@ -557,21 +567,20 @@ def _repeatability(
         for sign in (1.0, -1.0):
             late = np.array([_largest(r, own, sign, parted, math.inf) for r in runs])
             before = np.array([_largest(r, own, sign, -math.inf, parted) for r in runs])
-            extremes = np.maximum(before, late)
-            low, high = prediction_interval(extremes)
+            whole = np.maximum(before, late)
+            low, high = prediction_interval(whole)
             low = max(low, 0.0)
             high = max(high, prediction_interval(late)[1])
-            extreme = float(extremes[0])
+            extreme = float(whole[0])
             spread = max(spread, (high - extreme) / scale, (extreme - low) / scale)
             ends.append((low, high))
-        sizes.append((max(low for low, _ in ends), max(high for _, high in ends)))
-        lowest.append(-ends[1][1])
+        upper, (shallowest, deepest) = ends
+        extremes.append((upper, (-deepest, -shallowest)))
     return Repeatability(
         spread,
         spread > tolerance,
         len(runs),
-        tuple(sizes),
-        tuple(lowest),
+        tuple(extremes),
         tuple(
             {i: run.turning[i] for i, e in enumerate(element_of.tolist()) if e in counted}
             for run in runs

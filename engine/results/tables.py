@@ -153,6 +153,8 @@ def _startup_peaks(results: Results) -> list[Row]:
                 "left_out": start.left_out,
                 "peak_low": p.low,
                 "peak_high": p.high,
+                "minimum_low": None if p.minimum_range is None else p.minimum_range[0],
+                "minimum_high": None if p.minimum_range is None else p.minimum_range[1],
             }
         )
     return rows

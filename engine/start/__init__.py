@@ -5,17 +5,17 @@ module            responsibility
 ================  ================================================================================
 `trajectory`      sampled histories of a start, their turning points, and how they are kept in
                   bounded memory
+`settings`        how a start is to be calculated: what the case asks for, blanks filled
+`peaks`           extremes of the torque of each element, and how sure they are
 `event_results`   what a start with events found: teeth that met again, forces of bearings, pull-
                   in, repeatability
 `pull_in`         pull-in of a synchronous motor, read from a simulated run: did it come into
                   step, and how
-`settings`        how a start is to be calculated: what the case asks for, blanks filled
 `torque_outputs`  element torques as linear functions of modal coordinates and applied torques
 `time_response`   any train under prescribed torques, untwisted at the beginning
 `start_model`     a start in arrays: as few modes as the tolerance allows, forces, dampers and
                   curves
 `outcome`         how a start ended: the word, and the sentence with its numbers
-`peaks`           extremes of the torque of each element, and how sure they are
 `simulation`      one simulation of a start at one step, and what is read out of it
 `side_by_side`    many calculations in turn, whose starts run side by side in the lanes of one loop
 `start`           the start: average and pulsating torque against the loads, from rest to the end

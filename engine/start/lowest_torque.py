@@ -22,17 +22,7 @@ def lowest_torques(start: Start) -> dict[str, float]:
     dict of str to float
         Minimum less error, ensemble and what is left out, as far as that has a bound. [N m]
     """
-    ensemble = start.repeatability
-    found = {}
-    for i, p in enumerate(start.peaks):
-        least, error = p.minimum, p.error
-        if ensemble is not None:
-            # the error reaches to the ends of the peak's range; the minimum has a range of its own
-            low, high = p.repeated or (p.size, p.size)
-            least = min(p.minimum, ensemble.lowest[i])
-            error = max(p.error - max(high - p.size, p.size - low), 0.0)
-        found[p.element] = least - error - (p.left_out or 0.0)
-    return found
+    return {p.element: p.extremes[1][0] - (p.left_out or 0.0) for p in start.peaks}
 
 
 def doubts_of_minima(start: Start) -> dict[str, float | None]:

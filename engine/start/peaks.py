@@ -21,6 +21,9 @@ COMPARED_EXTREMES = 6
 #: No element is taken to be more accurate than this share of the worst, nor than `LEAST_PEAK_ERROR`.
 SHARED_ERROR = 0.05
 
+#: Lower and upper end. [as its quantity]
+Range = tuple[float, float]
+
 
 @dataclass(frozen=True)
 class ElementPeak:
@@ -31,28 +34,83 @@ class ElementPeak:
     minimum: float  #: Likewise. [N m]
     time: float  #: When the larger of the two magnitudes occurs. [s]
     speed: float  #: Mean speed of the reference shaft then. [rad/s]
-    error: float  #: Estimated absolute error of the extremes. [N m]
+    #: Error of the extremes, the larger of the two; over `size` also that of the peak-to-peak torque. [N m]
+    error: float
     peak_to_peak: float  #: Maximum minus minimum of the section where that is largest. [N m]
     #: Bound on what effects left out may change; None = no bound is known. [N m]
     left_out: float | None = 0.0
-    #: Interval of the size over an ensemble of equally right runs; None where it is repeatable. [N m]
-    repeated: tuple[float, float] | None = None
+    #: Ranges of maximum and minimum where equally right runs differ; None: both are known to `error`. [N m]
+    repeated: tuple[Range, Range] | None = None
+
+    @property
+    def extremes(self) -> tuple[Range, Range]:
+        """Ranges of maximum and minimum within error, without what is left out. [N m]"""
+        if self.repeated is not None:
+            return self.repeated
+        return _around(self.maximum, self.error), _around(self.minimum, self.error)
 
     @property
     def low(self) -> float | None:
-        """Least size within error, what is left out and the ensemble; None = no bound. [N m]"""
+        """Least size within error and what is left out; None = no bound. [N m]"""
         if self.left_out is None:
             return None
-        least = self.size if self.repeated is None else self.repeated[0]
-        return max(min(least, self.size - self.error) - self.left_out, 0.0)
+        (least, _), (_, shallowest) = self.extremes
+        return max(max(least, -shallowest) - self.left_out, 0.0)
 
     @property
     def high(self) -> float | None:
         """Largest size, likewise. [N m]"""
         if self.left_out is None:
             return None
-        most = self.size if self.repeated is None else self.repeated[1]
-        return max(most, self.size + self.error) + self.left_out
+        (_, most), (deepest, _) = self.extremes
+        return max(most, -deepest) + self.left_out
+
+    @property
+    def minimum_range(self) -> Range | None:
+        """The minimum within error and what is left out; None = no bound. [N m]"""
+        if self.left_out is None:
+            return None
+        _, (low, high) = self.extremes
+        return low - self.left_out, high + self.left_out
+
+    @property
+    def peak_to_peak_high(self) -> float | None:
+        """Largest maximum minus minimum, likewise: both extremes may err at once. [N m]"""
+        if self.left_out is None:
+            return None
+        (_, most), (deepest, _) = self.extremes
+        grows = most - self.maximum + self.minimum - deepest
+        return self.peak_to_peak + grows + 2.0 * self.left_out
+
+    def with_error(self, more: float) -> Self:
+        """The same with errors and ranges that are wider.
+
+        Parameters
+        ----------
+        more : float
+            At each end. [N m]
+        """
+        wider = self.repeated and (_wider(self.repeated[0], more), _wider(self.repeated[1], more))
+        return replace(self, error=self.error + more, repeated=wider)
+
+    def repeated_in(self, maximum: Range, minimum: Range) -> Self:
+        """The same with the ranges of its extremes over an ensemble of runs, its own error included.
+
+        Parameters
+        ----------
+        maximum, minimum : (float, float)
+            Ranges over the ensemble. [N m]
+        """
+        above, within = maximum[1] - self.maximum, self.maximum - maximum[0]
+        below, short = self.minimum - minimum[0], minimum[1] - self.minimum
+        share = self.size / self.peak_to_peak if self.peak_to_peak > 0.0 else 0.0
+        of_both = share * max(above + below, within + short)
+        upper, lower = self.extremes
+        return replace(
+            self,
+            error=max(self.error, above, within, below, short, of_both),
+            repeated=(_both(upper, maximum), _both(lower, minimum)),
+        )
 
     @property
     def size(self) -> float:
@@ -63,6 +121,19 @@ class ElementPeak:
     def relative_error(self) -> float:
         """Error over the larger magnitude of the extremes. [1]"""
         return self.error / self.size if self.size > 0.0 else 0.0
+
+
+def _around(value: float, error: float) -> Range:
+    return value - error, value + error
+
+
+def _wider(ends: Range, more: float) -> Range:
+    return ends[0] - more, ends[1] + more
+
+
+def _both(a: Range, b: Range) -> Range:
+    """The range that holds both."""
+    return min(a[0], b[0]), max(a[1], b[1])
 
 
 def worst_outputs(train: Train, run: SingleRun) -> Ints:
@@ -201,17 +272,16 @@ class JudgedRun:
     #: most cycles are used up need not be where the range is largest. [s, N m]
     sections: Mapping[int, tuple[tuple[Turning, Turning], ...]]
 
-    def repeated_in(self, sizes: Sequence[tuple[float, float]]) -> Self:
-        """The same with the intervals of the peaks over an ensemble of runs, to whose ends their errors reach.
+    def repeated_in(self, ranges: Sequence[tuple[Range, Range]]) -> Self:
+        """The same with the ranges of the extremes over an ensemble of runs.
 
         Parameters
         ----------
-        sizes : sequence of (float, float)
-            One a peak. [N m]
+        ranges : sequence of two (float, float)
+            Of maximum and minimum, one pair a peak. [N m]
         """
         peaks = tuple(
-            replace(p, repeated=(low, high), error=max(p.error, high - p.size, p.size - low))
-            for p, (low, high) in zip(self.peaks, sizes, strict=True)
+            p.repeated_in(*extremes) for p, extremes in zip(self.peaks, ranges, strict=True)
         )
         return replace(self, peaks=peaks, estimated_error=_largest_relative_error(peaks))
 

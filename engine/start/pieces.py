@@ -150,9 +150,7 @@ def with_pieces_error(start: Start, errors: Mapping[str, float], tolerance: floa
     """
     if not errors:
         return start
-    peaks = tuple(
-        replace(p, error=p.error + errors.get(p.element, 0.0) * p.size) for p in start.peaks
-    )
+    peaks = tuple(p.with_error(errors.get(p.element, 0.0) * p.size) for p in start.peaks)
     error = start.estimated_error + max(errors.values())
     return replace(
         start,

@@ -167,8 +167,9 @@ def _shaft(
     shaft, fine, coarse = max(found, key=lambda one: (one[0].damage, one[0].largest_amplitude))
     damage = shaft.damage
     if damage == 0.0:
-        if peak.high is not None:  # an ensemble may go higher than its reported run
-            shaft = of(fine, peak.high - peak.size, always_count)
+        if peak.peak_to_peak_high is not None:  # an ensemble may go beyond its reported run
+            reach = 0.5 * (peak.peak_to_peak_high - peak.peak_to_peak)
+            shaft = of(fine, reach, always_count)
         return replace(shaft, left_out=None if start.left_out is None else 0.0), None
     # that of the peak would be told of every small cycle, too, near endurance the most
     relative = RANGES_SHARE * _relative_difference(fine, coarse) + start.truncation_error

@@ -160,14 +160,24 @@ def test_until_when_two_runs_were_together() -> None:
 
 
 def test_the_interval_for_one_more_run() -> None:
-    """Of 20,000 samples of twelve, 99 % hold one more of the same normal distribution; all hold their own."""
+    """Of 10,000 samples of twelve, 99.8 % hold one more of the same normal distribution; all hold their own.
+
+    Of largest values, which are skewed (Gumbel), 98.9 % do; with the quantile of 0.99 97.7 % would.
+    """
     rng = np.random.default_rng(3)
-    inside = 0
-    for values in rng.normal(size=(20_000, 13)):
-        low, high = prediction_interval(values[:12])
-        assert low <= values[:12].min() <= values[:12].max() <= high
-        inside += low <= values[12] <= high
-    assert inside / 20_000 == pytest.approx(0.99, abs=0.003)  # four standard errors
+    for samples, share in (
+        (rng.normal(size=(10_000, 13)), 0.998),
+        (rng.gumbel(size=(10_000, 13)), 0.989),
+    ):
+        inside = 0
+        for values in samples:
+            low, high = prediction_interval(values[:12])
+            assert low <= values[:12].min() <= values[:12].max() <= high
+            inside += low <= values[12] <= high
+        # four standard errors
+        assert inside / 10_000 == pytest.approx(
+            share, abs=4.0 * math.sqrt(share * (1 - share) / 10_000)
+        )
 
 
 def test_what_comes_after_runs_have_parted_may_exceed_what_came_before() -> None:
@@ -187,7 +197,7 @@ def test_what_comes_after_runs_have_parted_may_exceed_what_came_before() -> None
 
     spread = found(9.2, 8.8, 9.6, 9.2)
     high = prediction_interval(np.array([9.2, 8.8, 9.6, 9.2]))[1]
-    assert spread.sizes == ((10.0, pytest.approx(high)),)
+    assert spread.extremes == (((10.0, pytest.approx(high)), (-4.0, -4.0)),)
     assert spread.spread == pytest.approx(0.1 * high - 1.0)
     assert spread.sensitive
     assert [run[0][1][-1] for run in spread.histories] == [9.2, 8.8, 9.6, 9.2]

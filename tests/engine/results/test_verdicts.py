@@ -15,7 +15,6 @@ from engine.results.tables import result_tables
 from engine.results.times import accuracy_of
 from engine.results.verdicts import overall_verdict, verdicts_of
 from engine.run import run
-from engine.start.event_results import Repeatability
 from tests.sample_case import sample_case, with_limits
 
 MPA = 1e6
@@ -250,7 +249,9 @@ def test_a_peak_that_fails_is_not_hidden_by_a_wider_range_that_does_not(complete
     case = changed(complete.case, peak_torque_limit={FIRST: 100.0, SECOND: 100.0})
     size = {FIRST: (90.0, (80.0, 300.0)), SECOND: (105.0, (105.0, 105.0))}
     peaks = tuple(
-        replace(p, maximum=size[p.element][0], minimum=0.0, error=0.0, repeated=size[p.element][1])
+        replace(p, maximum=size[p.element][0], minimum=0.0, error=0.0).repeated_in(
+            size[p.element][1], (0.0, 0.0)
+        )
         if p.element in size
         else p
         for p in complete.start.peaks
@@ -316,22 +317,19 @@ def test_a_reversal_is_judged_by_the_range_of_the_minimum_not_by_that_of_the_pea
     """Runs part: the peak is known to 50 N m, the minimum to `lower`; the limit is 10 N m beyond it."""
     assert complete.start is not None
     (mesh,) = complete.reversals
+    lowest = mesh.minimum_torque
     peaks = tuple(
-        replace(p, minimum=mesh.minimum_torque, error=50.0, repeated=(p.size - 20.0, p.size + 50.0))
+        replace(p, minimum=lowest, error=1.0).repeated_in(
+            (p.maximum - 50.0, p.maximum + 50.0), (lowest - lower, lowest)
+        )
         if p.element == mesh.element
         else p
         for p in complete.start.peaks
     )
-    lowest = tuple(mesh.minimum_torque - lower for _ in peaks)
-    sizes = tuple((p.size, p.size) for p in peaks)
     near = replace(
         complete,
-        start=replace(
-            complete.start,
-            peaks=peaks,
-            repeatability=Repeatability(1.0, True, 12, sizes, lowest, ()),
-        ),
-        reversals=(replace(mesh, limit=10.0 - mesh.minimum_torque, verdict=Judgement.PASS),),
+        start=replace(complete.start, peaks=peaks),
+        reversals=(replace(mesh, limit=10.0 - lowest, verdict=Judgement.PASS),),
     )
     assert check(near, "Torque reversal").verdict == verdict
 
