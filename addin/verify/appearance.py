@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
-from addin.contract.input_copy import COPY_SHEET
+from addin.contract.banner import COPY_SHEET
 from addin.contract.problems import shortened
 from addin.contract.sheets import SHEETS
 from addin.contract.studies.registry import with_studies

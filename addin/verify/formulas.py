@@ -8,14 +8,15 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from addin.contract.banner import (
-    CHANGED_NAME,
+    CHANGED_CELL,
     CHANGED_WORDS,
-    OVERALL,
     OVERALL_WITHOUT_COPY,
     bare,
+    is_changed,
     is_earlier_banner,
+    overall_formula,
 )
-from addin.contract.input_copy import CHANGED_FORMULA
+from addin.contract.input_copy import CHANGED_FORMULA, CHECKS, COPY_ROW
 from addin.contract.problems import shortened
 from addin.contract.sheets import (
     BLANK_TEXT,
@@ -126,16 +127,24 @@ def own_formulas(workbook: Workbook) -> list[OwnFormula]:
     name = workbook.defined_names.get("OverallVerdict")
     if name is not None and name.sheet is not None and name.rect is not None:
         place = (name.sheet, name.rect.top, name.rect.left)
-        copied = CHANGED_NAME in workbook.defined_names
-        banner = OVERALL if copied else OVERALL_WITHOUT_COPY
+        banner = OVERALL_WITHOUT_COPY
+        if changed := _changed_cell(workbook):
+            sheet, row, column = changed
+            formulas.append(OwnFormula(*changed, CHANGED_FORMULA, _ANY_CHANGED))
+            banner = overall_formula(is_changed(f"{quoted_sheet(sheet)}!{cell_name(row, column)}"))
         formulas.append(OwnFormula(*place, banner, _BANNER))
-    name = workbook.defined_names.get(CHANGED_NAME)
-    if name is not None and name.sheet is not None and name.rect is not None:
-        place = (name.sheet, name.rect.top, name.rect.left)
-        formulas.append(OwnFormula(*place, CHANGED_FORMULA, _ANY_CHANGED))
     for sheet, beside in _labelled(workbook):
         formulas += _beside_labels(workbook, sheet, beside)
     return [*formulas, *_lines(workbook)]
+
+
+def _changed_cell(workbook: Workbook) -> tuple[str, int, int] | None:
+    """The cell that says whether an input has changed, above the copy of the inputs; None without a copy."""
+    checks = workbook.tables.get(CHECKS)
+    if checks is None:
+        return None
+    row, column = parse_cell(CHANGED_CELL)
+    return checks.sheet, checks.ref.top - COPY_ROW + row, checks.ref.left - 1 + column
 
 
 def _of_column(workbook: Workbook, table: Table, first: str, column: Field) -> Iterator[OwnFormula]:

@@ -132,14 +132,17 @@ def test_another_formula_in_place_of_ours_is_judged_by_what_it_shows(
 
 @pytest.mark.first_ones(2)
 @pytest.mark.parametrize(
-    "formula",
+    ("sheet", "formula"),
     [
-        '"INCOMPLETE: "&amp;COUNTA(Verdicts[Check])&amp;" checks"',
-        'IF(COUNTA(Verdicts[Check])&gt;0,"{banner}","")',
-        "IF(TRUE,OverallVerdict)",
+        ("Margins", '"INCOMPLETE: "&amp;COUNTA(Verdicts[Check])&amp;" checks"'),
+        ("Starts", 'IF(COUNTA(Verdicts[Check])&gt;0,"{banner}","")'),
+        ("Effects", "IF(TRUE,OverallVerdict)"),
+        ("Audit", "IF(TRUE,Summary!$B$9)"),
     ],
 )
-def test_a_verdict_on_another_sheet_that_is_not_the_overall_one_is_seen(train, tampered, formula):
+def test_a_verdict_on_another_sheet_that_is_not_the_overall_one_is_seen(
+    train, tampered, sheet, formula
+):
     """Its value follows from its formula, which nobody reads."""
     banner = open_workbook(train, read_only=True).shown_value("Summary", "B9")
     text = formula.format(banner=banner)
@@ -147,45 +150,40 @@ def test_a_verdict_on_another_sheet_that_is_not_the_overall_one_is_seen(train, t
 
     def edit(package):
         package.change(
-            package.part_of_sheet("Margins"),
+            package.part_of_sheet(sheet),
             lambda xml: re.sub(
-                "<f>OverallVerdict</f><v>[^<]*</v>", lambda _: f"<f>{text}</f><v>{shown}</v>", xml
+                r"<f>Summary!\$B\$9</f><v>[^<]*</v>", lambda _: f"<f>{text}</f><v>{shown}</v>", xml
             ),
         )
 
     found = tampered(edit)
     assert not found.passes
-    assert ("Margins", "edited") in {(f.sheet, f.kind) for f in failing(found)}
+    assert (sheet, "B2", "edited") in {(f.sheet, f.cell, f.kind) for f in failing(found)}
 
 
 @pytest.mark.first_ones(2)
 @pytest.mark.parametrize(
-    ("name", "how"),
+    ("place", "how"),
     [
-        ("OverallVerdict", ("IFERROR(InputsChanged,1)", "FALSE")),
-        ("OverallVerdict", ("=IF(", '=IF(NOW()>60000,"PASS: all 9 checks",', ")")),
-        ("InputsChanged", ("=AND(", "=AND(NOW()<60000,")),
+        (("Summary", "B9"), ("IFERROR('Inputs calculated'!$C$2,1)", "FALSE")),
+        (("Summary", "B9"), ("=IF(", '=IF(NOW()>60000,"PASS: all 9 checks",', ")")),
+        (("Inputs calculated", "C2"), ("=IFERROR(", "=(NOW()>60000)*IFERROR(")),
     ],
 )
-def test_a_banner_that_will_say_something_else_after_an_edit_is_seen(edited, name, how):
+def test_a_banner_that_will_say_something_else_after_an_edit_is_seen(edited, place, how):
     """It shows the right verdict now."""
 
     def edit(workbook):
-        at = workbook.defined_names[name]
-        cell = cell_name(at.rect.top, at.rect.left)
-        held = workbook.value(at.sheet, cell)
+        held = workbook.value(*place)
         old, new, *end = how
         text = f"={held.text}".replace(old, "=IF(" + new[4:] + "IF(" if end else new, 1)
-        workbook.set_cell(
-            at.sheet, cell, Formula("".join([text.removeprefix("="), *end]), held.cached),
-            replace_formula=True,
-        )  # fmt: skip
+        assert text != f"={held.text}"
+        text = "".join([text.removeprefix("="), *end])
+        workbook.set_cell(*place, Formula(text, held.cached), replace_formula=True)
 
     found = verify_file(edited(edit))
     assert not found.passes
-    at = open_workbook(found.source, read_only=True).defined_names[name]
-    cell = cell_name(at.rect.top, at.rect.left)
-    assert (at.sheet, cell, "edited") in {(f.sheet, f.cell, f.kind) for f in failing(found)}
+    assert (*place, "edited") in {(f.sheet, f.cell, f.kind) for f in failing(found)}
 
 
 @pytest.mark.slow
