@@ -24,7 +24,7 @@ _PAPER = {"us": 11.0, "si": 11.69}
 #: Programs measure columns a little differently. [1]
 _PRINT_SLACK = 0.94
 #: Room of the overall verdict at the left end of the strip, where nobody has to scroll. [characters]
-_VERDICT_WIDTH = 54.0
+_VERDICT_WIDTH = 46.0
 #: A name of a fact in a formula.
 _FACT = re.compile(r"\b[a-z]+_[A-Za-z0-9]+\b")
 #: Last row but one of a sheet: a print area of whole columns is none to openpyxl.

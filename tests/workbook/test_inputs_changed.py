@@ -373,6 +373,30 @@ def test_a_workbook_that_lost_the_copy_is_told_so(tmp_path: Path) -> None:
     assert opened(report.path)["Summary"]["B9"].value == CHANGED
 
 
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        (b'calcMode="manual"', ["manual calculation"]),
+        (b'iterate="1" fullPrecision="0"', ["iterative calculation", "precision as displayed"]),
+        (b'calcMode="autoNoTable" fullPrecision="1"', []),
+    ],
+)
+def test_settings_that_make_banners_late_are_told_and_left_as_they_are(
+    tmp_path: Path, settings: bytes, words: list[str]
+) -> None:
+    with zipfile.ZipFile(SOURCE) as shipped, zipfile.ZipFile(tmp_path / "in.xlsx", "w") as new:
+        for entry in shipped.namelist():
+            data = shipped.read(entry)
+            if entry == "xl/workbook.xml":
+                data = re.sub(rb"<calcPr [^>]*/>", b"<calcPr %s/>" % settings, data)
+                assert settings in data
+            new.writestr(entry, data)
+    report = write_results(tmp_path / "in.xlsx", tmp_path / "out.xlsx", made_up_run(), STAMP)
+    assert [note.split(" is set to ")[1].split(":")[0] for note in report.notes] == words
+    with zipfile.ZipFile(report.path) as written:
+        assert settings in written.read("xl/workbook.xml")
+
+
 def with_other_names(path: Path, names: bytes) -> None:
     """The example with other names of tables, and of cells."""
     with (
