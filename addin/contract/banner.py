@@ -25,10 +25,22 @@ _OPEN = f"{_count('not judged*')}+{_count('incomplete*')}"
 _WITHIN_ERROR = _count("pass within*")
 #: How many notes there are.
 NOTES = 'COUNTIF(Audit[Item],"Warning *")'
-#: Defined name of the cell that says whether an input has changed since the calculation.
-CHANGED_NAME = "InputsChanged"
-#: The same as a condition of other formulas: where that cell is gone, nothing is claimed.
-IS_CHANGED = f"IFERROR({CHANGED_NAME},1)"
+#: Hidden sheet with the copy of the inputs, and its cell that says whether one has changed since.
+COPY_SHEET = "Inputs calculated"
+CHANGED_CELL = "C2"
+#: The overall verdict and the strip with the document's number, for the other sheets. They and the cell above
+#: are referred to by their cells, which programs follow when they are moved: a name can be led elsewhere.
+OVERALL_AT = "Summary!$B$9"
+DOCUMENT_AT = "Summary!$B$2"
+
+
+def is_changed(cell: str) -> str:
+    """Whether an input has changed, as a condition; where the cell that says it is gone, nothing is claimed."""
+    return f"IFERROR({cell},1)"
+
+
+#: The same in a workbook as it is shipped.
+IS_CHANGED = is_changed(f"'{COPY_SHEET}'!${CHANGED_CELL[0]}${CHANGED_CELL[1:]}")
 #: The banner then.
 CHANGED_WORDS = "INPUTS CHANGED SINCE CALCULATION"
 #: What follows where nothing has changed.
@@ -43,8 +55,13 @@ _JUDGED = (
     f'"PASS: all "&{_ALL}&" checks")))))'
     f'&IF({NOTES}=0,"",", "&{NOTES}&IF({NOTES}=1," note"," notes"))'
 )
-#: The banner as a formula of the spreadsheet; `headline` gives the same words, of inputs as calculated.
-OVERALL = f'=IF({_ALL}=0,"NOT CALCULATED",IF({IS_CHANGED},"{CHANGED_WORDS}",{_JUDGED}))'
+
+
+def overall_formula(changed: str = IS_CHANGED) -> str:
+    """The banner as a formula of the spreadsheet; `headline` gives the same words, of inputs as calculated."""
+    return f'=IF({_ALL}=0,"NOT CALCULATED",IF({changed},"{CHANGED_WORDS}",{_JUDGED}))'
+
+
 #: The same for a workbook of 0.1.0, which has no copy of its inputs.
 OVERALL_WITHOUT_COPY = f'=IF({_ALL}=0,"NOT CALCULATED",{_JUDGED})'
 #: Digests of the banner formulas of earlier releases (0.1.0): they call a check that is incomplete a pass.
@@ -66,7 +83,7 @@ def is_earlier_banner(formula: str) -> bool:
 
 
 def headline(overall: Mapping[str, Any], verdicts: Sequence[str], notes: int) -> str:
-    """The banner, as `OVERALL` calculates it.
+    """The banner, as `overall_formula` calculates it.
 
     Parameters
     ----------

@@ -15,10 +15,8 @@ from addin.contract.scalars import SCALARS
 from addin.contract.units import STATION_SPEED, TRANSMITTED_TORQUE, UnitScale, known_units
 from engine.case.data import ADMINISTRATIVE
 
-#: Hidden sheet of the copy.
-COPY_SHEET = "Inputs calculated"
-#: Cell with the name `CHANGED_NAME`.
-CHANGED_CELL = "C2"
+#: First row of its tables on the sheet, that of the headers.
+COPY_ROW = 5
 #: Table with a row for each scalar and each column that is compared.
 CHECKS = "InputChecks"
 CHECK_COLUMNS = ("Input", "Value", "Unit", "Factor", "Factor now", "Changed")
@@ -26,9 +24,7 @@ CHECK_COLUMNS = ("Input", "Value", "Unit", "Factor", "Factor now", "Changed")
 UNITS = "InputUnits"
 UNIT_COLUMNS = ("Quantity", "Unit", "Factor", "Number")
 #: Whether any input has changed; without a copy nobody knows, and nothing is claimed.
-CHANGED_FORMULA = (
-    f'=AND(run_SHA256<>"",IFERROR(IF(COUNT({CHECKS}[Changed])=0,1,SUM({CHECKS}[Changed])),1)>0)'
-)
+CHANGED_FORMULA = f"=IFERROR(IF(COUNT({CHECKS}[Changed])=0,1,SUM({CHECKS}[Changed])),1)>0"
 #: Name of the first check: the copy belongs to the results.
 OF_THE_RESULTS = "run_SHA256"
 #: Column of a copy: what a speed typed in % is a share of. [rad/s]

@@ -19,7 +19,7 @@ from xlsxwriter.utility import xl_cell_to_rowcol
 from addin.charts.data import chart_blocks
 from addin.charts.rows import Rows
 from addin.contract import tables as fields
-from addin.contract.input_copy import COPY_SHEET
+from addin.contract.banner import COPY_SHEET
 from addin.contract.sheet import Sheet
 from addin.contract.sheets import SHEETS
 from addin.contract.shown_units import shown_units

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping
 from typing import Any
 
 from xlsxwriter.utility import xl_cell_to_rowcol, xl_rowcol_to_cell
 
 from addin.charts.rows import Rows
-from addin.contract.banner import CHANGED_WORDS
+from addin.contract.banner import CHANGED_WORDS, DOCUMENT_AT, OVERALL_AT
 from addin.contract.sheet import Sheet
 from addin.contract.sheets import KIND_WORDS, STRIP, TAB_COLOURS
 from addin.template.charts import Place
@@ -22,10 +23,10 @@ _LETTER, _A4 = 1, 9
 _PAPER = {"us": 11.0, "si": 11.69}
 #: Programs measure columns a little differently. [1]
 _PRINT_SLACK = 0.94
-#: Room of the overall verdict at the right end of the strip. [characters]
-_VERDICT_WIDTH = 54.0
-#: A last column wider than this leaves no room for the overall verdict. [characters]
-_WIDE = 80.0
+#: Room of the overall verdict at the left end of the strip, where nobody has to scroll. [characters]
+_VERDICT_WIDTH = 46.0
+#: A name of a fact in a formula.
+_FACT = re.compile(r"\b[a-z]+_[A-Za-z0-9]+\b")
 #: Last row but one of a sheet: a print area of whole columns is none to openpyxl.
 _LAST_ROW = 1_048_575
 
@@ -54,6 +55,7 @@ class Frames:
         self.variant = variant
         self.studies = studies
         self.scalar_cells: list[tuple[int, int]] = []
+        self.fact_cells: dict[str, str] = {}
 
     def _frame(self, sheet: Sheet) -> None:
         """Column widths, banner, strip, freezing and print set-up of a sheet."""
@@ -74,7 +76,7 @@ class Frames:
         self._print_set_up(page, sheet)
 
     def _banner(self, page: Any, sheet: Sheet) -> None:
-        """Title and kind of the sheet, then document and overall verdict."""
+        """Title and kind of the sheet, then overall verdict and document."""
         last = column_number(sheet.last)
         for column in range(1, last + 1):
             page.write_blank(0, column, None, self.style("banner"))
@@ -83,25 +85,27 @@ class Frames:
             title = "Torsional start-up analysis of a synchronous-motor train"
             page.write_string(0, 1, title, self.style("banner"))
             page.write_string(0, last, "torsionbook", self.style("banner_right"))
-            self.workbook.define_name("DocumentStrip", "=Summary!$B$2")
             page.write_formula(1, 1, STRIP, self.style("strip"), self._strip())
             return
         page.write_string(0, 1, sheet.name, self.style("banner"))
         page.write_string(0, last, KIND_WORDS[sheet.kind], self.style("banner_right"))
-        page.write_formula(1, 1, "=DocumentStrip", self.style("strip"), self._strip())
-        if last < 3 or column_widths(sheet)[last] > _WIDE:  # it would cut the strip short
-            return
-        verdict, first = self.style("strip_right"), first_of_last(sheet, _VERDICT_WIDTH)
-        page.merge_range(1, first, 1, last, "", verdict)
-        page.write_formula(1, first, "=OverallVerdict", verdict, "NOT CALCULATED")
-        cell = xl_rowcol_to_cell(1, first, True, True)
+        end = end_of_first(sheet, _VERDICT_WIDTH)
+        page_end = column_number(sheet.breaks[0]) - 1 if sheet.breaks else last
+        for first, final, at, style, shown in (
+            (1, end, OVERALL_AT, "strip_verdict", "NOT CALCULATED"),
+            (end + 1, page_end, DOCUMENT_AT, "strip", self._strip()),
+        ):
+            if first < final:
+                page.merge_range(1, first, 1, final, "", self.style(style))
+            page.write_formula(1, first, f"={at}", self.style(style), shown)
+        cell = xl_rowcol_to_cell(1, 1, True, True)
         for word, style in (
             ("PASS", "cf_pass"), ("ACCEPTED", "cf_accepted"), ("FAIL", "cf_fail"),
             (CHANGED_WORDS, "cf_fail"),
         ):  # fmt: skip
             rule = f'=LEFT({cell},{len(word)})="{word}"'
             page.conditional_format(
-                1, first, 1, last,
+                1, 1, 1, end,
                 {"type": "formula", "criteria": rule, "format": self.style(style)},
             )  # fmt: skip
 
@@ -146,6 +150,10 @@ class Frames:
         """Bold words and a note behind them, in one cell."""
         caption, pale, plain = (self.style(name) for name in ("caption", "note", "plain"))
         page.write_rich_string(row, column, caption, words, pale, f"   {note}", plain)
+
+    def _by_cells(self, formula: str) -> str:
+        """A formula that reads facts by their cells and not by their names."""
+        return _FACT.sub(lambda fact: self.fact_cells.get(fact[0], fact[0]), formula)
 
     def _heading(self, page: Any, row: int, words: str) -> None:
         page.write_string(row, 1, words, self.style("group"))
@@ -197,12 +205,12 @@ def _print_scale(sheet: Sheet, paper: float) -> int:
     return min(sheet.largest, math.floor(100.0 * _PRINT_SLACK * room / widest))
 
 
-def first_of_last(sheet: Sheet, width: float) -> int:
-    """First of the last columns of a sheet that together are at least so wide. [characters]"""
-    widths = column_widths(sheet)
-    column = last = column_number(sheet.last)
-    while column > 2 and (
-        column == last or sum(widths[k] for k in range(column, last + 1)) < width
+def end_of_first(sheet: Sheet, width: float) -> int:
+    """Last of the first columns of a sheet that together are so wide, or of all but the last. [characters]"""
+    widths, column = column_widths(sheet), 1
+    while (
+        column < column_number(sheet.last) - 1
+        and sum(widths[k] for k in range(1, column + 1)) < width
     ):
-        column -= 1
+        column += 1
     return column

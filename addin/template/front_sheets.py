@@ -7,7 +7,7 @@ from typing import Any
 from xlsxwriter.utility import xl_cell_to_rowcol, xl_rowcol_to_cell
 
 from addin.contract import tables as fields
-from addin.contract.banner import OVERALL
+from addin.contract.banner import OVERALL_AT, overall_formula
 from addin.contract.chart_tables import GROUPS, LABELS
 from addin.contract.palette import SPEED_GROUPS
 from addin.contract.sheet import plot_name
@@ -89,8 +89,8 @@ class FrontSheets(Tables):
             page.write_formula(begin, BLANK_TEXT.format(name), style, value)
         banner = self.style("verdict_banner")
         page.merge_range("B9:N9", "", banner)
-        page.write_formula("B9", OVERALL, banner, "NOT CALCULATED")
-        self.workbook.define_name("OverallVerdict", "=Summary!$B$9")
+        page.write_formula("B9", overall_formula(), banner, "NOT CALCULATED")
+        self.workbook.define_name("OverallVerdict", f"={OVERALL_AT}")
         page.write_string("B11", "The train", self.style("caption"))
         page.write_string(f"H{NOTES_BEGIN - 1}", "Notes", self.style("caption"))
         self._speed_legend(page, 24)

@@ -200,7 +200,9 @@ class LiveSheets(ReferenceSheets):
             else:
                 self._page.write_blank(row, _VALUE, None, style)
             self._page.merge_range(row, _VALUE + 1, row, _LEAST + 2, "", wrapped)
-            self._page.write_formula(row, _VALUE + 1, sentence, wrapped, shown_sentence)
+            self._page.write_formula(
+                row, _VALUE + 1, self._by_cells(sentence), wrapped, shown_sentence
+            )
             self._page.set_row(row, height)
         self.workbook.define_name(MODEL_NAME, f"=Live!{model}")
 

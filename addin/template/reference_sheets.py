@@ -5,16 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from xlsxwriter.utility import xl_cell_to_rowcol, xl_col_to_name, xl_rowcol_to_cell
+from xlsxwriter.utility import xl_col_to_name, xl_rowcol_to_cell
 
-from addin.contract.banner import CHANGED_NAME
+from addin.contract.banner import CHANGED_CELL, COPY_SHEET
 from addin.contract.chart_tables import CHART_TABLES
-from addin.contract.input_copy import (
-    CHANGED_CELL,
-    CHANGED_FORMULA,
-    COPY_SHEET,
-    COPY_TABLES,
-)
+from addin.contract.input_copy import CHANGED_FORMULA, COPY_ROW, COPY_TABLES
 from addin.contract.run_facts import RUN_FACTS
 from addin.contract.sheet import NOTES_WIDTH, text_height
 from addin.contract.studies.registry import STUDY_FACTS
@@ -157,6 +152,7 @@ class ReferenceSheets(ResultSheets):
                 page.write_string(row, left + 2, shipped[name], self.style("plain"))
             cell = xl_rowcol_to_cell(row, left + 2, True, True)
             self.workbook.define_name(name, f"=Lists!{cell}")
+            self.fact_cells[name] = f"Lists!{cell}"
 
     def _input_copy(self) -> None:
         """Hidden: tables for the copy of the inputs, blank until there is a calculation."""
@@ -165,16 +161,13 @@ class ReferenceSheets(ResultSheets):
         page.set_column("A:Z", 18)
         page.write_string(0, 0, COPY_CAPTION, self.style("caption"))
         page.write_string(1, 0, "Any input changed since the calculation", self.style("plain"))
-        page.write_formula(CHANGED_CELL, CHANGED_FORMULA, self.style("plain"), False)
-        row, column = xl_cell_to_rowcol(CHANGED_CELL)
-        cell = xl_rowcol_to_cell(row, column, True, True)
-        self.workbook.define_name(CHANGED_NAME, f"='{COPY_SHEET}'!{cell}")
+        page.write_formula(CHANGED_CELL, CHANGED_FORMULA, self.style("plain"), True)
         left = 0
         for name, columns in COPY_TABLES:
             last = left + len(columns) - 1
-            page.write_string(3, left, name, self.style("caption"))
+            page.write_string(COPY_ROW - 2, left, name, self.style("caption"))
             page.add_table(
-                4, left, 5, last,
+                COPY_ROW - 1, left, COPY_ROW, last,
                 {"name": name, "style": None, "autofilter": False,
                  "columns": [{"header": header} for header in columns]},
             )  # fmt: skip

@@ -98,7 +98,9 @@ class ResultSheets(FrontSheets):
                     first = column_number(study.first)
                     page.merge_range(row, first, row, column_number(last), "", self.style(style))
                     shown = study.not_yet if row == 3 else ""
-                    page.write_formula(row, first, formula, self.style(style), shown)
+                    page.write_formula(
+                        row, first, self._by_cells(formula), self.style(style), shown
+                    )
                     page.set_row(row, height)
             self._colour_verdicts(study.results)
         for study in STUDIES:

@@ -7,10 +7,11 @@ the template pass this like any other.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
-from addin.contract.input_copy import COPY_SHEET
+from addin.contract.banner import CHANGED_WORDS, COPY_SHEET
 from addin.contract.problems import shortened
 from addin.contract.sheets import SHEETS
 from addin.contract.studies.registry import with_studies
@@ -25,9 +26,9 @@ from addin.contract.tables import (
 )
 from addin.verify.compare import value_in_words
 from addin.verify.findings import Finding
-from addin.verify.formulas import own_formulas
+from addin.verify.formulas import own_formulas, verdict_cells
 from addin.xlsx import Table, Workbook
-from addin.xlsx.cell_looks import CellLooks, Look, contrast, named_colour
+from addin.xlsx.cell_looks import CellLooks, Look, Rule, contrast, is_green, named_colour
 from addin.xlsx.lying_over import LyingOver, lying_over
 from addin.xlsx.number_text import read_number, shown_number, shown_text
 from addin.xlsx.references import Rect, cell_name
@@ -38,20 +39,22 @@ LOOKED_AT = (
     "number formats",
     "colours and sizes of fonts",
     "conditional formats",
+    "verdicts in the colour of a pass",
     "hidden rows, columns and sheets",
     "merged cells",
-    "pictures, shapes and comments over cells",
-    "titles of charts",
+    "pictures, shapes, sparklines and comments over cells",
+    "titles of charts and sheets",
     "texts of Notes and Trace",
 )
 #: What a reader sees and nobody looks at here.
 NOT_JUDGED = (
-    "what was added beside the results, in cells, sheets, headers, comments, input messages or links",
-    "axes, colours and labels of charts, and shapes inside them",
+    "what was added beside the results, in cells, sheets, text boxes, headers, comments, input messages or links",
+    "axes, colours and labels of charts, shapes inside them, and series removed or added",
     "cells too small for their numbers or texts, indents and turned texts",
-    "colours of verdicts that can be read",
+    "colours of verdicts other than green",
     "zoom and windows",
     "pictures behind a sheet",
+    "older drawings that are no XML",
     "styles of tables",
     "print settings",
 )
@@ -62,9 +65,26 @@ _LEAST_SIZE = 5.0  # of a font [point]
 _LEAST_HEIGHT, _LEAST_WIDTH = 4.0, 1.0  # of a row [point] and a column [characters]
 #: Fonts in which digits and letters are other signs.
 _SIGNS = ("symbol", "wingdings", "webdings", "marlett", "zapf", "dingbats", "barcode")
+#: Verdicts that are no pass.
+_NO_PASS = re.compile(
+    rf"fail|unbounded|incomplete|not judged|accepted|pass within|check the inputs|{CHANGED_WORDS}",
+    re.IGNORECASE,
+)
+#: Characters higher than their row by this factor are cut. [1]
+_CUT = 1.5
 #: With which causes begin that are of a place and not of a column: one finding a place.
 _PLACE = "place "
 _EVERY_TABLE = (*RESULT_TABLES, *WORKBOOK_TABLES, *STUDY_RESULT_TABLES)
+#: Table and column of verdicts; banners stand in no table.
+_VERDICT_COLUMNS = {
+    ("", ""),
+    *(
+        (spec.name, field.name)
+        for spec in _EVERY_TABLE
+        for field in spec.columns
+        if field.kind == "verdict"
+    ),
+}
 _EVERY_INPUT = (*INPUT_TABLES, *STUDY_INPUT_TABLES)
 
 
@@ -163,6 +183,11 @@ def _seen_cells(workbook: Workbook) -> Iterator[SeenCell]:
             table = workbook.tables.get(spec.name)
             if table is not None and spec.sheet in shipped_visible:
                 yield from _of_table(workbook, table, spec, is_input)
+    for sheet, row, column in verdict_cells(workbook):
+        if sheet in shipped_visible:
+            yield from _cell(
+                workbook.sheet_part(sheet), sheet, row, column, "", "", ("", "", False)
+            )
     for own in own_formulas(workbook):
         if not own.table and own.sheet != COPY_SHEET:  # that sheet ships hidden
             yield from _beside(workbook, own.sheet, own.row, own.column)
@@ -229,6 +254,17 @@ def _cell(
 def _judge_formats(cell: SeenCell, part: SheetPart, looks: CellLooks, grouped: _Grouped) -> None:
     """Number format, font and ground of a cell, as they are and as conditional formats make them."""
     own = looks.look(part, cell.row, cell.column)
+    height = part.row_height(cell.row)
+    merge = part.merge_across(Rect(cell.row, cell.column, cell.row, cell.column))
+    if (
+        own.size
+        and own.size > _CUT * height >= _LEAST_HEIGHT
+        and (merge is None or merge.height == 1)
+    ):
+        sentence = (
+            f"the text is {own.size:g} points high in a row of {height:g} points, which cuts it"
+        )
+        grouped.add(cell, "hidden", f"cut {own.size}", sentence)
     _judge_look(cell, own, own, grouped)
     element = part.cell_element(cell.row, cell.column)
     for text, run in looks.run_looks(element) if element is not None else ():
@@ -248,6 +284,7 @@ def _judge_formats(cell: SeenCell, part: SheetPart, looks: CellLooks, grouped: _
                 "a conditional format shows bars or icons instead of the value",
             )
         _judge_look(cell, _over(own, rule.look), rule.look, grouped, " by a conditional format")
+    _judge_verdict(cell, own, rules, grouped)
     inks = [rule.look for rule in rules if rule.look.ink and not rule.look.grounds]
     grounds = [rule.look for rule in rules if rule.look.grounds and not rule.look.ink]
     for ink in inks:
@@ -257,10 +294,34 @@ def _judge_formats(cell: SeenCell, part: SheetPart, looks: CellLooks, grouped: _
             )
 
 
+def _judge_verdict(cell: SeenCell, own: Look, rules: list[Rule], grouped: _Grouped) -> None:
+    """Whether a verdict that is no pass is shown in green, the colour of a pass."""
+    if (cell.table, cell.header) not in _VERDICT_COLUMNS or not _NO_PASS.match(str(cell.value)):
+        return
+    for of_property in ("grounds", "ink"):
+        looks = [(rule.look, " by a conditional format", bool(rule.test)) for rule in rules]
+        for look, cause, certain in (*looks, (own, "", True)):
+            shown = getattr(look, of_property)
+            if shown is None:
+                continue
+            colours = (shown,) if isinstance(shown, str) else shown
+            green = next(filter(is_green, colours), None)
+            if green is not None:
+                sentence = (
+                    f"the verdict '{shortened(str(cell.value), 60)}' is shown in green, #{green}, the colour of a "
+                    f"pass{cause}"
+                )
+                grouped.add(cell, "shown otherwise", f"green{cause}", sentence)
+                return
+            if certain:
+                break
+
+
 def _over(below: Look, above: Look) -> Look:
     """A look with another one over it."""
     held = {
-        name: getattr(above, name) for name in ("number_format", "ink", "grounds", "size", "font")
+        name: getattr(above, name)
+        for name in ("number_format", "ink", "grounds", "size", "font", "struck")
     }
     return Look(
         **{name: getattr(below, name) if value is None else value for name, value in held.items()},
@@ -332,6 +393,8 @@ def _judge_ink(
     if look.size is not None and look.size < _LEAST_SIZE:
         sentence = f"{what} {look.size:g} points high, which nobody can read{cause}"
         grouped.add(cell, "hidden", f"{look.size}{cause}", sentence)
+    if look.struck:
+        grouped.add(cell, "shown otherwise", f"struck{cause}", f"{what} struck out{cause}")
     if any(name in (look.font or "").casefold() for name in _SIGNS):
         sentence = f"the font {shortened(look.font or '', 40)} shows other signs{cause}"
         grouped.add(cell, "shown otherwise", f"{look.font}{cause}", sentence)

@@ -1,4 +1,4 @@
-"""Texts of sheets Notes and Trace: the equations and sources that a reviewer reads beside the results."""
+"""Texts of torsionbook: titles of result sheets, and what a reviewer reads on Notes and Trace beside the results."""
 
 from __future__ import annotations
 
@@ -6,10 +6,13 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from addin.contract.problems import shortened
+from addin.contract.sheets import KIND_WORDS, SHEETS
+from addin.contract.studies.registry import with_studies
+from addin.contract.tables import table
 from addin.contract.texts import NOTES
 from addin.contract.trace_table import TRACE_HEADERS, trace_groups, trace_rows
 from addin.verify.findings import Finding
-from addin.verify.structure import plain
+from addin.verify.structure import plain, present_sheet
 from addin.xlsx import Workbook
 from addin.xlsx.references import Rect, cell_name
 
@@ -21,7 +24,7 @@ Places = dict[str, list[tuple[int, int]]]
 
 
 def compare_texts(workbook: Workbook, same_version: bool) -> Iterator[Finding]:
-    """Texts of torsionbook on Notes and Trace that were changed.
+    """Texts of torsionbook that were changed.
 
     Parameters
     ----------
@@ -34,8 +37,22 @@ def compare_texts(workbook: Workbook, same_version: bool) -> Iterator[Finding]:
     Yields
     ------
     Finding
-        One a text. A sheet that was removed is no finding, nor is a text that was added.
+        One a text. A sheet that was removed is no finding, nor is a text that was added. Other titles,
+        introductions and captions of result sheets are notes.
     """
+    for shipped in with_studies(SHEETS):
+        shown = present_sheet(workbook, shipped)
+        if shipped.kind == "result" and not shipped.hidden and shown is not None:
+            places = _places(workbook, shown)
+            for text in (
+                shipped.name,
+                KIND_WORDS[shipped.kind],
+                shipped.intro,
+                *map(_caption, shipped.tables),
+            ):
+                finding = _changed(workbook, shown, places, (text,), 1)
+                if finding is not None:
+                    yield replace(finding, kind="not shown", fails=False)
     notes = [line for lines in NOTES.values() for line in lines]
     trace = [TRACE_HEADERS, *trace_rows(), *trace_groups()]
     of_studies = [row for row in trace_rows(studies=True) if row not in trace]
@@ -47,6 +64,12 @@ def compare_texts(workbook: Workbook, same_version: bool) -> Iterator[Finding]:
             finding = _changed(workbook, sheet, places, row, min(named_by, len(row) - 1))
             if finding is not None and (finding.cell or row not in of_studies):
                 yield replace(finding, fails=same_version)
+
+
+def _caption(name: str) -> str:
+    """What stands above a table."""
+    spec = table(name)
+    return spec.caption if spec.short_caption else f"{spec.caption} {spec.help}"
 
 
 def _changed(
@@ -61,7 +84,7 @@ def _changed(
             return None
         if first is None and held[:named_by] == [plain(text) for text in row[:named_by]]:
             first = at
-    about = " / ".join(row[:named_by])
+    about = " / ".join(row[:named_by] or row)
     if first is None:
         sentence = f"the text '{shortened(about, 60)}' of torsionbook is missing"
         return Finding("edited", sheet, "", sentence, expected=about)

@@ -8,14 +8,16 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from addin.contract.banner import (
-    CHANGED_NAME,
+    CHANGED_CELL,
     CHANGED_WORDS,
-    OVERALL,
+    DOCUMENT_AT,
     OVERALL_WITHOUT_COPY,
     bare,
+    is_changed,
     is_earlier_banner,
+    overall_formula,
 )
-from addin.contract.input_copy import CHANGED_FORMULA
+from addin.contract.input_copy import CHANGED_FORMULA, CHECKS, COPY_ROW
 from addin.contract.problems import shortened
 from addin.contract.sheets import (
     BLANK_TEXT,
@@ -23,6 +25,7 @@ from addin.contract.sheets import (
     FACT_LINES,
     KEY_NUMBERS,
     SHEETS,
+    STRIP,
     TITLE_BLOCK,
 )
 from addin.contract.tables import INPUT_TABLES, RESULT_TABLES, WORKBOOK_TABLES, Field
@@ -126,16 +129,24 @@ def own_formulas(workbook: Workbook) -> list[OwnFormula]:
     name = workbook.defined_names.get("OverallVerdict")
     if name is not None and name.sheet is not None and name.rect is not None:
         place = (name.sheet, name.rect.top, name.rect.left)
-        copied = CHANGED_NAME in workbook.defined_names
-        banner = OVERALL if copied else OVERALL_WITHOUT_COPY
+        banner = OVERALL_WITHOUT_COPY
+        if changed := _changed_cell(workbook):
+            sheet, row, column = changed
+            formulas.append(OwnFormula(*changed, CHANGED_FORMULA, _ANY_CHANGED))
+            banner = overall_formula(is_changed(f"{quoted_sheet(sheet)}!{cell_name(row, column)}"))
         formulas.append(OwnFormula(*place, banner, _BANNER))
-    name = workbook.defined_names.get(CHANGED_NAME)
-    if name is not None and name.sheet is not None and name.rect is not None:
-        place = (name.sheet, name.rect.top, name.rect.left)
-        formulas.append(OwnFormula(*place, CHANGED_FORMULA, _ANY_CHANGED))
     for sheet, beside in _labelled(workbook):
         formulas += _beside_labels(workbook, sheet, beside)
     return [*formulas, *_lines(workbook)]
+
+
+def _changed_cell(workbook: Workbook) -> tuple[str, int, int] | None:
+    """The cell that says whether an input has changed, above the copy of the inputs; None without a copy."""
+    checks = workbook.tables.get(CHECKS)
+    if checks is None:
+        return None
+    row, column = parse_cell(CHANGED_CELL)
+    return checks.sheet, checks.ref.top - COPY_ROW + row, checks.ref.left - 1 + column
 
 
 def _of_column(workbook: Workbook, table: Table, first: str, column: Field) -> Iterator[OwnFormula]:
@@ -210,7 +221,8 @@ def _beside_labels(
 def _lines(workbook: Workbook) -> Iterator[OwnFormula]:
     """The lines of words above the tables, unless they were moved as they are."""
     sheets = {sheet.name: sheet for sheet in SHEETS}
-    for shipped, first, _, formula, _, _ in FACT_LINES:
+    lines = [(sheet, first, formula) for sheet, first, _, formula, _, _ in FACT_LINES]
+    for shipped, first, formula in (*lines, ("Summary", DOCUMENT_AT.rpartition("!")[2], STRIP)):
         sheet = present_sheet(workbook, sheets[shipped])
         if sheet is None:
             continue
@@ -222,8 +234,8 @@ def _lines(workbook: Workbook) -> Iterator[OwnFormula]:
         )
         if moved:
             yield OwnFormula(sheet, *moved, formula, "text line")
-        elif workbook.value(sheet, first) not in (None, ""):
-            yield OwnFormula(sheet, *parse_cell(first), formula, "text line")
+        elif workbook.value(sheet, first.replace("$", "")) not in (None, ""):
+            yield OwnFormula(sheet, *parse_cell(first.replace("$", "")), formula, "text line")
 
 
 def typed_over(workbook: Workbook, same_template: bool) -> Iterator[Finding]:
@@ -258,6 +270,20 @@ _VERDICT = re.compile(
     r"(PASS|PASS WITHIN ITS ERROR|FAIL|INCOMPLETE): (all )?\d+ (of \d+ )?checks.*|"
     rf"ACCEPTED \(margin by .*|CHECK THE INPUTS: .*|{CHANGED_WORDS}|NOT CALCULATED"
 )
+#: What is read as one beside the results, where it is typed.
+_VERDICT_WORD = re.compile(r"(pass(ed)?|fail(ed)?|accepted)[.!]*", re.IGNORECASE)
+
+
+def verdict_cells(workbook: Workbook) -> Iterator[tuple[str, int, int]]:
+    """Cells of the other sheets that refer to the overall verdict: sheet, row and column."""
+    name = workbook.defined_names.get("OverallVerdict")
+    for sheet in workbook.sheet_names:
+        if workbook.sheet_bytes(sheet):
+            part = workbook.sheet_part(sheet)
+            for row, column in part.formulas:
+                held = part.value(row, column)
+                if isinstance(held, Formula) and _shows_the_verdict(name, sheet, held.text):
+                    yield sheet, row, column
 
 
 def _verdict_astray(workbook: Workbook) -> Iterator[Finding]:
@@ -277,12 +303,17 @@ def _verdict_astray(workbook: Workbook) -> Iterator[Finding]:
             yield Finding("edited", name.sheet, at, sentence)
     specs = {spec.name for spec in (*RESULT_TABLES, *WORKBOOK_TABLES, *INPUT_TABLES)}
     ours = {table.sheet for table in workbook.tables.values() if table.name in specs}
-    for sheet in (sheet for sheet in workbook.sheet_names if sheet in ours):
+    for sheet in (sheet for sheet in workbook.sheet_names if workbook.sheet_bytes(sheet)):
         part = workbook.sheet_part(sheet)
         areas = [table.ref for table in workbook.tables.values() if table.sheet == sheet]
         for row, column in part.filled_cells(_LABELS):
             shown, held = part.constant(row, column), part.value(row, column)
-            if not isinstance(shown, str) or not _VERDICT.fullmatch(shown.strip()):
+            if not isinstance(shown, str) or not (
+                _VERDICT.fullmatch(shown.strip())
+                or (sheet in ours and held == shown and _VERDICT_WORD.fullmatch(shown.strip()))
+            ):
+                continue
+            if sheet not in ours and shown == CHANGED_WORDS:  # as sheet Live may say
                 continue
             if any(area.has(row, column) for area in areas):
                 continue
@@ -292,7 +323,7 @@ def _verdict_astray(workbook: Workbook) -> Iterator[Finding]:
             if (row, column) not in part.formulas:
                 sentence = f"the verdict '{shortened(shown, 60)}' is typed here, not calculated by a formula"
                 yield Finding("edited", sheet, cell, sentence, found=shown)
-            elif not isinstance(held, Formula) or not _shows_the_verdict(name, held.text):
+            elif not isinstance(held, Formula) or not _shows_the_verdict(name, sheet, held.text):
                 text = f" ={shortened(held.text, 60)}" if isinstance(held, Formula) else ""
                 sentence = (
                     f"the verdict '{shortened(shown, 60)}' comes from the formula{text}, not from "
@@ -301,12 +332,13 @@ def _verdict_astray(workbook: Workbook) -> Iterator[Finding]:
                 yield Finding("edited", sheet, cell, sentence, found=shown)
 
 
-def _shows_the_verdict(name: DefinedName | None, text: str) -> bool:
-    """Whether a formula is nothing but a reference to the overall verdict, by its name or its cell."""
+def _shows_the_verdict(name: DefinedName | None, sheet: str, text: str) -> bool:
+    """Whether a formula of a sheet is nothing but a reference to the overall verdict, by its name or its cell."""
     shown = {"OVERALLVERDICT"}
     if name is not None and name.sheet is not None and name.rect is not None:
         cell = cell_name(name.rect.top, name.rect.left)
-        shown |= {cell, f"{name.sheet}!{cell}", f"{quoted_sheet(name.sheet)}!{cell}"}
+        shown |= {f"{name.sheet}!{cell}", f"{quoted_sheet(name.sheet)}!{cell}"}
+        shown |= {cell} if sheet == name.sheet else set()
     return bare(text) in {bare(one) for one in shown}
 
 

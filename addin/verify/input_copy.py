@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
-from addin.contract.input_copy import CHECKS
+from addin.contract.input_copy import CHECKS, COPY_TABLES
 from addin.reading.workbook import WorkbookInput
 from addin.verify.compare import RecordedValue, agreement, plain_value, value_in_words
 from addin.verify.findings import Agreement, Finding
@@ -51,6 +51,17 @@ def compare_input_copy(
         also = f"; so are {more} more on this sheet" if more else ""
         sentence = f"{first.sentence}{also}: it may show something else after an edit"
         yield Finding("edited", first.sheet, first.cell, sentence, first.table, fails=same_version)
+
+
+def without_copy(workbook: Workbook) -> Iterator[Finding]:
+    """A note where the banners have nothing to compare the inputs with, as in templates of 0.1.0."""
+    missing = [name for name, _ in COPY_TABLES if name not in workbook.tables]
+    if missing:
+        sentence = (
+            f"the workbook has no copy of its inputs (table {missing[0]} is missing), so its banners do not show "
+            "that inputs were changed. Make a workbook that has one: torsionbook new NEW.xlsx --from FILE"
+        )
+        yield Finding("not compared", "", "", sentence, fails=False)
 
 
 def _of_formula(finding: Finding) -> Finding:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import unicodedata
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 
+from addin.contract.banner import COPY_SHEET
 from addin.contract.problems import shortened
 from addin.contract.scalars import SCALAR_SHEET
-from addin.contract.sheets import Sheet
+from addin.contract.sheets import SHEETS, Sheet
+from addin.contract.studies.registry import with_studies
 from addin.contract.tables import (
     INPUT_TABLES,
     RESULT_TABLES,
@@ -15,6 +17,7 @@ from addin.contract.tables import (
     WORKBOOK_TABLES,
     TableSpec,
 )
+from addin.template.live_sheet import LIVE_SHEET
 from addin.verify.findings import Finding
 from addin.xlsx import Table, Workbook
 from addin.xlsx.references import Rect, cell_name
@@ -96,6 +99,44 @@ def _beside_label(workbook: Workbook, sheet: str, label: str) -> list[tuple[int,
         for row, column in part.filled_cells(_EVERYTHING)
         if plain(part.constant(row, column)) == label
     ]
+
+
+def other_sheets(workbook: Workbook) -> Iterator[Finding]:
+    """Sheets with names that are not of torsionbook: what a reader takes from them is not judged."""
+    shipped = {sheet.name for sheet in (*with_studies(SHEETS), LIVE_SHEET)} | {
+        "Lists",
+        "ChartData",
+        COPY_SHEET,
+    }
+    names = [f"'{shortened(sheet, 40)}'" for sheet in workbook.sheet_names if sheet not in shipped]
+    if names:
+        sentence = (
+            f"{'sheets have names' if len(names) > 1 else 'a sheet has a name'} that is not from torsionbook: "
+            f"{', '.join(names)}; what was added there is not judged"
+        )
+        yield Finding("not compared", "", "", sentence, fails=False)
+
+
+def without_banner(workbook: Workbook, banners: Collection[str]) -> Iterator[Finding]:
+    """Result sheets whose reader sees no overall verdict.
+
+    Parameters
+    ----------
+    workbook : Workbook
+        As it stands.
+    banners : collection of str
+        Sheets with a reference to the overall verdict. [names]
+
+    Yields
+    ------
+    Finding
+        A note: the template may be of another version, or the engineer may have removed it.
+    """
+    for shipped in with_studies(SHEETS):
+        sheet = present_sheet(workbook, shipped)
+        if shipped.kind == "result" and not shipped.hidden and sheet and sheet not in banners:
+            sentence = "the sheet does not show the overall verdict: its banner was removed, or is of another version"
+            yield Finding("not shown", sheet, "", sentence, fails=False)
 
 
 def has_every_column(workbook: Workbook) -> bool:

@@ -28,10 +28,24 @@ from addin.verify.findings import (
     not_calculated,
 )
 from addin.verify.fixed_texts import compare_texts
-from addin.verify.formulas import earlier_banner, old_values, restore, typed_over, unjudged
-from addin.verify.input_copy import compare_input_copy
+from addin.verify.formulas import (
+    earlier_banner,
+    old_values,
+    restore,
+    typed_over,
+    unjudged,
+    verdict_cells,
+)
+from addin.verify.input_copy import compare_input_copy, without_copy
 from addin.verify.key_units import compare_units
-from addin.verify.structure import has_every_column, led_astray, missing_tables, odd_columns
+from addin.verify.structure import (
+    has_every_column,
+    led_astray,
+    missing_tables,
+    odd_columns,
+    other_sheets,
+    without_banner,
+)
 from addin.verify.tables import TablePair, compare_tables
 from addin.writing.recalculate import recalculate_case
 from addin.writing.results_json import overall_words
@@ -105,6 +119,9 @@ def verify_workbook(
     findings += missing_tables(workbook)
     findings += odd_columns(workbook)
     findings += led_astray(workbook)
+    findings += other_sheets(workbook)
+    findings += without_banner(workbook, {sheet for sheet, _, _ in verdict_cells(workbook)})
+    findings += without_copy(workbook)
     try:
         findings += compare_appearance(workbook)
         findings += compare_texts(workbook, same_words and has_every_column(workbook))

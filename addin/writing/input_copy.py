@@ -34,6 +34,7 @@ from addin.contract.input_copy import (
     quantity_of,
     unit_rows,
 )
+from addin.contract.run_facts import RUN_FACTS
 from addin.contract.tables import INPUT_TABLES, SCALAR_TABLE
 from addin.contract.units import (
     RATED_TORQUE,
@@ -160,7 +161,7 @@ class _Copy:
     def _checks(self) -> Iterator[list[Any]]:
         """Rows of table `InputChecks`; an input that the workbook lacks is not compared."""
         row = self.read.workbook.tables[CHECKS].data.top
-        same = Formula(changed_words(OF_THE_RESULTS, self._cell("Value", row)))
+        same = Formula(changed_words(self._digest_cell(), self._cell("Value", row)))
         yield [OF_THE_RESULTS, self.digest, None, None, None, same]
         row += 1
         for field in COMPARED_SCALARS:
@@ -178,6 +179,15 @@ class _Copy:
                     renamed = self._renamed(table, at)
                     yield self._check(_Input(field, spec.name, live, live, row, renamed))
                     row += 1
+
+    def _digest_cell(self) -> str:
+        """Where the calculation writes the digest of the results; the name of a workbook that has lost the place."""
+        facts = self.read.workbook.tables.get("RunFacts")
+        if facts is None:
+            return OF_THE_RESULTS
+        row = facts.data.top + [name for name, _ in RUN_FACTS].index(OF_THE_RESULTS)
+        cell = cell_name(row, facts.ref.left + facts.column_index("Value"))
+        return _reference(facts.sheet, cell)
 
     def _renamed(self, table: Table, column: int) -> str:
         """Whether the header in a column is another; empty where no cell shows it as the table has it."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import datetime as dt
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -20,15 +20,14 @@ from addin.charts.data import accuracy_block, accuracy_title, chart_blocks
 from addin.charts.start_cycles import start_cycle_facts, start_cycle_rows
 from addin.contract import tables as fields
 from addin.contract.banner import (
-    CHANGED_NAME,
     CHANGED_WORDS,
+    COPY_SHEET,
     OVERALL_WITHOUT_COPY,
     is_earlier_banner,
 )
 from addin.contract.chart_tables import CHART_TABLES, HISTORIES, LABELS
 from addin.contract.charts import CHARTS, Label
 from addin.contract.digests import short_digest
-from addin.contract.input_copy import COPY_SHEET
 from addin.contract.run_facts import RUN_FACTS
 from addin.contract.sheet import plot_name, text_height
 from addin.contract.shown_cell import shown_cell
@@ -51,6 +50,8 @@ from addin.xlsx import (
 from addin.xlsx.references import Rect, cell_name
 
 _RPM = math.pi / 30.0
+#: How a file says yes and no.
+_ON, _OFF = ("1", "true"), ("0", "false")
 #: Tables that workbooks made by earlier versions lack; nobody misses them there.
 _OPTIONAL = frozenset(table.name for table in fields.WORKBOOK_TABLES) | {
     "ChartReversal",
@@ -153,12 +154,37 @@ def write_results(
 
 def _renew_banner(workbook: Workbook) -> None:
     """The banner of an earlier release knows fewer verdicts: one of this version takes its place."""
+    if is_earlier_banner(_banner(workbook)):
+        workbook.set_name("OverallVerdict", Formula(OVERALL_WITHOUT_COPY), replace_formula=True)
+
+
+def calculation_settings(workbook: Workbook) -> Iterator[str]:
+    """Sentences on settings of a workbook under which its program shows other values than follow from its cells."""
+    settings = workbook.structure.calculation
+    if settings.get("calcMode") == "manual":
+        yield (
+            "This workbook is set to manual calculation: after an edit its banners change only with F9 (Calculate "
+            "Now)."
+        )
+    if settings.get("iterate") in _ON:
+        yield (
+            "This workbook is set to iterative calculation: formulas that refer to themselves are no error and "
+            "may show another value after each calculation."
+        )
+    if settings.get("fullPrecision") in _OFF:
+        yield (
+            "This workbook is set to precision as displayed: its program rounds inputs and formulas to the digits "
+            "shown."
+        )
+
+
+def _banner(workbook: Workbook) -> str:
+    """The formula of the banner; empty where there is none."""
     name = workbook.defined_names.get("OverallVerdict")
     if name is None or name.sheet is None or name.rect is None:
-        return
+        return ""
     held = workbook.sheet_part(name.sheet).value(name.rect.top, name.rect.left)
-    if isinstance(held, Formula) and is_earlier_banner(held.text):
-        workbook.set_name("OverallVerdict", Formula(OVERALL_WITHOUT_COPY), replace_formula=True)
+    return held.text if isinstance(held, Formula) else ""
 
 
 def tables_to_write(
@@ -193,8 +219,9 @@ def tables_to_write(
     wanted = [*_result_blocks(run, units), _run_facts(run, stamp, units)]
     wanted += [TableData(table.name, blocks[table.name], table.columns) for table in CHART_TABLES]
     copied = input_copy(read or read_workbook(workbook), stamp.sha256)
-    if not copied and CHANGED_NAME in workbook.defined_names:
+    if not copied and CHANGED_WORDS in _banner(workbook):
         problems = [*problems, COPY_LOST]
+    problems = [*problems, *calculation_settings(workbook)]
     wanted += copied
     workbook.notes += problems
     return _present(workbook, wanted)

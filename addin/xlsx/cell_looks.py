@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
-from addin.xlsx.references import Rect, parse_range
+from addin.xlsx.references import Rect, cell_name, parse_range
 from addin.xlsx.sheet_part import SheetPart
 from addin.xlsx.state import WorkbookState
 from addin.xlsx.xml_part import Element, main
@@ -31,6 +31,9 @@ _INDEXED = (
     "000080 FF00FF FFFF00 00FFFF 800080 800000 008080 0000FF 00CCFF CCFFFF CCFFCC FFFF99 99CCFF FF99CC CC99FF FFCC99 "
     "3366FF 33CCCC 99CC00 FFCC00 FF9900 FF6600 666699 969696 003366 339966 003300 333300 993300 993366 333399 333333"
 ).split()
+_BEGINS = re.compile(
+    r"""=?LEFT\((?P<cell>\$?[A-Z]+\$?\d+),(?:(?P<count>\d+)|LEN\("(?P<counted>[^"]*)"\))\)="(?P<word>[^"]*)\""""
+)
 _NAMED = {
     "black": BLACK, "blue": "0000FF", "cyan": "00FFFF", "green": "00FF00", "magenta": "FF00FF", "red": "FF0000",
     "white": WHITE, "yellow": "FFFF00",
@@ -51,6 +54,7 @@ class Look:
     size: float | None = None  #: Of the font. [point]
     font: str | None = None  #: Name of the font.
     repeated: bool = False  #: Whether the text is repeated to fill the cell.
+    struck: bool | None = None  #: Whether the text is struck out.
 
 
 @dataclass(frozen=True)
@@ -60,8 +64,10 @@ class Rule:
     ranges: tuple[Rect, ...]  #: Its cells.
     look: Look  #: What it makes of them.
     hides_value: bool = False  #: Whether bars or icons stand in place of the value.
-    test: str = ""  #: Comparison with a constant; empty for every other condition.
+    #: Comparison with a constant, or ``beginsWith`` it; empty for every other condition.
+    test: str = ""
     bounds: tuple[float | str, ...] = ()  #: Its constants.
+    priority: int = 0  #: Of rules that give the same property the first one is shown.
 
     def may_hold(self, value: object) -> bool:
         """Whether it may hold for a value; what is not a comparison with constants always may."""
@@ -71,6 +77,8 @@ class Rule:
         if not all(isinstance(bound, kind) for bound in self.bounds):
             return self.test in ("notEqual", "notBetween") or kind is str
         held = value.casefold() if isinstance(value, str) else float(value)
+        if self.test == "beginsWith":
+            return isinstance(held, str) and held.startswith(str(self.bounds[0]))
         low, high = self.bounds[0], self.bounds[-1]
         return {
             "equal": held == low,
@@ -99,6 +107,20 @@ def contrast(one: str, other: str) -> float:
     """
     dark, light = sorted(map(_luminance, (one, other)))
     return (light + 0.05) / (dark + 0.05)
+
+
+def is_green(colour: str) -> bool:
+    """Whether people would call a colour green, pale or dark.
+
+    Parameters
+    ----------
+    colour : str
+        It. [RRGGBB]
+    """
+    hue, light, saturation = colorsys.rgb_to_hls(
+        *(int(colour[k : k + 2], 16) / 255 for k in (0, 2, 4))
+    )
+    return 0.2 <= hue <= 0.45 and saturation >= 0.15 and 0.1 <= light <= 0.95
 
 
 def _luminance(colour: str) -> float:
@@ -145,10 +167,11 @@ class CellLooks:
         return [self._code(entry.get("numFmtId", "0")) for entry in self._styles]
 
     def rules(self, sheet: str) -> tuple[Rule, ...]:
-        """The conditional formats of a sheet."""
+        """The conditional formats of a sheet, in the order in which they go before each other."""
         if sheet not in self._rules:
             around = self._workbook.sheet_part(sheet).around_cells()
-            self._rules[sheet] = tuple(rule for entry in around for rule in self._of_sheet(entry))
+            rules = (rule for entry in around for rule in self._of_sheet(entry))
+            self._rules[sheet] = tuple(sorted(rules, key=lambda rule: rule.priority))
         return self._rules[sheet]
 
     def run_looks(self, cell: Element) -> Iterator[tuple[str, Look]]:
@@ -234,6 +257,7 @@ class CellLooks:
             of_font.size,
             of_font.font or "",
             aligned is not None and aligned.get("horizontal") == "fill",
+            of_font.struck,
         )
 
     def _font_look(self, font: Element) -> Look:
@@ -241,7 +265,10 @@ class CellLooks:
         size = held["sz"].get("val", "") if "sz" in held else ""
         name = next((held[tag].get("val", "") for tag in ("name", "rFont") if tag in held), None)
         ink = self._colour(held["color"]) if "color" in held else None
-        return Look(ink=ink, size=float(size) if _is_number(size) else None, font=name)
+        struck = held["strike"].get("val", "1") in ("1", "true") if "strike" in held else None
+        return Look(
+            ink=ink, size=float(size) if _is_number(size) else None, font=name, struck=struck
+        )
 
     def _grounds(self, fill: Element, *, of_rule: bool = False) -> tuple[str, ...] | None:
         """Colours of a fill; a rule keeps that of a solid one where cells keep that of the pattern behind."""
@@ -310,17 +337,22 @@ class CellLooks:
             bounds = tuple(filter(lambda bound: bound is not None, map(_constant, formulas)))
             is_test = entry.get("type") == "cellIs" and bounds and len(bounds) == len(formulas)
             test = entry.get("operator", "") if is_test else ""
+            begin = _beginning(entry, formulas, ranges[0])
+            if begin is not None:
+                test, bounds = "beginsWith", (begin,)
+            number = entry.get("priority", "")
+            priority = int(number) if number.isdigit() and len(number) < 10 else 0
             if not colours:
-                yield Rule(ranges, look, hides, test, bounds)  # type: ignore[arg-type]
+                yield Rule(ranges, look, hides, test, bounds, priority)  # type: ignore[arg-type]
             for colour in dict.fromkeys(colours):
-                yield Rule(ranges, Look(grounds=(colour,)), hides)
+                yield Rule(ranges, Look(grounds=(colour,)), hides, priority=priority)
 
     def _of_difference(self, entry: Element) -> Look:
         held = {_name(one): one for one in entry}
         of_font = self._font_look(held["font"]) if "font" in held else Look()
         grounds = self._grounds(held["fill"], of_rule=True) if "fill" in held else None
         code = held["numFmt"].get("formatCode", "") if "numFmt" in held else None
-        return Look(code, of_font.ink, grounds, of_font.size, of_font.font)
+        return Look(code, of_font.ink, grounds, of_font.size, of_font.font, struck=of_font.struck)
 
 
 def _name(element: Element) -> str:
@@ -347,6 +379,19 @@ def _constant(formula: str) -> float | str | None:
         return float(text)
     quoted = re.fullmatch(r'"((?:[^"]|"")*)"', text)
     return None if quoted is None else quoted[1].replace('""', '"').casefold()
+
+
+def _beginning(entry: Element, formulas: list[str], corner: Rect) -> str | None:
+    """The word with which a text must begin for a rule to hold, as programs write such rules; None for others."""
+    found = _BEGINS.fullmatch(formulas[0].strip()) if len(formulas) == 1 else None
+    if found is None or found["cell"].replace("$", "") != cell_name(corner.top, corner.left):
+        return None
+    word = found["word"].casefold()
+    text = entry.get("text") if entry.get("type") == "beginsWith" else None
+    counted = int(found["count"]) if found["count"] else len(found["counted"])
+    if counted != len(word) or (text is not None and text.casefold() != word):
+        return None
+    return word
 
 
 def _range(text: str) -> Rect | None:

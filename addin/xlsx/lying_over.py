@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from addin.xlsx.references import MAX_COLUMN, MAX_ROW, Rect, whole_number
+from addin.xlsx.references import MAX_COLUMN, MAX_ROW, Rect, parse_range, whole_number
 from addin.xlsx.sheet_part import SheetPart
 from addin.xlsx.state import WorkbookState
 from addin.xlsx.xml_part import Element, parse_part
@@ -16,6 +17,8 @@ _PIXELS_PER_CHARACTER, _PADDING = 7, 5
 _EDGE = 4 * _EMU_PER_PIXEL
 #: Lines up to this width hide nothing. [EMU]
 _LINE = 6 * _EMU_PER_POINT
+#: Place and size of an older shape.
+_IN_POINTS = re.compile(r"\b(margin-left|margin-top|width|height):\s*(\d{1,6}(?:\.\d{1,6})?)pt\b")
 _KINDS = {"pic": "a picture", "sp": "a text box or shape", "grpSp": "a group of shapes", "cxnSp": "a wide line",
           "graphicFrame": "a chart", "contentPart": "ink"}  # fmt: skip
 
@@ -35,6 +38,12 @@ def lying_over(workbook: WorkbookState, sheet: str) -> Iterator[LyingOver]:
 
     Thin lines, and shapes that have neither ground nor text, hide nothing and are left out.
     """
+    for element in workbook.sheet_part(sheet).around_cells():
+        for one in element.iter():
+            if _name(one) == "sqref" and (above := one.getparent()) is not None:
+                areas = (one.text or "").split() if _name(above) == "sparkline" else ()
+                for area in areas:
+                    yield LyingOver("a sparkline", "", parse_range(area))
     part = workbook.structure.worksheet_part(sheet)
     for related in workbook.structure.relationships(part) if part else ():
         if workbook.container.find(related.part) is None:
@@ -44,7 +53,7 @@ def lying_over(workbook: WorkbookState, sheet: str) -> Iterator[LyingOver]:
             yield from _of_drawing(root, workbook.sheet_part(sheet))
         elif related.kind == "vmlDrawing":
             data = workbook.container.read(related.part)
-            yield from _of_legacy(data)
+            yield from _of_legacy(data, workbook.sheet_part(sheet))
 
 
 def _of_drawing(root: Element, cells: SheetPart) -> Iterator[LyingOver]:
@@ -160,7 +169,7 @@ def _extent(cells: SheetPart, at: int, down: bool) -> int:
     return round((width * _PIXELS_PER_CHARACTER + _PADDING) * _EMU_PER_PIXEL) if width else 0
 
 
-def _of_legacy(data: bytes) -> Iterator[LyingOver]:
+def _of_legacy(data: bytes, cells: SheetPart) -> Iterator[LyingOver]:
     """Controls and comments that are always open, of the older kind of drawing."""
     try:
         root = parse_part(data, "drawing")
@@ -174,14 +183,28 @@ def _of_legacy(data: bytes) -> Iterator[LyingOver]:
         if is_note and "Visible" not in held:
             continue
         numbers = [part.strip() for part in held.get("Anchor", "").split(",")]
-        if len(numbers) != 8 or not all(part.isdigit() for part in numbers):
-            continue
-        left, _, top, _, right, over, bottom, below = map(int, numbers)
-        edge = _EDGE // _EMU_PER_PIXEL
-        last_row, last_column = bottom + (below > edge), right + (over > edge)
-        if last_row > top and last_column > left:
-            kind = "an open comment" if is_note else "a control"
-            yield LyingOver(kind, "", Rect(top + 1, left + 1, last_row, last_column))
+        if len(numbers) == 8 and all(part.isdigit() for part in numbers):
+            left, _, top, _, right, over, bottom, below = map(int, numbers)
+            edge = _EDGE // _EMU_PER_PIXEL
+            rect = (top + 1, left + 1, bottom + (below > edge), right + (over > edge))
+        else:
+            rect = _by_style(entry.getparent(), cells)
+        if rect[2] >= rect[0] and rect[3] >= rect[1]:
+            yield LyingOver("an open comment" if is_note else "a control", "", Rect(*rect))
+
+
+def _by_style(shape: Element | None, cells: SheetPart) -> tuple[int, int, int, int]:
+    """First row and column, last row and column of an older shape that has no anchor, by its style in points."""
+    style = "" if shape is None else shape.get("style", "")
+    held = {name: float(number) for name, number in _IN_POINTS.findall(style)}
+    down, across = (
+        _walk(1, round(_EMU_PER_POINT * held.get(f"margin-{side}", 0.0)), cells, side == "top")
+        for side in ("top", "left")
+    )
+    height, width = (
+        str(round(_EMU_PER_POINT * held.get(size, 0.0))) for size in ("height", "width")
+    )
+    return down[0], across[0], _last(down, height, cells, True), _last(across, width, cells, False)
 
 
 def _name(element: Element) -> str:

@@ -99,6 +99,9 @@ class WorkbookPart:
             for entry in root.iterfind(f"{main('sheets')}/{main('sheet')}")
             if entry.get("state", "visible") != "visible"
         )
+        settings = root.find(main("calcPr"))
+        #: How its program calculates: attributes of the file, such as ``calcMode``.
+        self.calculation: dict[str, str] = {} if settings is None else dict(settings.attrib)
         self._sheet_parts = self._find_sheets(root)
         self.names = self._find_names(root)
 

@@ -10,6 +10,7 @@ import pytest
 from cells_of_tables import cell_of
 from openpyxl.cell.rich_text import CellRichText, TextBlock
 from openpyxl.cell.text import InlineFont
+from openpyxl.formatting.formatting import ConditionalFormattingList
 from openpyxl.formatting.rule import CellIsRule, DataBarRule, FormulaRule, Rule
 from openpyxl.styles import Alignment, Font, PatternFill
 from openpyxl.styles.differential import DifferentialStyle
@@ -100,6 +101,10 @@ def painted(ink: str, ground: str | None = None, size: float = 9.0, name: str = 
     return edit
 
 
+def struck(book, cell):
+    cell.font = Font(name="Arial", size=9.0, strike=True)
+
+
 def filled(book, cell):
     cell.alignment = Alignment(horizontal="fill")
 
@@ -162,7 +167,7 @@ def test_formats_that_show_another_verdict_are_found(restyled, words):
 
 UNSEEN = (
     painted("FFFFFFFF", "FFFFFFFF"), painted("FF203040", "FF203040"), painted("FFF0F0F0", "FFFFFFFF"),
-    painted("FF000000", "FF101010"), painted("FF000000", size=1), painted("FF000000", name="Wingdings"),
+    painted("FF000000", "FF101010"), struck, painted("FF000000", size=1), painted("FF000000", name="Wingdings"),
     a_rule(FormulaRule(["TRUE"], font=Font(color="FFFEFEFE"))),
     a_rule(FormulaRule(["TRUE"], font=Font(color="FF808080"), fill=PatternFill(bgColor="FF808080"))),
     a_rule(CellIsRule(operator="greaterThan", formula=["1000"], font=Font(color="FFFDFDFD"))),
@@ -198,6 +203,105 @@ def test_two_rules_that_hide_together_are_found(restyled, place):
 
     [found] = restyled([edit], [place])
     assert "two conditional formats" in found.sentence
+
+
+def green_rule(rank: int) -> Edit:
+    def edit(book, cell):
+        rule = FormulaRule(["TRUE"], fill=PatternFill(bgColor="FFC6EFCE"))
+        rule.priority = rank
+        cell.parent.conditional_formatting.add(cell.coordinate, rule)
+
+    return edit
+
+
+def fails_in_green(book, cell):
+    """The rule for a fail gets the colours of the one for a pass."""
+    looks = {rule.text: rule for area in cell.parent.conditional_formatting for rule in area.rules}
+    for area in cell.parent.conditional_formatting:
+        for rule in area.rules:
+            if rule.text == "fail":
+                rule.dxf = looks["pass"].dxf
+
+
+def green_without_rules(book, cell):
+    cell.parent.conditional_formatting = ConditionalFormattingList()
+    painted("FF00B050")(book, cell)
+
+
+def test_verdicts_in_the_colour_of_a_pass_are_found(restyled, train):
+    """But not where the shipped rule for a fail goes before the green one."""
+    workbook = open_workbook(train, read_only=True)
+
+    def failing(table: str) -> tuple[str, str]:
+        rows = range(1, workbook.table(table).data.height + 1)
+        cells = (cell_of(workbook, table, row, "Verdict") for row in rows)
+        return next(at for at in cells if str(workbook.shown_value(*at)).startswith("fail"))
+
+    tables = ("SeparationMargins", "Verdicts", "SteadyState")
+    wrong = (fails_in_green, green_rule(1), green_without_rules)
+    cells = [failing(table) for table in tables]
+    found = restyled(wrong, cells)
+    assert {sheet for sheet, _ in found_at(found)} == {sheet for sheet, _ in cells}
+    assert all("in green" in one.sentence for one in found)
+    assert restyled([green_rule(10_000)] * 3, cells) == []
+
+
+def test_the_rules_of_verdicts_as_libreoffice_writes_them_are_no_finding(train, tmp_path):
+    package = Package(train)
+
+    def rewritten(text: str) -> str:
+        text = text.replace('<cfRule type="expression"', '<cfRule type="expression" text=""')
+        return re.sub(r'(LEFT\([^,]*),\d+\)="([^"]*)"', r'\1,LEN("\2"))="\2"', text)
+
+    for sheet in ("Margins", "Summary"):
+        package.change(package.part_of_sheet(sheet), rewritten)
+    workbook = open_workbook(package.store(tmp_path / "saved.xlsx"), read_only=True)
+    assert [one for one in compare_appearance(workbook) if one.fails] == []
+
+
+_OLD_SHAPE = (
+    '<xml xmlns:v="urn:schemas-microsoft-com:vml" xmlns:x="urn:schemas-microsoft-com:office:excel">'
+    '<v:shape style="position:absolute;margin-left:20pt;margin-top:30pt;width:90pt;height:14pt">'
+    '<x:ClientData ObjectType="Button"/></v:shape></xml>'
+)
+_SPARKLINE = (
+    '<extLst><ext xmlns:x14="http://schemas.microsoft.com/office/spreadsheetml/2009/9/main" uri="{0}">'
+    '<x14:sparklineGroups xmlns:xm="http://schemas.microsoft.com/office/excel/2006/main"><x14:sparklineGroup>'
+    "<x14:sparklines><x14:sparkline><xm:f>Starts!C8:C9</xm:f><xm:sqref>B2</xm:sqref></x14:sparkline>"
+    "</x14:sparklines></x14:sparklineGroup></x14:sparklineGroups></ext></extLst>"
+)
+
+
+def test_banners_that_are_covered_hidden_or_cut_are_found(train, tmp_path):
+    package = Package(train)
+    parts = {
+        sheet: package.part_of_sheet(sheet) for sheet in ("Margins", "Starts", "Audit", "Notes")
+    }
+
+    def into(sheet, old, new):
+        package.change(parts[sheet], lambda text: text.replace(old, new, 1))
+
+    into("Margins", '<row r="2"', '<row r="2" hidden="1"')
+    into("Starts", "</worksheet>", f"{_SPARKLINE}</worksheet>")
+    into("Audit", "<tableParts", '<legacyDrawing r:id="rIdOld"/><tableParts')
+    package.parts["xl/drawings/old.vml"] = _OLD_SHAPE.encode()
+    relationship = (
+        '<Relationship Id="rIdOld" Type="http://schemas.openxmlformats.org/officeDocument/2006/relationships/'
+        'vmlDrawing" Target="../drawings/old.vml"/></Relationships>'
+    )
+    rels = f"xl/worksheets/_rels/{parts['Audit'].rsplit('/', 1)[1]}.rels"
+    package.change(rels, lambda text: text.replace("</Relationships>", relationship))
+    low = re.search(r'<row r="2"[^>]*ht="18"', package.parts[parts["Notes"]].decode())[0]
+    into("Notes", low, low.replace('ht="18"', 'ht="5"'))
+    workbook = open_workbook(package.store(tmp_path / "covered.xlsx"), read_only=True)
+    found = [one for one in compare_appearance(workbook) if one.fails]
+    said = {(one.sheet, one.cell, one.kind, one.sentence.split(",")[0]) for one in found}
+    assert said == {
+        ("Margins", "B2", "hidden", "row 2 is hidden"),
+        ("Starts", "B2", "hidden", "a sparkline lies over the cell"),
+        ("Audit", "B2", "hidden", "a control lies over the cell"),
+        ("Notes", "B2", "hidden", "the text is 9 points high in a row of 5 points"),
+    }
 
 
 def test_white_words_inside_a_text_are_found(restyled, words):
@@ -384,6 +488,17 @@ def test_changed_texts_of_notes_and_trace_are_found(train, tmp_path):
     ]  # fmt: skip
     assert all(one.fails for one in found)
     assert not any(one.fails for one in compare_texts(workbook, same_version=False))
+
+
+def test_other_titles_and_captions_of_result_sheets_are_notes(train, tmp_path):
+    package = Package(train)
+    package.put_text("Margins", "B1", "Margins: all kept")
+    package.put_text("Margins", "B5", "All margins are kept")
+    package.put_text("Starts", "B3", "The shafts may start as often as one likes.")
+    workbook = open_workbook(package.store(tmp_path / "titles.xlsx"), read_only=True)
+    found = list(compare_texts(workbook, same_version=True))
+    assert [one.sheet for one in found] == ["Margins", "Margins", "Starts"]
+    assert all("is missing" in one.sentence and not one.fails for one in found)
 
 
 def test_verify_says_what_it_looked_at_and_fails_by_a_hidden_result(train, tmp_path, place):

@@ -14,6 +14,9 @@ from tampered_package import Package
 from addin.contract.shipped import template_path
 from addin.verify.file import verify_file
 from addin.verify.findings import Agreement, Finding, Verification
+from addin.verify.formulas import typed_over, verdict_cells
+from addin.verify.input_copy import without_copy
+from addin.verify.structure import other_sheets, without_banner
 from addin.xlsx import Formula, open_workbook
 from addin.xlsx.references import cell_name
 
@@ -132,14 +135,17 @@ def test_another_formula_in_place_of_ours_is_judged_by_what_it_shows(
 
 @pytest.mark.first_ones(2)
 @pytest.mark.parametrize(
-    "formula",
+    ("sheet", "formula"),
     [
-        '"INCOMPLETE: "&amp;COUNTA(Verdicts[Check])&amp;" checks"',
-        'IF(COUNTA(Verdicts[Check])&gt;0,"{banner}","")',
-        "IF(TRUE,OverallVerdict)",
+        ("Margins", '"INCOMPLETE: "&amp;COUNTA(Verdicts[Check])&amp;" checks"'),
+        ("Notes", 'IF(COUNTA(Verdicts[Check])&gt;0,"{banner}","")'),
+        ("Effects", "IF(TRUE,OverallVerdict)"),
+        ("Audit", "IF(TRUE,Summary!$B$9)"),
     ],
 )
-def test_a_verdict_on_another_sheet_that_is_not_the_overall_one_is_seen(train, tampered, formula):
+def test_a_verdict_on_another_sheet_that_is_not_the_overall_one_is_seen(
+    train, tampered, sheet, formula
+):
     """Its value follows from its formula, which nobody reads."""
     banner = open_workbook(train, read_only=True).shown_value("Summary", "B9")
     text = formula.format(banner=banner)
@@ -147,45 +153,83 @@ def test_a_verdict_on_another_sheet_that_is_not_the_overall_one_is_seen(train, t
 
     def edit(package):
         package.change(
-            package.part_of_sheet("Margins"),
+            package.part_of_sheet(sheet),
             lambda xml: re.sub(
-                "<f>OverallVerdict</f><v>[^<]*</v>", lambda _: f"<f>{text}</f><v>{shown}</v>", xml
+                r"<f>Summary!\$B\$9</f><v>[^<]*</v>", lambda _: f"<f>{text}</f><v>{shown}</v>", xml
             ),
         )
 
     found = tampered(edit)
     assert not found.passes
-    assert ("Margins", "edited") in {(f.sheet, f.kind) for f in failing(found)}
+    assert (sheet, "B2", "edited") in {(f.sheet, f.cell, f.kind) for f in failing(found)}
+
+
+def test_verdicts_that_are_typed_are_seen_on_sheets_of_torsionbook_and_of_others(train, tmp_path):
+    """A word alone counts beside the results, the words of the banner everywhere."""
+    package = Package(train)
+    package.put_text("Margins", "C1", "PASSED!")
+    package.put_text("Notes", "B2", "PASS: all 8 checks")
+    package.put_text("Starts", "B2", "a word")
+    own = (
+        '<worksheet xmlns="http://schemas.openxmlformats.org/spreadsheetml/2006/main"><sheetData><row r="1">'
+        '<c r="A1" t="inlineStr"><is><t>PASS</t></is></c>'
+        '<c r="B1" t="inlineStr"><is><t>PASS: all 8 checks</t></is></c></row></sheetData></worksheet>'
+    )
+    package.parts["xl/worksheets/own.xml"] = own.encode()
+    main = "application/vnd.openxmlformats-officedocument.spreadsheetml.worksheet+xml"
+    kind = "http://schemas.openxmlformats.org/officeDocument/2006/relationships/worksheet"
+    for part, end, entry in (
+        ("[Content_Types].xml", "</Types>", f'<Override PartName="/xl/worksheets/own.xml" ContentType="{main}"/>'),
+        ("xl/_rels/workbook.xml.rels", "</Relationships>",
+         f'<Relationship Id="rIdOwn" Type="{kind}" Target="worksheets/own.xml"/>'),
+        ("xl/workbook.xml", "</sheets>", '<sheet name="Cover" sheetId="900" r:id="rIdOwn"/>'),
+    ):  # fmt: skip
+        package.change(part, lambda text, end=end, entry=entry: text.replace(end, entry + end))
+    workbook = open_workbook(package.store(tmp_path / "typed.xlsx"), read_only=True)
+    typed = {(one.sheet, one.cell) for one in typed_over(workbook, True) if one.fails}
+    assert typed == {("Margins", "C1"), ("Notes", "B2"), ("Cover", "B1")}
+    [cover] = other_sheets(workbook)
+    assert "'Cover'" in cover.sentence
+    banners = {sheet for sheet, _, _ in verdict_cells(workbook)}
+    assert [(one.sheet, one.fails) for one in without_banner(workbook, banners)] == [
+        ("Starts", False)
+    ]
+
+
+def test_a_workbook_whose_banner_compares_with_nothing_says_so(train, tmp_path):
+    package = Package(train)
+    package.change(
+        package.part_of_table("InputChecks"), lambda text: text.replace('"InputChecks"', '"Own"')
+    )
+    workbook = open_workbook(package.store(tmp_path / "no copy.xlsx"), read_only=True)
+    [said] = without_copy(workbook)
+    assert "InputChecks is missing" in said.sentence
+    assert list(without_copy(open_workbook(train, read_only=True))) == []
 
 
 @pytest.mark.first_ones(2)
 @pytest.mark.parametrize(
-    ("name", "how"),
+    ("place", "how"),
     [
-        ("OverallVerdict", ("IFERROR(InputsChanged,1)", "FALSE")),
-        ("OverallVerdict", ("=IF(", '=IF(NOW()>60000,"PASS: all 9 checks",', ")")),
-        ("InputsChanged", ("=AND(", "=AND(NOW()<60000,")),
+        (("Summary", "B9"), ("IFERROR('Inputs calculated'!$C$2,1)", "FALSE")),
+        (("Summary", "B9"), ("=IF(", '=IF(NOW()>60000,"PASS: all 9 checks",', ")")),
+        (("Inputs calculated", "C2"), ("=IFERROR(", "=(NOW()>60000)*IFERROR(")),
     ],
 )
-def test_a_banner_that_will_say_something_else_after_an_edit_is_seen(edited, name, how):
+def test_a_banner_that_will_say_something_else_after_an_edit_is_seen(edited, place, how):
     """It shows the right verdict now."""
 
     def edit(workbook):
-        at = workbook.defined_names[name]
-        cell = cell_name(at.rect.top, at.rect.left)
-        held = workbook.value(at.sheet, cell)
+        held = workbook.value(*place)
         old, new, *end = how
         text = f"={held.text}".replace(old, "=IF(" + new[4:] + "IF(" if end else new, 1)
-        workbook.set_cell(
-            at.sheet, cell, Formula("".join([text.removeprefix("="), *end]), held.cached),
-            replace_formula=True,
-        )  # fmt: skip
+        assert text != f"={held.text}"
+        text = "".join([text.removeprefix("="), *end])
+        workbook.set_cell(*place, Formula(text, held.cached), replace_formula=True)
 
     found = verify_file(edited(edit))
     assert not found.passes
-    at = open_workbook(found.source, read_only=True).defined_names[name]
-    cell = cell_name(at.rect.top, at.rect.left)
-    assert (at.sheet, cell, "edited") in {(f.sheet, f.cell, f.kind) for f in failing(found)}
+    assert (*place, "edited") in {(f.sheet, f.cell, f.kind) for f in failing(found)}
 
 
 @pytest.mark.slow

@@ -14,6 +14,7 @@ import pint
 import pytest
 from made_up_run import SOURCE, STAMP, made_up_run
 
+from addin.contract.banner import OVERALL_WITHOUT_COPY
 from addin.contract.field import Field, TableSpec
 from addin.contract.studies.registry import STUDIES
 from addin.contract.tables import DIMENSIONS, INPUT_TABLES, SCALARS
@@ -288,21 +289,37 @@ def test_columns_whose_headers_are_exchanged_are_a_change(calculated: Path, calc
     assert wrong(expected, calc(steps)) == []
 
 
-def test_every_banner_says_so(calculated: Path, calc: Any) -> None:
+def test_every_banner_says_so_wherever_names_lead(
+    calculated: Path, calc: Any, tmp_path: Path
+) -> None:
+    """The banners refer to cells, so that there is no name that somebody could lead elsewhere."""
     workbook = open_workbook(calculated)
     strips = [
         (sheet, cell_name(*at))
         for sheet in workbook.sheet_names
         for at in workbook.sheet_part(sheet).formulas
-        if getattr(workbook.sheet_part(sheet).value(*at), "text", "") == "OverallVerdict"
+        if getattr(workbook.sheet_part(sheet).value(*at), "text", "") == "Summary!$B$9"
     ]
-    assert len(strips) >= 12
-    reads = [("read", *strip) for strip in strips]
+    visible = set(workbook.sheet_names) - workbook.structure.hidden_sheets
+    assert [sheet for sheet, _ in strips] == [
+        s for s in workbook.sheet_names if s in visible - {"Summary"}
+    ]
+    astray = tmp_path / "astray.xlsx"
+    names = rb'(name="(?:OverallVerdict|run_[A-Za-z0-9]+)"[^>]*>)[^<]*'
+    with zipfile.ZipFile(calculated) as old, zipfile.ZipFile(astray, "w") as new:
+        for entry in old.namelist():
+            data = old.read(entry)
+            if entry == "xl/workbook.xml":
+                data, count = re.subn(names, rb"\g<1>Lists!$Z$50", data)
+                assert count > 20
+            new.writestr(entry, data)
+    reads = [BANNER, *(("read", *strip) for strip in strips)]
     (one,) = (p for p in places(read_workbook(calculated)) if p.name == "Stations.Inertia")
     edit = typed(one.sheet, one.cells[0], 7.0)
-    seen = calc([("open", calculated), *reads, edit, *reads])
-    assert CHANGED not in seen[: len(strips)]
-    assert set(seen[len(strips) :]) == {CHANGED}
+    seen = calc([("open", calculated), *reads, edit, *reads, ("open", astray), edit, *reads])
+    assert CHANGED not in seen[: len(reads)]
+    assert len(seen) == 3 * len(reads)
+    assert set(seen[len(reads) :]) == {CHANGED}
 
 
 def wrong(expected: list[tuple[str, bool]], seen: list[str]) -> list[str]:
@@ -339,7 +356,10 @@ def test_an_input_of_an_unknown_function_leaves_the_banner_its_value(tmp_path: P
 
 def test_a_workbook_of_an_earlier_version_is_written_as_before(tmp_path: Path) -> None:
     """Without the hidden sheet there is no copy, and nobody misses it."""
-    with_other_names(tmp_path / "in.xlsx", rb'"(Calculated|InputChecks|InputUnits|InputsChanged)')
+    with_other_names(tmp_path / "new.xlsx", rb'"(Calculated|InputChecks|InputUnits)')
+    workbook = open_workbook(tmp_path / "new.xlsx")
+    workbook.set_name("OverallVerdict", Formula(OVERALL_WITHOUT_COPY), replace_formula=True)
+    workbook.save(tmp_path / "in.xlsx")
     report = write_results(tmp_path / "in.xlsx", tmp_path / "out.xlsx", made_up_run(), STAMP)
     assert report.notes == ()
     tables = open_workbook(report.path).tables
@@ -351,6 +371,30 @@ def test_a_workbook_that_lost_the_copy_is_told_so(tmp_path: Path) -> None:
     report = write_results(tmp_path / "in.xlsx", tmp_path / "out.xlsx", made_up_run(), STAMP)
     assert [note for note in report.notes if "Inputs calculated are missing" in note]
     assert opened(report.path)["Summary"]["B9"].value == CHANGED
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        (b'calcMode="manual"', ["manual calculation"]),
+        (b'iterate="1" fullPrecision="0"', ["iterative calculation", "precision as displayed"]),
+        (b'calcMode="autoNoTable" fullPrecision="1"', []),
+    ],
+)
+def test_settings_that_make_banners_late_are_told_and_left_as_they_are(
+    tmp_path: Path, settings: bytes, words: list[str]
+) -> None:
+    with zipfile.ZipFile(SOURCE) as shipped, zipfile.ZipFile(tmp_path / "in.xlsx", "w") as new:
+        for entry in shipped.namelist():
+            data = shipped.read(entry)
+            if entry == "xl/workbook.xml":
+                data = re.sub(rb"<calcPr [^>]*/>", b"<calcPr %s/>" % settings, data)
+                assert settings in data
+            new.writestr(entry, data)
+    report = write_results(tmp_path / "in.xlsx", tmp_path / "out.xlsx", made_up_run(), STAMP)
+    assert [note.split(" is set to ")[1].split(":")[0] for note in report.notes] == words
+    with zipfile.ZipFile(report.path) as written:
+        assert settings in written.read("xl/workbook.xml")
 
 
 def with_other_names(path: Path, names: bytes) -> None:
