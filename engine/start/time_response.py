@@ -37,6 +37,8 @@ _FOUR_POINT = 0.5 * np.array(
 _COUPLED = 1e-11
 #: Steps whose modal forces are calculated at a time.
 CHUNK = 2048
+#: Lengths of steps that are remembered: knots and samples that are multiples of one time have few.
+KNOWN_STEPS = 32
 #: Times this close to equally spaced, over the whole span, are equally spaced.
 _SPACING = 1e-12
 
@@ -308,9 +310,10 @@ def _integrate(
     steps = _steps(grid)
     stiffness, rate = omega**2, np.diag(matrix).copy()
     changes = np.flatnonzero(np.diff(steps)) + 1 if coupled else np.zeros(0, dtype=np.int64)
+    by_length = _CoupledSteps(omega, matrix, _slack(grid))
     for i, j in zip([0, *changes], [*changes, len(steps)], strict=True):
         if coupled and j > i:
-            free, forced = _coupled_step(omega, matrix, float(steps[i]))
+            free, forced = by_length.step(float(steps[i]), j - i)
         for a in range(i, j, CHUNK):
             b = min(a + CHUNK, j)
             cubic, new = forces(grid[a : b + 1]), slice(a + 1, b + 1)
@@ -326,8 +329,7 @@ def _integrate(
 
 def _steps(grid: Floats) -> Floats:
     """Lengths of the steps, those the same that differ by rounding alone. [s]"""
-    steps = np.diff(grid)
-    slack = max(_SPACING * float(np.ptp(grid)), 8.0 * float(np.spacing(np.max(np.abs(grid)))))
+    steps, slack = np.diff(grid), _slack(grid)
     changes = np.flatnonzero(np.abs(np.diff(steps)) > 4.0 * slack) + 1
     first, last = np.append(0, changes), np.append(changes, len(steps))
     for i, end in zip(first[last - first > 1], last[last - first > 1], strict=True):
@@ -336,6 +338,11 @@ def _steps(grid: Floats) -> Floats:
             steps[i:j] = float(grid[j] - grid[i]) / (j - i)
             i = j
     return steps
+
+
+def _slack(grid: Floats) -> float:
+    """How far points may be from where they belong: rounding. [s]"""
+    return max(_SPACING * float(np.ptp(grid)), 8.0 * float(np.spacing(np.max(np.abs(grid)))))
 
 
 def _equal_steps_until(grid: Floats, i: int, slack: float) -> int:
@@ -357,6 +364,33 @@ def _equal_steps_until(grid: Floats, i: int, slack: float) -> int:
         middle = (good + bad) // 2
         good, bad = (middle, bad) if equal(middle) else (good, middle)
     return good
+
+
+class _CoupledSteps:
+    """Steps of the coupled system, calculated once for each length.
+
+    Where knots of torques interrupt equal steps, a length comes again and differs by rounding. The one known
+    is taken while all steps together end within `slack` of where they should.
+    """
+
+    def __init__(self, omega: Floats, matrix: Floats, slack: float) -> None:
+        self._system, self._slack = (omega, matrix), slack
+        self._known: dict[float, tuple[Floats, Floats]] = {}  # the latest one last
+        self._ahead = 0.0
+
+    def step(self, h: float, count: int) -> tuple[Floats, Floats]:
+        """What `_coupled_step` gives, for a number of steps in a row."""
+        near = min(self._known, key=lambda known: abs(known - h), default=np.inf)
+        ahead = self._ahead + count * (near - h)
+        if abs(ahead) <= self._slack:
+            self._ahead = ahead
+            found = self._known.pop(near)
+        else:
+            near, found = h, _coupled_step(*self._system, h)
+        self._known[near] = found
+        if len(self._known) > KNOWN_STEPS:
+            del self._known[next(iter(self._known))]
+        return found
 
 
 def _coupled_step(omega: Floats, matrix: Floats, h: float) -> tuple[Floats, Floats]:
