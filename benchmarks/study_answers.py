@@ -69,8 +69,8 @@ class Repeated:
 
     number: int  #: Train.
     element: str  #: Where.
-    kind: str  #: ``peak`` or ``starts``.
-    inside: bool  #: Whether the repetition is within the range that was told.
+    kind: str  #: ``peak``, ``extremes`` or ``starts``.
+    inside: bool  #: Whether the repetition is within the range, or the error, that was told.
 
 
 @dataclass(frozen=True)
@@ -283,10 +283,12 @@ def _repeated(record: Record) -> Iterator[Repeated]:
     """Each answer of a sensitive train beside each of its repetitions."""
     number, asked = record["number"], record["asked"]
     for other in record.get("nudged", []):
-        for element, (_, _, _, _, low, high) in asked["peaks"].items():
-            size = max(abs(other["peaks"][element][0]), abs(other["peaks"][element][1]))
+        for element, (maximum, minimum, error, _, low, high) in asked["peaks"].items():
+            upper, lower = other["peaks"][element][:2]
             if low is not None:
-                yield Repeated(number, element, "peak", low <= size <= high)
+                yield Repeated(number, element, "peak", low <= max(abs(upper), abs(lower)) <= high)
+                off = max(abs(upper - maximum), abs(lower - minimum))
+                yield Repeated(number, element, "extremes", off <= error)
         for element, (_, left_out, low, high) in asked["starts"].items():
             starts = other["starts"][element][0]
             least, most = (0.0 if low is None else low), (math.inf if high is None else high)

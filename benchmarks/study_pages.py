@@ -221,12 +221,15 @@ def _about_sensitive(found: Study) -> str:
 
 
 def _sensitive(found: Study) -> Table:
-    inside = [
-        (kind, [r.inside for r in found.repeated if r.kind == kind]) for kind in ("peak", "starts")
-    ]
+    told = {
+        "peak": "range told: peak",
+        "extremes": "error told: maximum and minimum",
+        "starts": "range told: starts",
+    }
+    inside = [(kind, [r.inside for r in found.repeated if r.kind == kind]) for kind in told]
     rows = (
         *(
-            (f"repetitions within the range told: {kind}", f"{sum(own)} of {len(own)}")
+            (f"repetitions within the {told[kind]}", f"{sum(own)} of {len(own)}")
             for kind, own in inside
         ),
         ("starts with events", str(found.events)),
