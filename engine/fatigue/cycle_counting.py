@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from engine.arrays import Floats, Ints, Mask
+from engine.arrays import Floats, Ints
 from engine.case.choices import RainflowResidue
 from engine.errors import InternalError
 from engine.stepping.library import address, library
@@ -67,15 +67,12 @@ def turning_points(history: ArrayLike) -> Floats:
     InternalError
         When a value is not finite.
     """
-    x: Floats = np.asarray(history, float).ravel()
-    if not np.all(np.isfinite(x)):
+    x = np.ascontiguousarray(history, float).ravel()
+    points = np.empty(len(x))
+    found = library.reversals(len(x), address(x), address(points))
+    if found < 0:
         raise InternalError("a history to be counted holds a value that is not finite")
-    x = x[np.diff(x, prepend=np.nan) != 0.0]  # the first point stays: nan is not zero
-    if x.size < 2:
-        return x
-    rising = x[1:] > x[:-1]
-    reversal: Mask = np.concatenate([[True], rising[1:] != rising[:-1], [True]])
-    return np.asarray(x[reversal])
+    return points[:found]
 
 
 def counted_history(history: ArrayLike) -> Floats:

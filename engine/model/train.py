@@ -16,6 +16,7 @@ SI and radians; every element is seen at its own shaft's speed, a mesh on its Fr
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -143,7 +144,7 @@ class Train:
         """Number of stations. [count]"""
         return len(self.stations)
 
-    @property
+    @cached_property
     def viscous_shown(self) -> Mask:
         """Rows whose reported torque includes their viscous part, shape (n_rows,). [mask]
 
@@ -154,26 +155,26 @@ class Train:
         included[[f.drive_row for f in self.flanks if f.gap]] = True
         return np.asarray(included)
 
-    @property
+    @cached_property
     def element_rows(self) -> Ints:
         """Rows that belong to an element: all but those of the bearings. [indices]"""
         return np.flatnonzero(self.row_element != NO_ELEMENT)
 
-    @property
+    @cached_property
     def output_element(self) -> Ints:
         """Element of each torque that is known: rows of elements, rigid meshes, ends of shafts. [index]"""
         rows = self.row_element[self.element_rows]
         others = [m.element for m in self.rigid_meshes] + [e.element for e in self.shaft_ends]
         return np.concatenate([rows, np.array(others, dtype=np.int64)])
 
-    @property
+    @cached_property
     def element_loss_factor(self) -> Floats:
         """Loss factor of each element, shape (n_elements,); 0 for a rigid mesh. [1]"""
         loss, rows = np.zeros(len(self.elements)), self.element_rows
         loss[self.row_element[rows]] = self.loss_factor[rows]
         return loss
 
-    @property
+    @cached_property
     def dof_ratio(self) -> Floats:
         """Speed of each degree of freedom over the reference speed, shape (n_dof,). [1]"""
         ratio = np.zeros(self.n_dof)

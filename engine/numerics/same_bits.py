@@ -268,7 +268,8 @@ def product(a: Any, b: Any) -> Any:
         raise InternalError(f"a product of shapes {a.shape} and {b.shape}")
     if min(m, n, k) > LARGE:
         return np.matmul(a, b)
-    left, right = (np.ascontiguousarray(side, dtype=np.float64) for side in (left, right))
+    left = np.ascontiguousarray(left, dtype=np.float64)
+    right = np.ascontiguousarray(right, dtype=np.float64)
     out = np.empty((m, n))
     library.product(m, n, k, address(left), address(right), address(out))
     if a.ndim == b.ndim == 2:

@@ -188,6 +188,7 @@ int64_t turning_to_end(int64_t n, const double *when, const double *value, doubl
                        const double *last, double *to_when, double *to_value);
 void lane_to_end(int64_t n, int64_t lanes, int64_t lane, const samples_t *out, const double *first, const double *time,
                  double end, int64_t longest, double *to_when, double *to_value, int64_t *to_count);
+int64_t reversals(int64_t n, const double *x, double *point);
 int64_t rainflow(int64_t n, const double *point, int64_t *first, int64_t *second, double *count,
                  int64_t *open);
 const char *about(void); /* compiler, target, digest of the sources */

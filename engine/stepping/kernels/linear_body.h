@@ -114,20 +114,24 @@ static lane_t accept(const system_t *s, const drive_t *drive, state_t *state, co
     return mean;
 }
 
-/* A torque and its rate in the state q, v with the forces f. */
-static void torque_of(const torques_t *y, int64_t i, const system_t *s, const lane_t *q, const lane_t *v,
-                      const lane_t *a, const lane_t *f, const lane_t *fr, lane_t *torque, lane_t *rate)
+/* Torques that are summed side by side: the sums of one wait for each other. */
+enum { TORQUES_AT_ONCE = 4 };
+
+/* Torques i to i + count and their rates in the state q, v with the forces f. */
+static void torques_of(const torques_t *y, int64_t i, int64_t count, const system_t *s, const lane_t *q, const lane_t *v,
+                       const lane_t *a, const lane_t *f, const lane_t *fr, lane_t *torque, lane_t *rate)
 {
     const int64_t n = s->n, nf = s->n_forces;
-    lane_t direct, direct_rate;
-    along(n, lanes_of(y->position) + i * n, q, v, torque, rate);
-    along(nf, lanes_of(y->force) + i * nf, f, fr, &direct, &direct_rate);
-    *torque += direct;
-    *rate += direct_rate;
-    if (!y->velocity) return;
-    along(n, lanes_of(y->velocity) + i * n, v, a, &direct, &direct_rate);
-    *torque += direct;
-    *rate += direct_rate;
+    lane_t more[2][2][TORQUES_AT_ONCE]; /* of forces, of velocities */
+    const int parts = y->velocity ? 2 : 1;
+    along_rows(n, count, NULL, lanes_of(y->position) + i * n, q, v, torque, rate);
+    along_rows(nf, count, NULL, lanes_of(y->force) + i * nf, f, fr, more[0][0], more[0][1]);
+    if (y->velocity) along_rows(n, count, NULL, lanes_of(y->velocity) + i * n, v, a, more[1][0], more[1][1]);
+    for (int part = 0; part < parts; part++)
+        for (int64_t k = 0; k < count; k++) {
+            torque[k] += more[part][0][k];
+            rate[k] += more[part][1][k];
+        }
 }
 
 /* Turning points of a torque between the row before and this one. */
@@ -156,6 +160,7 @@ static void record(samples_t *out, int64_t k, lane_t time, lane_t mean, const to
 {
     const lane_t *q = lanes_of(state->q), *v = lanes_of(state->v);
     const lane_t *f = lanes_of(state->force), *fr = lanes_of(state->force_rate);
+    lane_t torques[TORQUES_AT_ONCE], rates[TORQUES_AT_ONCE];
     if (y->velocity) { /* the acceleration with the forces at the end of the step */
         modal_forces(s, f, fr, w);
         for (int64_t i = 0; i < s->n; i++)
@@ -164,8 +169,11 @@ static void record(samples_t *out, int64_t k, lane_t time, lane_t mean, const to
     ((lane_t *)out->time)[k] = time;
     ((lane_t *)out->speed)[k] = mean;
     for (int64_t i = 0; i < y->n; i++) {
+        const int64_t at = i % TORQUES_AT_ONCE, left = y->n - i, count = left < TORQUES_AT_ONCE ? left : TORQUES_AT_ONCE;
         lane_t torque, rate, *largest = (lane_t *)out->largest + i;
-        torque_of(y, i, s, q, v, w->a1, f, fr, &torque, &rate);
+        if (at == 0) torques_of(y, i, count, s, q, v, w->a1, f, fr, torques, rates);
+        torque = torques[at];
+        rate = rates[at];
         if (out->torque) {
             ((lane_t *)out->torque)[i * out->rows + k] = torque;
             ((lane_t *)out->torque_rate)[i * out->rows + k] = rate;

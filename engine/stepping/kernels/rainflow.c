@@ -2,6 +2,21 @@
 #include <math.h>
 #include "kernels.h"
 
+/* First and last of n values and the reversals between them, repeats left out; how many, -1 where one is not finite. */
+int64_t reversals(int64_t n, const double *x, double *point)
+{
+    int64_t k = 0;
+    int rises = 0;
+    for (int64_t i = 0; i < n; i++) {
+        if (x[i] - x[i] != 0.0) return -1;
+        if (k && x[i] == point[k - 1]) continue;
+        if (k > 1 && (x[i] > point[k - 1]) == rises) k--; /* on the way */
+        if (k) rises = x[i] > point[k - 1];
+        point[k++] = x[i];
+    }
+    return k;
+}
+
 /* The two ends of each cycle and its count, in the order in which cycles close; their number. The points turn at
  * each but the first and the last. What does not close counts as half cycles. `open` holds points that are waiting. */
 int64_t rainflow(int64_t n, const double *point, int64_t *first, int64_t *second, double *count, int64_t *open)

@@ -88,6 +88,30 @@ def test_turning_points_are_those_of_the_histories(number: int) -> None:
     alike(run, SingleRun.until(whole, whole.end_at(one.target_speed)))
 
 
+def test_room_that_has_to_grow_changes_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    simulations = [simulation(stiffer(sample_case("proposed"), s)) for s in (1.0, 1.07)]
+    at_once = turning_of_starts(simulations)
+    monkeypatch.setattr("engine.start.simulation.TURNING_ROOM", 4)
+    for one, other in zip(at_once, turning_of_starts(simulations), strict=True):
+        assert isinstance(one, SingleRun)
+        assert isinstance(other, SingleRun)
+        assert max(len(when) for when, _ in one.turning) > 4
+        alike(one, other)
+
+
+def test_histories_in_several_parts_are_those_of_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    s = simulation(sample_case("proposed"))
+    asked = (s.model, s.step, s.method, s.target_speed, s.maximum_time)
+    whole = simulate(*asked, keep_all=True)
+    monkeypatch.setattr("engine.start.simulation.KEPT_VALUES", 0)
+    monkeypatch.setattr("engine.start.simulation.CHUNK", 100)
+    parts = simulate(*asked, keep_all=True)
+    assert whole.n_steps == len(whole.time) - 1 > 100
+    assert parts.n_steps == whole.n_steps
+    for name in ("time", "mean_speed", "torque", "torque_rate"):
+        assert np.array_equal(getattr(parts, name), getattr(whole, name))
+
+
 def test_a_group_of_calculations_gives_the_answers_of_each_alone() -> None:
     case = sample_case("modified")
     shares = [1.0 + 0.01 * i for i in range(2 * LANES + 1)]
