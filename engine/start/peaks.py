@@ -65,27 +65,6 @@ class ElementPeak:
         return self.error / self.size if self.size > 0.0 else 0.0
 
 
-def worst_outputs(train: Train, run: SingleRun) -> Ints:
-    """For each element the output (segment) with the largest peak-to-peak torque.
-
-    Parameters
-    ----------
-    train : Train
-        The train. [SI]
-    run : SingleRun
-        A simulated start. [SI]
-
-    Returns
-    -------
-    ndarray of int, shape (n_elements,)
-        Output; −1 where an element has none. [index]
-    """
-    chosen = np.full(len(train.elements), -1, dtype=np.int64)
-    for element, (_, _, widest) in sections_of(run).items():
-        chosen[element] = widest
-    return chosen
-
-
 def sections_of(run: SingleRun) -> dict[int, tuple[int, int, int]]:
     """Outputs with the highest torque, the lowest, and the largest range, of each element.
 
@@ -255,9 +234,11 @@ def judge_run(
         Peaks and their errors. [N m]
     """
     trajectory, turning = fine.trajectory, fine.turning
-    output = worst_outputs(train, fine)
     sections = sections_of(fine)
-    judged = [(element, int(i)) for element, i in enumerate(output) if i >= 0]
+    judged = [(element, widest) for element, (_, _, widest) in sections.items()]
+    output = np.full(len(train.elements), -1, dtype=np.int64)  # of each element the widest
+    for element, i in judged:
+        output[element] = i
 
     def largest(values: Mapping[int, float]) -> Floats:
         """Of the sections of each element that matter."""
