@@ -136,27 +136,6 @@ def _both(a: Range, b: Range) -> Range:
     return min(a[0], b[0]), max(a[1], b[1])
 
 
-def worst_outputs(train: Train, run: SingleRun) -> Ints:
-    """For each element the output (segment) with the largest peak-to-peak torque.
-
-    Parameters
-    ----------
-    train : Train
-        The train. [SI]
-    run : SingleRun
-        A simulated start. [SI]
-
-    Returns
-    -------
-    ndarray of int, shape (n_elements,)
-        Output; −1 where an element has none. [index]
-    """
-    chosen = np.full(len(train.elements), -1, dtype=np.int64)
-    for element, (_, _, widest) in sections_of(run).items():
-        chosen[element] = widest
-    return chosen
-
-
 def sections_of(run: SingleRun) -> dict[int, tuple[int, int, int]]:
     """Outputs with the highest torque, the lowest, and the largest range, of each element.
 
@@ -325,9 +304,11 @@ def judge_run(
         Peaks and their errors. [N m]
     """
     trajectory, turning = fine.trajectory, fine.turning
-    output = worst_outputs(train, fine)
     sections = sections_of(fine)
-    judged = [(element, int(i)) for element, i in enumerate(output) if i >= 0]
+    judged = [(element, widest) for element, (_, _, widest) in sections.items()]
+    output = np.full(len(train.elements), -1, dtype=np.int64)  # of each element the widest
+    for element, i in judged:
+        output[element] = i
 
     def largest(values: Mapping[int, float]) -> Floats:
         """Of the sections of each element that matter."""

@@ -138,7 +138,10 @@ class _Loop:
 
 def _beside(arrays: Sequence[Floats]) -> Floats:
     """Arrays of several starts, which become the last axis."""
-    return np.ascontiguousarray(np.stack(arrays, axis=-1))
+    beside = np.empty((*arrays[0].shape, len(arrays)))
+    for lane, array in enumerate(arrays):
+        beside[..., lane] = array
+    return beside
 
 
 def _machines_beside(models: Sequence[Machines]) -> tuple[Any, ...]:

@@ -70,8 +70,10 @@ def test_the_error_of_recontact_speeds_is_that_of_the_fastest_three() -> None:
 
 
 def test_where_runs_part_the_error_of_recontact_speeds_is_that_of_an_ensemble() -> None:
-    """t(0.995; 2) = 9.9248; mean 2, s 0.1, so 2 ± 1.146."""
-    assert error_of([2.0], [1.9], [2.1]) == pytest.approx(9.9248 * 0.1 * np.sqrt(4 / 3) / 2.0, 1e-4)
+    """t(0.999; 2) = 22.327; mean 2, s 0.1, so 2 ± 2.578."""
+    assert error_of([2.0], [1.9], [2.1]) == pytest.approx(
+        22.3271 * 0.1 * np.sqrt(4 / 3) / 2.0, 1e-4
+    )
 
 
 def test_the_history_of_a_tooth_force_is_normal_to_the_tooth() -> None:

@@ -113,6 +113,7 @@ def test_linear_and_with_a_clearance_the_ratios_are_alike_where_teeth_stay_toget
     mesh = MeshRow("Mesh", None, 0.42, 0.075, math.radians(20.0), backlash=4e-4)
     plain = run(sample_case("modified")).crossings[-1]
     parted = run(sample_case("modified", meshes=(mesh,))).crossings[-1]
-    assert "At this crossing the mesh torque stays positive." in parted.note
+    assert parted.mesh_minimum_torque is not None
+    assert parted.mesh_minimum_torque > 0.0
     assert plain.amplification is not None
     assert parted.amplification == pytest.approx(plain.amplification, rel=0.25)
