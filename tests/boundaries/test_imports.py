@@ -167,6 +167,7 @@ def test_each_folder_opens_with_its_table():
     assert list(table_complaints(ROOT)) == []
 
 
+@pytest.mark.slow
 def test_no_function_has_too_many_parameters():
     assert list(parameter_complaints(ROOT)) == []
 

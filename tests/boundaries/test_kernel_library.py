@@ -41,6 +41,7 @@ def test_the_library_is_made_from_the_sources_that_are_here(hook):
     assert about().endswith(f"sources {hook.sources_digest(ROOT / hook.KERNELS)}"), "run: make demo"
 
 
+@pytest.mark.slow
 def test_it_is_built_where_it_is_not(hook, checkout):
     made = hook.build(checkout)
     assert [p.name for p in made] == [Path(made[0]).name, "_declarations.py"]
@@ -49,6 +50,7 @@ def test_it_is_built_where_it_is_not(hook, checkout):
     assert hook.build(checkout)[0].stat().st_mtime_ns == before  # from the same sources: not again
 
 
+@pytest.mark.slow
 def test_changed_sources_are_built_again(hook, checkout):
     before = hook.build(checkout)[0].read_bytes()
     source = checkout / hook.KERNELS / "about.c"
@@ -70,6 +72,7 @@ def test_a_compiler_that_is_not_there_is_named(hook, checkout, monkeypatch):
         hook.build(checkout)
 
 
+@pytest.mark.slow
 def test_a_compiler_that_fails_tells_why(hook, checkout):
     (checkout / hook.KERNELS / "about.c").write_text("this is no C", encoding="utf-8")
     with pytest.raises(SystemExit, match="The C compiler failed(.|\n)*about.c"):

@@ -92,6 +92,7 @@ def test_results_are_compared_where_both_files_have_them_of_their_inputs(
     assert {("row removed", "weak"), ("row added", "new")} <= kinds
 
 
+@pytest.mark.slow
 def test_a_study_that_is_out_of_date_is_named_and_not_compared(found: Differences) -> None:
     words = "is not compared: in B it was calculated from inputs with"
     assert len(found.studies.notes) == 3

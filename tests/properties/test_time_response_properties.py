@@ -54,6 +54,7 @@ def test_energy_and_momentum_are_kept_without_damping(case: Case, seed: int) -> 
         np.testing.assert_allclose(weight @ r.station_speed, weight @ speed, atol=1e-9 * size)
 
 
+@pytest.mark.slow
 @example_count(15)
 @given(case=cases(stations=(2, 40), grounded=None, dampers=True), seed=seeds)
 def test_dampers_and_modal_damping_only_take_energy(case: Case, seed: int) -> None:

@@ -392,6 +392,7 @@ def test_a_calculation_shows_progress_and_stops_when_cancelled(tab, tmp_path):
     assert tab.locator("#peaks").text_content() == "Not calculated yet."
 
 
+@pytest.mark.slow
 def test_wrong_cells_are_listed(tab, tmp_path):
     import openpyxl
 

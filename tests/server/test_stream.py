@@ -406,6 +406,7 @@ def test_a_process_that_ends_by_itself_is_replaced(pool):
     assert pool.submit("wait", 0.1).future.result(30.0) == 0.1
 
 
+@pytest.mark.slow
 def test_processes_that_cannot_be_started_are_told_and_tried_again(monkeypatch):
     from addin.workers import pool as module
 
@@ -433,6 +434,7 @@ def test_an_error_of_ours_is_told_without_its_insides(pool):
     assert "TypeError" not in str(told.value)
 
 
+@pytest.mark.slow
 def test_whoever_waits_last_ends_the_calculation(pool):
     """Two wait for one start; the first goes, then the second: the job is cancelled then only."""
     models = Models()

@@ -90,6 +90,7 @@ def test_each_program_finds_its_own_names(books: dict[str, Path]) -> None:
     assert spelled("calc") <= {programmatic_name(one) for one in FUNCTIONS}
 
 
+@pytest.mark.slow
 def test_arrays_are_dynamic_where_the_program_has_them(books: dict[str, Path]) -> None:
     with zipfile.ZipFile(books["server"]) as package:
         assert b"XLDAPR" in package.read("xl/metadata.xml")

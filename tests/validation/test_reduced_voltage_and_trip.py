@@ -143,6 +143,7 @@ class Driven:
         )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_trip_at_the_exact_speed_and_coast_down() -> None:
     trip = 0.4 * SYNCHRONOUS
     case = three_inertias(trip_speed=trip)

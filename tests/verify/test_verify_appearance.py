@@ -192,6 +192,7 @@ def test_honest_colours_and_rules_are_no_finding(restyled, places):
     assert restyled(SEEN, places) == []
 
 
+@pytest.mark.slow
 def test_two_rules_that_hide_together_are_found(restyled, place):
     def edit(book, cell):
         rules = (

@@ -75,6 +75,7 @@ def test_a_text_in_place_of_a_number_does_not_follow_whatever_the_version(tmp_pa
     assert found.outcome == "does not follow"
 
 
+@pytest.mark.slow
 def test_results_that_another_version_gives_alike_follow(train):
     """The example, as if 0.1.0 had calculated it: only the version differs."""
     workbook = open_workbook(train)

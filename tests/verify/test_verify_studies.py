@@ -142,6 +142,7 @@ def test_a_number_of_a_study_changed_in_its_tenth_digit_is_told(book: Path) -> N
     assert len(edits(book)) == 1
 
 
+@pytest.mark.slow
 def test_a_unit_above_a_column_of_a_study_retyped_is_told(book: Path) -> None:
     opened = open_workbook(book, ignore_lock=True)
     there = opened.table("StartMatrix")
@@ -153,6 +154,7 @@ def test_a_unit_above_a_column_of_a_study_retyped_is_told(book: Path) -> None:
     assert len(edits(book)) == 1
 
 
+@pytest.mark.slow
 def test_sorted_rows_of_a_study_are_those_it_wrote(book: Path) -> None:
     opened = open_workbook(book, ignore_lock=True)
     there = opened.table("TuningResults")

@@ -348,6 +348,7 @@ def _range(workbook: Workbook) -> float:
     return value(workbook, cell_of(workbook, "StartupPeaks", 1, "Peak-to-peak torque"))
 
 
+@pytest.mark.slow
 def test_a_signed_workbook_can_be_verified(train, tmp_path):
     signed = tmp_path / "signed.xlsx"
     shutil.copyfile(train, signed)

@@ -114,6 +114,7 @@ def test_the_corpus_holds_what_it_should(returned):
     assert any(name.startswith("xl/media/") for name in names)
 
 
+@pytest.mark.slow
 def test_parts_without_results_stay_byte_identical_twice_over(returned):
     source, once, twice = returned
     parts = parts_of(source)

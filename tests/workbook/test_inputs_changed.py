@@ -253,6 +253,7 @@ def test_a_table_that_grew_is_a_change_until_the_next_calculation(
     assert wrong(expected, calc([*steps, ("open", again), BANNER])) == []
 
 
+@pytest.mark.slow
 def test_formulas_in_inputs_count_with_what_they_show(calculated: Path, calc: Any) -> None:
     (one,) = (p for p in places(read_workbook(calculated)) if p.name == "Stations.Inertia")
     column, row = one.cells[0].rstrip("0123456789"), int(one.cells[0].strip("ABCDEFGH"))
@@ -268,6 +269,7 @@ def test_formulas_in_inputs_count_with_what_they_show(calculated: Path, calc: An
     assert wrong(expected, calc(steps)) == []
 
 
+@pytest.mark.slow
 def test_columns_whose_headers_are_exchanged_are_a_change(calculated: Path, calc: Any) -> None:
     """The reader of the inputs goes by the headers, the formulas of a program by the columns."""
     at = {p.name: p for p in places(read_workbook(calculated))}
@@ -331,6 +333,7 @@ def wrong(expected: list[tuple[str, bool]], seen: list[str]) -> list[str]:
     ]
 
 
+@pytest.mark.slow
 def test_an_input_of_an_unknown_function_leaves_the_banner_its_value(tmp_path: Path) -> None:
     """Such as one of an add-in: what it showed last is the input."""
     (one,) = (p for p in places(read_workbook(SOURCE)) if p.name == "Stations.Inertia")

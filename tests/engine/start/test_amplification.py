@@ -50,6 +50,7 @@ def results(request: pytest.FixtureRequest) -> Results:
     return run(sample_case(request.param))
 
 
+@pytest.mark.slow
 def test_it_is_that_of_the_mode_integrated_by_itself(results: Results) -> None:
     """C13. A wrong phase, a wrong mode or a mean over many cycles would be far off."""
     assert len(results.crossings) == 3

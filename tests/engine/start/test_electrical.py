@@ -281,6 +281,7 @@ def two_masses(**fields: Any) -> Case:
     )
 
 
+@pytest.mark.first_ones(1)
 @pytest.mark.parametrize("constant", [0.06, 4e-4])
 def test_shock_of_a_two_mass_train(constant: float, monkeypatch: pytest.MonkeyPatch) -> None:
     """Long and very short transients: peaks within their estimated error of scipy's."""

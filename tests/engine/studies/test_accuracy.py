@@ -59,6 +59,7 @@ def of(study: AccuracyStudy, method: str) -> list[AccuracyRow]:
     return [r for r in study.rows if r.method == method]
 
 
+@pytest.mark.slow
 def test_at_least_five_settings_of_each_method_from_coarse_to_fine(study):
     assert {r.method for r in study.rows} == {"exponential", "newmark", "chosen", "alternative"}
     for method in ("exponential", "newmark"):

@@ -796,6 +796,7 @@ def test_intervals_hold_the_truth_in_a_sample_of_the_study(name: str) -> None:
     assert 0.87 <= share
 
 
+@pytest.mark.slow
 def test_a_wrong_measurement_is_named_in_a_sample_of_the_study() -> None:
     counted = [wrong(name, number) for name in CLASSES for number in range(3)]
     assert all(c["named"] and c["contradicted"] and not c["explained"] for c in counted)

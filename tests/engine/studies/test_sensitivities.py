@@ -157,6 +157,7 @@ def test_near_modes_are_named() -> None:
 # --- starts ---------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_two_ways_agree(found: Derivatives) -> None:
     """Every element's peak and every shaft's starts, by every quantity; tolerance as stated."""
     assert found.tangent is not None
