@@ -65,6 +65,8 @@ class ResponseOptions(TypedDict, total=False):
     initial_speed: Floats | None  #: Likewise. [rad/s] Shape (n_stations,).
     contact_law: str  #: One of `engine.case.choices.ContactLaw`; default limited.
     step: float | None  #: Longest step; default from the fastest mode. [s]
+    sampled: float  #: Angular frequency that it samples; default that of the fastest mode. [rad/s]
+    visible: float  #: Ringing above this share of the largest torque is followed; default 0. [1]
 
 
 def clearance_response(
@@ -122,7 +124,8 @@ def clearance_response(
     model = EventModel(
         pieces=pieces,
         **machines | {"timed": _from_first_time(machines["timed"], float(t[0]))},
-        sampled=fastest,
+        sampled=options.get("sampled", fastest),
+        visible=options.get("visible", 0.0),
         limited=options.get("contact_law", ContactLaw.LIMITED) == ContactLaw.LIMITED,
     )
     script = EventSchedule(

@@ -235,6 +235,7 @@ class ContactSystems:
         #: As the loop takes them, with room for more pieces; those in them so far.
         self._tables: tuple[Any, ...] = (np.zeros(0, dtype=np.int64), np.zeros((0, 0)))
         self._filled = 0
+        self._fastest = 0.0  # largest λ of these
         self._step = 0.0
 
     def index_of(self, contact: Sequence[int]) -> int:
@@ -279,8 +280,9 @@ class ContactSystems:
             As `engine.stepping.contact_loop.advance_pieces` takes it. [SI]
         """
         n = len(self.pieces)
-        fastest = max(float(np.max(x.stiffness, initial=0.0)) for x in self.pieces)
-        levels = 2 + doublings(fastest / sampled)
+        new = [float(np.max(x.stiffness, initial=0.0)) for x in self.pieces[self._filled :]]
+        self._fastest = max([self._fastest, *new])
+        levels = 3 + 2 * doublings(self._fastest / sampled)
         if n > len(self._tables[0]) or levels > self._tables[-1].shape[1]:
             self._grow(n, levels)
         for i in range(self._filled, n):
@@ -295,16 +297,16 @@ class ContactSystems:
 
     def _row(self, piece: ContactSystem) -> tuple[Any, ...]:
         """Values of one piece, in the order of the tables."""
-        flank_rows = np.concatenate([self.basis.drive_rows, self.basis.back_rows])
+        flank_rows = product(self._flank_rows, piece.turn)
         return (
             piece.stiffness,
             piece.rate,
             piece.reach.T,
             piece.constant,
             product(self.mean_speed, piece.turn),
-            product(flank_rows, piece.turn),
+            flank_rows.T,
             piece.viscous,
-            self._visibility(piece),
+            self._visibility(piece, flank_rows),
             piece.turn,
             piece.output_position.T,
             piece.output_velocity.T,
@@ -315,7 +317,7 @@ class ContactSystems:
         )
 
     def _grow(self, n: int, levels: int) -> None:
-        """Room for more pieces and levels; what is in the tables stays, coefficients of steps too."""
+        """Room for more pieces and levels; what the pieces are stays, coefficients of steps are made again."""
         old = self._tables
         levels = max(levels, old[-1].shape[1])
         room = n if not self._filled else max(2 * n, len(old[0]))
@@ -326,30 +328,26 @@ class ContactSystems:
         new += [np.zeros((room, *v.shape), dtype=v.dtype) for v in self._row(self.pieces[0])]
         new += [np.zeros((room, *shape)) for shape in of_steps[:3]]
         new.append(np.zeros((room, levels), dtype=np.int64))
-        for k, (table, before) in enumerate(zip(new, old, strict=False) if self._filled else ()):
-            if k < len(new) - len(of_steps):
-                table[: self._filled] = before[: self._filled]
-            else:
-                table[: self._filled, : before.shape[1]] = before[: self._filled]
+        for table, before in zip(new[: -len(of_steps)], old, strict=False) if self._filled else ():
+            table[: self._filled] = before[: self._filled]
         self._tables = tuple(new)
 
     def _scale_of(self, flank: Flank) -> float:
         """Torque scale of the element of a flank. [N m]"""
         return float(np.max(self._scale[self.output_element == flank.element], initial=0.0))
 
-    def _visibility(self, piece: ContactSystem) -> Floats:
+    def _visibility(self, piece: ContactSystem, flank_rows: Floats) -> Floats:
         """Largest share of an output's scale that one unit of each mode is."""
         position = np.abs(piece.output_position) / self._scale[:, None]
-        flank = np.zeros(position.shape[1])
-        for i, f in enumerate(self.basis.flanks):
-            scale = self._scale_of(f)
-            if scale > 0.0:
-                both = np.maximum(
-                    np.abs(product(self.basis.drive_rows[i], piece.turn)),
-                    np.abs(product(self.basis.back_rows[i], piece.turn)),
-                )
-                flank = np.maximum(flank, f.stiffness * both / scale)
-        return np.asarray(np.maximum(np.max(position, axis=0, initial=0.0), flank))
+        _, stiffness, _, scale = self.contacts
+        known = scale > 0.0
+        flank = stiffness[known, None] * np.abs(flank_rows[known]) / scale[known, None]
+        return np.asarray(np.max(np.concatenate([position, flank]), axis=0, initial=0.0))
+
+    @cached_property
+    def _flank_rows(self) -> Floats:
+        """Compression of each flank, shape (n_flanks, m)."""
+        return np.concatenate([self.basis.drive_rows, self.basis.back_rows])
 
     @cached_property
     def output_element(self) -> Ints:

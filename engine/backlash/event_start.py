@@ -71,22 +71,25 @@ def clearances_of(train: Train) -> tuple[Flank, ...]:
 
 # --- a start ------------------------------------------------------------------------------------
 
-#: Largest phase of the pulsation per step at the default tolerance: finer than in a plain start,
-#: since events are looked for on the cubic between two samples. Its error is of fourth order. [rad]
-COARSEST_EVENT_ANGLE = 0.8
+#: Largest phase of the pulsation per step of the first run at the default tolerance. Its error is of fourth order,
+#: measured as 5e-5 × phase⁴ on the example: a twelfth of the tolerance. Of random trains, a phase of 1.6 takes more
+#: steps all in all, since the runs at h and h/2 part more often, one of 0.8 does, too. [rad]
+COARSEST_EVENT_ANGLE = 1.13
 #: Ringing below this share of the tolerance is passed over in the first, coarsest run.
-VISIBLE = 0.4
+VISIBLE = 0.2
 #: Two runs that agree on the largest torque may agree by chance; so the next smaller extremes are
 #: compared, too. Where both runs are together up to the largest one (what comes later has no part in it),
 #: this share of their change from h to h/2 is taken for the error at h/2: that of third order,
 #: 1/(2³ − 1). Events and pulsation are of fourth order (1/15; tests/numerics/test_event_step.py),
-#: ringing passed over is of second, but below a tenth of the tolerance at h/2. Where the runs diverge
+#: ringing passed over is of second, but below a twentieth of the tolerance at h/2. Where the runs diverge
 #: before it, no order holds, and all of the change is taken.
 SAME_CONTACTS_SHARE = 1.0 / 7.0
-#: Two runs are together as long as they have the same changes of contact in the same order, each within
+#: Two runs are together as long as each clearance has the same changes of contact in the same order, each within
 #: this share of the coarser step. (Teeth that chatter have the same order in runs that have long
 #: diverged; in runs that are together, changes are within some hundredths of the step.)
 TOGETHER = 0.1
+#: Where all that comes after two runs went different ways is below this share of the peaks, it has no part in them.
+FAR_SMALLER = 0.75
 #: Halvings of the step before the answers are taken as they are.
 MAX_HALVINGS = 5
 #: Work of all simulations of one start together, in modes stepped once (10 s). What would exceed it is not
@@ -163,6 +166,7 @@ def run_event_start(
     runs: list[_Run] = []
     further: list[tuple[int, float]] = []
     first, first_step, had_parted = coarse, step, False
+    steady = False  # whether a billionth more torque was seen to change nothing
     while True:
         same_until = _together_until(coarse.events, fine.events, TOGETHER * step)
         judged = judge_run(
@@ -187,17 +191,18 @@ def run_event_start(
         had_parted |= parted
         repeat = False
         if parted and (met or last or halvings):
-            runs, felt, hopeless = [fine, coarse], False, False
-            if not last:
+            runs, further, felt, hopeless = [fine, coarse], [], False, False
+            if not (last or steady):
                 further = [(1, 0.5 * step)]
-                other = at(0.5 * step, most_work - taken, 1)
+                other = _light(at(0.5 * step, most_work - taken, 1))
                 taken += other.work
                 runs.append(other)
                 felt = _spread(fine, other, judged.output_of_element) > FELT * tolerance
                 hopeless = _together_until(fine.events, other.events, TOGETHER * step) < math.inf
+                steady = not (felt or hopeless)
             # no step is fine enough to keep runs together
             repeat = (met and hopeless) or last or felt
-        elif had_parted and met and not further:
+        elif had_parted and met and not (further or steady):
             # runs that are together may still be far from one of other torques: the longest step tells
             runs, other = [fine, coarse], _light(at(first_step, most_work - taken, 1))
             taken += other.work
@@ -214,7 +219,7 @@ def run_event_start(
             repeatability = _repeatability(runs, TOGETHER * step, judged, tolerance, counted)
             repeatability = replace(repeatability, further=tuple(further))
             break
-        if last or (met and not parted):
+        if last or (met and (not parted or _over_before(coarse, fine, judged, same_until))):
             break
         finer = at(0.25 * step, enough)
         taken += finer.work
@@ -493,18 +498,29 @@ def _scale(train: Train, linear: Start) -> Floats:
 
 
 def _together_until(coarse: EventRun, fine: EventRun, apart: float) -> float:
-    """Until when two runs were together: the same changes of contact, if any the first, no more than so
+    """Until when two runs were together: the same changes of contact at each clearance, no more than so
     much apart. [s]"""
-    if not len(coarse.log) and not len(fine.log):
-        return math.inf
-    n = min(len(coarse.log), len(fine.log))
-    a, b = coarse.log[:n], fine.log[:n]
-    differing = np.any(a[:, 1:4] != b[:, 1:4], axis=1) | (np.abs(a[:, 0] - b[:, 0]) > apart)
-    first = int(np.argmax(differing)) if differing.any() else n
-    if first == 0:
-        return -math.inf
-    return min(
-        (float(r.log[first, 0]) for r in (coarse, fine) if first < len(r.log)), default=math.inf
+    until = math.inf
+    for clearance in np.unique(np.concatenate([coarse.log[:, 1], fine.log[:, 1]])):
+        logs = [log[log[:, 1] == clearance] for log in (coarse.log, fine.log)]
+        n = min(map(len, logs))
+        a, b = (log[:n] for log in logs)
+        differing = np.any(a[:, 2:4] != b[:, 2:4], axis=1) | (np.abs(a[:, 0] - b[:, 0]) > apart)
+        first = int(np.argmax(differing)) if differing.any() else n
+        until = min([until, *(float(log[first, 0]) for log in logs if first < len(log))])
+    return until
+
+
+def _over_before(coarse: _Run, fine: _Run, judged: JudgedRun, until: float) -> bool:
+    """Whether the peaks come before two runs went different ways: what comes after is far smaller in both."""
+    element_of = fine.trajectory.output_element
+    elements = np.flatnonzero(judged.output_of_element >= 0)
+    return not any(
+        _largest(run, np.flatnonzero(element_of == element), sign, until, math.inf)
+        > FAR_SMALLER * extreme
+        for element, peak in zip(elements, judged.peaks, strict=True)
+        for sign, extreme in ((1.0, peak.maximum), (-1.0, -peak.minimum))
+        for run in (coarse, fine)
     )
 
 

@@ -176,6 +176,26 @@ def test_instants_of_free_motion_do_not_depend_on_the_step() -> None:
         np.testing.assert_allclose(found.log[:5, 0], truth[:5], rtol=0.0, atol=1e-13)
 
 
+def test_what_follows_a_rising_torque_is_no_ringing() -> None:
+    """1.6 x'' + k x = M with M' constant: x = M / k without ringing if it begins so, speed M' / k.
+
+    At rest in x = M / k it rings, by M' / (k ω) or 4 N m.
+    """
+    rise, steps = 1000.0, []
+    torques = tuple(
+        linear(i, np.array([0.0, 1.0]), sign * np.array([100.0, 100.0 + rise]))
+        for i, sign in ((0, 1.0), (1, -1.0))
+    )
+    for speed in (rise / STIFFNESS, 0.0):
+        found = final_state(
+            two_masses(None), 0.02, end=1.0, torques=torques, sampled=25.0, visible=1e-6,
+            initial_angle=SPEED * 100.0 / STIFFNESS, initial_speed=SPEED * speed,
+        )  # fmt: skip
+        steps.append(found.run.trajectory.n_steps)
+    assert 50 <= steps[0] <= 52
+    assert steps[1] > 2 * steps[0]
+
+
 @pytest.mark.parametrize("share", [0.02, 0.3, 1.0, 4.0, 100.0])
 def test_parting_of_a_damped_flank(share: float) -> None:
     """x'' + d x' + ω² x = 0 from x = 0, x' = 1 with d = 2 ζ ω: the force is zero where x'' is.

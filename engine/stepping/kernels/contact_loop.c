@@ -34,6 +34,7 @@ static const double RETAKE = 1e-7, PULL = 1e-13;
 /* After so many events at one instant a step is taken without looking for more; after so many such steps in a row
  * the loop gives up. */
 enum { MOST_AT_ONCE = 8, MOST_DWELLS = 10000, MOST_TRIES = 60 };
+static const double ROOT_TWO = 1.4142135623730951;
 /* Share of the base step after which a table against time is read anew. */
 static const double SHORTLY = 1e-6;
 
@@ -53,7 +54,9 @@ typedef struct {
     double *viscous;
     int64_t *acting, n_acting;       /* dampers that act, by their place among all */
     int64_t *needed, n_needed;       /* forces that depend on speed: of machines, and of limited flanks */
-    double *q1, *v1, *a1, *a0, *phase1, *f1, *fr1; /* end of the step; accelerations at its begin */
+    double *u0, *r0, *a0;            /* forces on the modes, their rates, accelerations in the state */
+    double *q1, *v1, *a1, *phase1, *f1, *fr1; /* end of the step */
+    double *before, *after;          /* motion of the flanks at both ends: x, y, z of `motion_t`, (3, n_flanks) */
     double *base_q, *base_v, *u, *r, *end_q, *end_v, *end_a, *speed, *acceleration;
     held_t *held;                    /* pieces of the curves */
     double *free, *forced, *solver, *matrix, *rotated; /* of a step of any length; room */
@@ -67,7 +70,7 @@ static int64_t largest_of(int64_t a, int64_t b) { return a > b ? a : b; }
 int64_t contact_room(const pieces_t *p, const drive_t *drive)
 {
     int64_t wide = largest_of(largest_of(p->n, p->n_forces), p->n_dampers);
-    return 12 * p->n + 3 * p->n_forces + 4 * wide + drive->n_motors + 12 * p->n
+    return 14 * p->n + 6 * p->n_flanks + 3 * p->n_forces + 4 * wide + drive->n_motors + 12 * p->n
            + 8 * p->n_dampers * p->n_dampers + held_room(drive) + 5 * p->n_outputs + 4 * p->n_bodies;
 }
 
@@ -83,8 +86,10 @@ static void lay_out(loop_t *l, double *room)
     int64_t n = l->pieces->n, nf = l->pieces->n_forces, nd = l->pieces->n_dampers;
     int64_t wide = largest_of(largest_of(n, nf), nd);
     double **of_modes[] = {&l->q1, &l->v1, &l->a1, &l->a0, &l->base_q, &l->base_v, &l->u, &l->r,
-                           &l->end_q, &l->end_v, &l->end_a, &l->rotated};
+                           &l->u0, &l->r0, &l->end_q, &l->end_v, &l->end_a, &l->rotated};
     for (size_t i = 0; i < sizeof of_modes / sizeof *of_modes; i++) *of_modes[i] = take(&room, n);
+    l->before = take(&room, 3 * l->pieces->n_flanks);
+    l->after = take(&room, 3 * l->pieces->n_flanks);
     l->f1 = take(&room, nf);
     l->fr1 = take(&room, nf);
     l->speed = take(&room, wide);
@@ -249,6 +254,25 @@ static void limited_forces(const loop_t *l, const double *q, const double *speed
     }
 }
 
+/* What forces and their rates do to the modes. */
+static void modal_forces(const loop_t *l, const double *force, const double *force_rate, double *u, double *r)
+{
+    const system_t *s = &l->system;
+    for (int64_t i = 0; i < s->n; i++) {
+        u[i] = l->constant[i];
+        r[i] = 0.0;
+    }
+    to_modes(s->n, s->n_forces, s->reach, force, force_rate, u, r);
+}
+
+/* Accelerations of the state. */
+static void accelerations(const loop_t *l, double *a)
+{
+    const system_t *s = &l->system;
+    const double *q = l->state->q, *v = l->state->v;
+    for (int64_t i = 0; i < s->n; i++) a[i] = l->u0[i] - s->rate[i] * v[i] - s->stiffness[i] * q[i];
+}
+
 /* Forces, rates and accelerations of the state, after something has jumped. */
 static void fresh_forces(const loop_t *l, double t, double *a)
 {
@@ -264,11 +288,8 @@ static void fresh_forces(const loop_t *l, double t, double *a)
                      (double *)l->held,
                      state->force, state->force_rate);
         limited_forces(l, state->q, l->speed, state->force, state->force_rate);
-        for (int64_t i = 0; i < s->n; i++) {
-            a[i] = l->constant[i] - s->rate[i] * state->v[i] - s->stiffness[i] * state->q[i];
-            l->r[i] = 0.0;
-        }
-        to_modes(s->n, s->n_forces, s->reach, state->force, state->force_rate, a, l->r);
+        modal_forces(l, state->force, state->force_rate, l->u0, l->r0);
+        accelerations(l, a);
         for (int64_t f = 0; f < s->n_forces; f++) {
             double unused;
             along(s->n, s->reach + f * s->n, a, a, l->acceleration + f, &unused);
@@ -304,31 +325,29 @@ static void solve_dampers(const loop_t *l, const step_t *step, const double *sol
     }
 }
 
-/* One step of the piece: predict, evaluate, correct, evaluate. */
+/* One step of the piece: with forces that go on as they do, the forces at the end that this gives, and with those
+ * the end. The force of a limited flank depends on where it is: with it the end is found once more. */
 static void take_step(const loop_t *l, double h, const step_t *step, const double *solver)
 {
     const system_t *s = &l->system;
     const state_t *state = l->state;
     const int64_t n = s->n, nf = s->n_forces;
     double t = l->clock->time;
-    copy(n, l->constant, l->u);
-    for (int64_t i = 0; i < n; i++) l->r[i] = 0.0;
-    to_modes(n, nf, s->reach, state->force, state->force_rate, l->u, l->r);
+    copy(n, l->u0, l->u);
+    copy(n, l->r0, l->r);
     begin_step(n, step, h, state->q, state->v, l->u, l->r, l->base_q, l->base_v);
-    for (int pass = 0; pass < 2; pass++) {
+    for (int pass = l->limits ? 0 : 1; pass < 2; pass++) {
         end_step(n, step, s->stiffness, s->rate, l->base_q, l->base_v, l->u, l->r, l->q1, l->v1, l->a1);
         along_rows(n, l->n_needed, l->needed, s->reach, l->v1, l->a1, l->speed, l->acceleration);
         turn_phases(l->drive, n, s->reach, h, state->q, l->q1, state->phase, l->phase1);
         machine_forces(l->drive, nf, t + h, t + 0.5 * h, l->phase1, l->speed, l->acceleration, l->held, l->f1,
                        l->fr1);
         limited_forces(l, l->q1, l->speed, l->f1, l->fr1);
-        copy(n, l->constant, l->u);
-        for (int64_t i = 0; i < n; i++) l->r[i] = 0.0;
-        to_modes(n, nf, s->reach, l->f1, l->fr1, l->u, l->r);
+        modal_forces(l, l->f1, l->fr1, l->u, l->r);
         solve_dampers(l, step, solver);
     }
-    /* the state is that of the last prediction; its acceleration is that of the last forces */
-    for (int64_t i = 0; i < n; i++) l->a1[i] = l->u[i] - s->rate[i] * l->v1[i] - s->stiffness[i] * l->q1[i];
+    end_step(n, step, s->stiffness, s->rate, l->base_q, l->base_v, l->u, l->r, l->q1, l->v1, l->a1);
+    turn_phases(l->drive, n, s->reach, h, state->q, l->q1, state->phase, l->phase1);
 }
 
 /* Takes the end of a step as the new state. */
@@ -338,6 +357,8 @@ static void accept(loop_t *l)
     state_t *state = l->state;
     copy(s->n, l->q1, state->q);
     copy(s->n, l->v1, state->v);
+    copy(s->n, l->u, l->u0);
+    copy(s->n, l->r, l->r0);
     for (int64_t m = 0; m < l->drive->n_motors; m++) state->phase[m] = in_turn(l->phase1[m]);
     copy(s->n_forces, l->f1, state->force);
     copy(s->n_forces, l->fr1, state->force_rate);
@@ -351,16 +372,6 @@ static void sums(int64_t n_out, int64_t n_in, const double *table, const double 
     to_modes(n_out, n_in, table, in, in_rate, out, out_rate);
 }
 
-/* Acceleration of the modes in the state, from its forces. */
-static void acceleration_of(const loop_t *l, double *a)
-{
-    const system_t *s = &l->system;
-    const state_t *state = l->state;
-    sums(s->n, s->n_forces, s->reach, state->force, state->force_rate, a, l->r);
-    for (int64_t i = 0; i < s->n; i++)
-        a[i] = a[i] + l->constant[i] - state->v[i] * s->rate[i] - state->q[i] * s->stiffness[i];
-}
-
 /* Torques and their rates in the state. */
 static void torques(const loop_t *l)
 {
@@ -370,8 +381,8 @@ static void torques(const loop_t *l)
     double *y = l->torque, *rate = l->torque_rate;
     sums(no, n, p->position + at * n * no, state->q, state->v, y, rate);
     if (p->damped[at]) {
-        acceleration_of(l, l->u);
-        sums(no, n, p->velocity + at * n * no, state->v, l->u, l->share, l->share_rate);
+        accelerations(l, l->end_a);
+        sums(no, n, p->velocity + at * n * no, state->v, l->end_a, l->share, l->share_rate);
         for (int64_t i = 0; i < no; i++) y[i] += l->share[i];
     }
     sums(no, nf, p->direct + at * nf * no, state->force, state->force_rate, l->share, l->direct_rate);
@@ -410,7 +421,10 @@ static void write_row(loop_t *l, int64_t *rows)
     out->piece[k] = at;
 }
 
-/* How often the base step is halved: as long as what rings visibly is resolved. */
+/* How much finer a level is: √2 times from one to the next, exactly twice from one to the next but one. */
+static double finer(int64_t level) { return power_of_two(level / 2) * (level % 2 ? ROOT_TWO : 1.0); }
+
+/* How often the base step is made finer: as long as what rings visibly is resolved. */
 static int64_t level_of_step(const loop_t *l)
 {
     const clock_t_ *clock = l->clock;
@@ -419,11 +433,8 @@ static int64_t level_of_step(const loop_t *l)
     double finest = 1.0, angle = clock->base_step * clock->sampled, halved = 1.0;
     int64_t slowest = s->n, level = 0;
     while (slowest > 0 && s->stiffness[slowest - 1] > clock->sampled * clock->sampled) slowest--;
-    for (int64_t i = slowest; i < s->n; i++) l->u[i] = l->constant[i];
-    for (int64_t f = 0; f < s->n_forces; f++)
-        for (int64_t i = slowest; i < s->n; i++) l->u[i] += s->reach[f * s->n + i] * state->force[f];
-    for (int64_t i = slowest; i < s->n; i++) {
-        double x = state->q[i] - l->u[i] / s->stiffness[i], v = state->v[i];
+    for (int64_t i = slowest; i < s->n; i++) { /* beyond the motion that follows the forces */
+        double x = state->q[i] - l->u0[i] / s->stiffness[i], v = state->v[i] - l->r0[i] / s->stiffness[i];
         double ringing = l->shows[i] * sqrt(x * x + v * v / s->stiffness[i]);
         if (ringing > clock->visible) {
             /* the cubic through two samples errs by ringing × angle⁴ / 384 */
@@ -433,7 +444,7 @@ static int64_t level_of_step(const loop_t *l)
             finest = wanted > finest ? wanted : finest;
         }
     }
-    for (; halved < finest && level < l->pieces->levels - 1; level++) halved *= 2.0;
+    for (; halved < finest && level < l->pieces->levels - 1; level++) halved *= ROOT_TWO;
     return level;
 }
 
@@ -507,15 +518,35 @@ double first_fall(double g0, double d0, double g1, double d1)
     return 2.0;
 }
 
-static motion_t motion_of(const loop_t *l, int64_t c, const double *q, const double *v, const double *a)
+/* Of all flanks. */
+static void motions_of(const loop_t *l, const double *q, const double *v, const double *a, double *motions)
 {
-    const int64_t n = l->system.n;
-    const double *row = l->flank_rows + c * n;
+    const int64_t n = l->system.n, nc = l->pieces->n_flanks;
+    double *restrict x = motions, *restrict y = motions + nc, *restrict z = motions + 2 * nc;
+    for (int64_t c = 0; c < nc; c++) {
+        x[c] = -l->flanks->gap[c];
+        y[c] = z[c] = 0.0;
+    }
+    for (int64_t i = 0; i < n; i++) {
+        const double *row = l->flank_rows + i * nc, qi = q[i], vi = v[i], ai = a[i];
+        for (int64_t c = 0; c < nc; c++) {
+            x[c] += row[c] * qi;
+            y[c] += row[c] * vi;
+            z[c] += row[c] * ai;
+        }
+    }
+}
+
+/* Of one flank at the end of the step. */
+static motion_t motion_of(const loop_t *l, int64_t c)
+{
+    const int64_t n = l->system.n, nc = l->pieces->n_flanks;
     motion_t m = {-l->flanks->gap[c], 0.0, 0.0};
     for (int64_t i = 0; i < n; i++) {
-        m.x += row[i] * q[i];
-        m.y += row[i] * v[i];
-        m.z += row[i] * a[i];
+        const double across = l->flank_rows[i * nc + c];
+        m.x += across * l->q1[i];
+        m.y += across * l->v1[i];
+        m.z += across * l->a1[i];
     }
     return m;
 }
@@ -540,14 +571,14 @@ static point_t condition(const loop_t *l, int64_t kind, int64_t c, motion_t m)
 static void watch_flanks(const loop_t *l, double h, event_t *first)
 {
     const flanks_t *fl = l->flanks;
-    for (int64_t c = 0; c < l->pieces->n_flanks; c++) {
+    const int64_t nc = l->pieces->n_flanks;
+    const double *m0 = l->before, *m1 = l->after;
+    for (int64_t c = 0; c < nc; c++) {
         const int64_t state = fl->contact[c];
         const int damped = fl->damping[c] > 0.0;
         int64_t kinds[2] = {PARTS, NONE};
-        motion_t before, after;
+        const motion_t before = {m0[c], m0[nc + c], m0[2 * nc + c]}, after = {m1[c], m1[nc + c], m1[2 * nc + c]};
         if (isinf(fl->gap[c])) continue;
-        before = motion_of(l, c, l->state->q, l->state->v, l->a0);
-        after = motion_of(l, c, l->q1, l->v1, l->a1);
         if (state == FREE) {
             /* one that is compressed still takes load again, it does not touch */
             kinds[0] = before.x > 0.0 && before.y > 0.0 && damped ? NONE : TOUCHES;
@@ -609,7 +640,7 @@ static void watch_targets(const loop_t *l, double h, event_t *first)
 static point_t waited_for(const loop_t *l, event_t event, double h, motion_t *flank)
 {
     if (event.which >= 0) {
-        *flank = motion_of(l, event.which, l->q1, l->v1, l->a1);
+        *flank = motion_of(l, event.which);
         return condition(l, event.kind, event.which, *flank);
     }
     if (event.which == LOAD_ANGLE) {
@@ -627,6 +658,8 @@ static void stay(loop_t *l)
     copy(s->n, l->state->q, l->q1);
     copy(s->n, l->state->v, l->v1);
     copy(s->n, l->a0, l->a1);
+    copy(s->n, l->u0, l->u);
+    copy(s->n, l->r0, l->r);
     copy(l->drive->n_motors, l->state->phase, l->phase1);
     copy(s->n_forces, l->state->force, l->f1);
     copy(s->n_forces, l->state->force_rate, l->fr1);
@@ -657,6 +690,24 @@ static int locate(loop_t *l, event_t event, double h, double *tau, int *lost, mo
             return 1;
         }
         *tau = next;
+    }
+    return 1;
+}
+
+/* The first event of a step and its instant, as `locate` has it. Over the shorter step that an event leaves the cubics
+ * are nearer: one that comes before it may show now. */
+static int locate_first(loop_t *l, event_t *event, double h, double *tau, int *lost, motion_t *flank)
+{
+    for (int k = 0; k < MOST_TRIES; k++) {
+        event_t sooner = {0, NONE, 2.0};
+        if (!locate(l, *event, h, tau, lost, flank)) return 0;
+        if (*tau <= 0.0) return 1;
+        motions_of(l, l->q1, l->v1, l->a1, l->after);
+        watch_flanks(l, *tau, &sooner);
+        watch_targets(l, *tau, &sooner);
+        if (sooner.at > 1.0 - 1e-9 || (sooner.which == event->which && sooner.kind == event->kind)) return 1;
+        h = *tau;
+        *event = sooner;
     }
     return 1;
 }
@@ -759,13 +810,14 @@ int64_t advance_pieces(clock_t_ *clock, const pieces_t *pieces, flanks_t *flanks
         if (*rows >= out->rows - 2 || log->n >= log->room - 1) return come_back(l, 1, MORE);
         if (fresh) {
             fresh_forces(l, clock->time, l->a0);
+            motions_of(l, l->state->q, l->state->v, l->a0, l->before);
             if (clock->fresh > 1) write_row(l, rows);
             clock->fresh = fresh = 0;
         } else {
             copy(n, l->a1, l->a0);
         }
         level = dwell ? pieces->levels - 1 : level_of_step(l);
-        h = clock->base_step / power_of_two(level);
+        h = clock->base_step / finer(level);
         end = next_end(clock);
         remaining = end - clock->time;
         if (remaining <= 1e-12 * clock->base_step) {
@@ -779,6 +831,7 @@ int64_t advance_pieces(clock_t_ *clock, const pieces_t *pieces, flanks_t *flanks
         whole = h < remaining * (1.0 - 1e-9);
         if (!whole) h = remaining;
         if (!(whole ? step_of_level(l, h, level) : step_of_length(l, h))) return come_back(l, 1, DIVIDED);
+        motions_of(l, l->q1, l->v1, l->a1, l->after);
         if (!dwell) watch_flanks(l, h, &event);
         watch_targets(l, h, &event);
         if (event.at > 1.0) { /* nothing happened */
@@ -786,13 +839,15 @@ int64_t advance_pieces(clock_t_ *clock, const pieces_t *pieces, flanks_t *flanks
             at_once = 0;
             dwells = dwell ? dwells + 1 : 0;
             accept(l);
+            copy(3 * pieces->n_flanks, l->after, l->before);
             write_row(l, rows);
             continue;
         }
-        if (!locate(l, event, h, &tau, &lost, &flank)) return come_back(l, 1, DIVIDED);
+        if (!locate_first(l, &event, h, &tau, &lost, &flank)) return come_back(l, 1, DIVIDED);
         clock->time += tau;
         at_once = tau <= 1e-9 * h ? at_once + 1 : 0;
         accept(l);
+        motions_of(l, l->q1, l->v1, l->a1, l->before);
         write_row(l, rows);
         if (dwells > MOST_DWELLS) return come_back(l, 1, STUCK);
         if (event.which < 0) return come_back(l, 1, event.which == LOAD_ANGLE ? ANGLE : SPEED);
@@ -802,6 +857,7 @@ int64_t advance_pieces(clock_t_ *clock, const pieces_t *pieces, flanks_t *flanks
         change_contact(l, event, flank.y);
         if (!enter_piece(l)) return come_back(l, 2, NEW_PIECE);
         fresh_forces(l, clock->time, l->a1);
+        motions_of(l, l->state->q, l->state->v, l->a1, l->before);
         write_row(l, rows);
     }
 }

@@ -98,7 +98,7 @@ typedef struct {
     const double *stiffness, *rate;               /* (n_pieces, n) */
     const double *reach;                          /* (n_pieces, n_forces, n) */
     const double *constant, *mean_speed;          /* (n_pieces, n) */
-    const double *flank_rows;                     /* (n_pieces, n_flanks, n) */
+    const double *flank_rows;                     /* (n_pieces, n, n_flanks) */
     const double *viscous;                        /* (n_pieces, n_dampers) */
     const double *shows;                          /* (n_pieces, n) share of an answer's scale */
     const double *turns;                          /* (n_pieces, n, n) from the common basis */

@@ -12,7 +12,7 @@ import pytest
 from addin.contract.shipped import template_path
 from addin.reading.workbook import read_workbook
 from engine.backlash.contacts import contact_records, force_histories
-from engine.backlash.event_start import _spread
+from engine.backlash.event_start import _over_before, _spread, _together_until
 from engine.errors import ModelError
 from engine.run import run
 from engine.stepping.contact_loop import BACK, BACK_LIMITED, DRIVE, FREE
@@ -90,6 +90,43 @@ def test_the_spread_of_two_runs_is_that_of_either_extreme(sign: float) -> None:
         return SimpleNamespace(turning=[(np.zeros(2), sign * np.array([60.0, changed]))])
 
     assert _spread(of(-30.0), of(-33.0), np.array([0])) == pytest.approx(0.05)
+
+
+def changes(*rows: tuple[float, int, int, int]) -> Any:
+    """A run with these changes: time, clearance, contact before and after."""
+    return SimpleNamespace(log=np.array([(*row, 0.0) for row in rows]).reshape(-1, 5))
+
+
+def test_runs_are_together_while_each_clearance_changes_alike() -> None:
+    """Which of two clearances changes first does not matter, nor does the other one's parting."""
+    one = changes((1.0, 0, 1, 0), (2.0, 1, 1, 0), (2.01, 0, 0, 1), (4.0, 0, 1, 0))
+    swapped = changes((1.0, 0, 1, 0), (1.99, 0, 0, 1), (2.0, 1, 1, 0), (4.0, 0, 1, 0))
+    late = changes((1.0, 0, 1, 0), (2.0, 1, 1, 0), (2.01, 0, 0, 1), (4.2, 0, 1, 0))
+    more = changes((1.0, 0, 1, 0), (2.0, 1, 1, 0), (2.01, 0, 0, 1), (3.0, 1, 0, 1), (4.0, 0, 1, 0))
+    assert _together_until(one, swapped, 0.1) == np.inf
+    assert _together_until(one, late, 0.1) == 4.0
+    assert _together_until(more, one, 0.1) == 3.0
+    assert _together_until(one, changes(), 0.1) == 1.0
+    assert _together_until(changes(), changes(), 0.1) == np.inf
+
+
+@pytest.mark.parametrize(
+    ("late", "over"), [(74.0, True), (76.0, False), (-44.0, True), (-46.0, False)]
+)
+def test_peaks_are_over_where_all_that_follows_is_far_smaller(late: float, over: bool) -> None:
+    """Three quarters of 100 and of −60, in the coarse run as in the fine one."""
+
+    def of(last: float) -> Any:
+        turning = [(np.array([1.0, 2.0, 4.0]), np.array([100.0, -60.0, last]))]
+        return SimpleNamespace(
+            turning=turning, trajectory=SimpleNamespace(output_element=np.array([0]))
+        )
+
+    judged: Any = SimpleNamespace(
+        output_of_element=np.array([0]), peaks=[SimpleNamespace(maximum=100.0, minimum=-60.0)]
+    )
+    assert _over_before(of(late), of(0.0), judged, 3.0) is over
+    assert _over_before(of(0.0), of(late), judged, 3.0) is over
 
 
 def with_bearing_damping(damping: float) -> Any:
