@@ -261,7 +261,11 @@ ROWS = (
         PRESCRIBED.format(build="from engine.train import build_train"),
         note="trajectory error 1e-3",
     ),
-    Row("modes of 5,000 stations", 3 / 11, MODES, MODES, budget=0.0, rounds=1, warm=False, memory=1 / 3.2),
+    Row(
+        "modes of 5,000 stations", 3 / 11, MODES, MODES, budget=0.0, rounds=1, warm=False, memory=1 / 3.2,
+        note="all modes: frequencies, shapes and torques of elements; before also shares of energy, which are now "
+        "calculated when they are asked for",
+    ),
     Row(
         "five clearances in series", 0.26 / 2.6, NEW_FIVE, OLD_FIVE, budget=0.0, rounds=1,
         note="the start with events of the example with a mesh and four couplings that have clearance",

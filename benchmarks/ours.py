@@ -31,7 +31,7 @@ LONGEST = 120.0
 
 
 def build_and_solve(chain: Chain) -> Modes:
-    """From the table of stations to frequencies, shapes and energies."""
+    """From the table of stations to frequencies, shapes and torques of elements."""
     return modes_of(build_train(chain.case()))
 
 

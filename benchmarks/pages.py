@@ -90,8 +90,8 @@ def _sections(
             "arithmetic: of the first frequency a program presents, and the largest of all it "
             "presents, compared rank by rank (openTorsion's smallest value stands for the "
             "rigid-body mode and is left out; ROSS leaves it out itself). ROSS finds by default "
-            "the lowest few modes only. Our time includes mode shapes, element torques and "
-            "energy shares.",
+            "the lowest few modes only. Our time includes mode shapes and element torques; shares "
+            "of energy are calculated when they are asked for.",
             report.modes_tables(found["modes"]),
             ((MODES_PICTURE, "Time and error of natural frequencies"),),
         ),

@@ -69,8 +69,10 @@ def build_train(
     factor = np.array([f for *_, entries in a.rows for f in entries.values()])
     node_incidence = np.zeros((len(a.rows), len(ratio)))
     node_incidence[row, node] = factor
-    incidence = np.zeros((len(a.rows), n_dof))
-    np.add.at(incidence, (row, dof[node]), factor * scale[node])
+    incidence = node_incidence  # without rigid meshes
+    if n_dof < len(ratio):
+        incidence = np.zeros((len(a.rows), n_dof))
+        np.add.at(incidence, (row, dof[node]), factor * scale[node])
     dof_inertia = np.zeros(n_dof)
     np.add.at(dof_inertia, dof, inertia * scale**2)
     if np.any(dof_inertia <= 0.0):

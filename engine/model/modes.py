@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -36,8 +37,12 @@ class Node:
 
 @dataclass(frozen=True, eq=False)
 class Modes:
-    """Modes of a train, rigid-body modes first, then elastic ones in rising frequency."""
+    """Modes of a train, rigid-body modes first, then elastic ones in rising frequency.
 
+    Deflections and shares of energy are calculated when they are asked for.
+    """
+
+    train: Train  #: The train. [SI]
     #: Natural angular frequency, exactly 0 for rigid modes. [rad/s] Shape (n_modes,).
     omega: Floats
     n_rigid: int  #: Number of rigid-body modes, counted from the topology.
@@ -47,22 +52,68 @@ class Modes:
     #: Elastic torque of each incidence row at unit modal coordinate. [N m] Shape (n_rows,
     #: n_modes).
     row_torque: Floats
-    #: Deflection of each row at unit modal coordinate. [rad] Shape (n_rows, n_modes).
-    row_twist: Floats
-    #: Share of the strain energy in each element; zero for rigid modes. [1] Shape (n_elements,
-    #: n_modes).
-    strain_share: Floats
-    #: Share of the kinetic energy in the rotation of each station. [1] Shape (n_stations,
-    #: n_modes).
-    kinetic_share: Floats
-    #: Share of the strain energy in the bearings of each gear that moves laterally. [1] Shape
-    #: (n_bodies, n_modes).
-    bearing_share: Floats
-    #: Share of the kinetic energy in the lateral motion of that gear. [1] Shape (n_bodies,
-    #: n_modes).
-    sideways_share: Floats
     #: ``svd``, ``jacobi`` or ``chain``; of several parts the last that is no ``svd``.
     algorithm: str
+
+    @cached_property
+    def row_twist(self) -> Floats:
+        """Deflection of each row at unit modal coordinate, shape (n_rows, n_modes). [rad]
+
+        Torque over stiffness where there is any: without cancellation.
+        """
+        soft = self.train.stiffness <= 0.0
+        twist = self.row_torque / np.where(soft, 1.0, self.train.stiffness)[:, None]
+        if soft.any():
+            twist[soft] = product(self.train.incidence[soft], self.shape)
+        return np.asarray(twist)
+
+    @cached_property
+    def strain_share(self) -> Floats:
+        """Share of the strain energy in each element, shape (n_elements, n_modes); zero for rigid modes. [1]"""
+        train, share = self.train, self._row_share
+        if np.array_equal(train.row_element, np.arange(len(train.elements))):
+            return share
+        strain, own = np.zeros((len(train.elements), self.n_modes)), train.element_rows
+        np.add.at(strain, train.row_element[own], share[own])
+        return strain
+
+    @cached_property
+    def kinetic_share(self) -> Floats:
+        """Share of the kinetic energy in the rotation of each station, shape (n_stations, n_modes). [1]"""
+        n, train = self.train.n_stations, self.train
+        share = self.shape[train.node_dof[:n]]
+        share *= train.node_scale[:n, None]
+        share *= share
+        share *= train.node_inertia[:n, None]
+        return share
+
+    @cached_property
+    def bearing_share(self) -> Floats:
+        """Share of the strain energy in the bearings of each gear that moves laterally. [1]
+
+        Shape (n_bodies, n_modes).
+        """
+        share = np.zeros((len(self.train.bodies), self.n_modes))
+        for i, body in enumerate(self.train.bodies):
+            share[i] = self._row_share[[body.row_x, body.row_y]].sum(axis=0)
+        return share
+
+    @cached_property
+    def sideways_share(self) -> Floats:
+        """Share of the kinetic energy in the lateral motion of that gear, shape (n_bodies, n_modes). [1]"""
+        share = np.zeros((len(self.train.bodies), self.n_modes))
+        for i, body in enumerate(self.train.bodies):
+            displacement = self.shape[self.train.node_dof[[body.node_x, body.node_y]]]
+            share[i] = body.mass * np.sum(displacement**2, axis=0)
+        return share
+
+    @cached_property
+    def _row_share(self) -> Floats:
+        """Share of the strain energy in each row; zero without torque: in rigid modes and soft rows."""
+        safe = np.where(self.omega > 0.0, self.omega, 1.0)
+        share = self.row_torque * self.row_twist
+        share /= safe**2
+        return share
 
     @property
     def frequency(self) -> Floats:
@@ -103,40 +154,43 @@ def modes_of(train: Train) -> Modes:
     InternalError
         If the singular values contradict the number of rigid modes of the topology.
     """
-    root_mass = np.sqrt(train.inertia)
-    root_k = np.sqrt(train.stiffness)
-    scaled = root_k[:, None] * train.incidence / root_mass
-    n, n_rows = train.n_dof, train.n_rows
-    omegas, shapes, torques = [], [], []
-    n_rigid, algorithm = 0, "svd"
     parts = _components(train)
-    for dofs, rows, grounded in parts:
-        count = len(dofs) - (0 if grounded else 1)
-        shape = np.zeros((n, len(dofs)))
-        torque = np.zeros((n_rows, len(dofs)))
-        sigma = np.zeros(len(dofs))
-        if not grounded:
-            n_rigid += 1
-            ratio = train.dof_ratio[dofs]
-            shape[dofs, 0] = ratio / math.sqrt(float(np.sum(train.inertia[dofs] * ratio**2)))
-        if count:
-            D = scaled if len(parts) == 1 and len(rows) == n_rows else scaled[np.ix_(rows, dofs)]
-            u, elastic, v, used = singular_triplets(D, count)
-            algorithm = algorithm if used == "svd" else used
-            sigma[-count:] = elastic
-            shape[dofs, -count:] = v / root_mass[dofs, None]
-            torque[rows, -count:] = root_k[rows, None] * u * elastic
-        omegas.append(sigma)
-        shapes.append(shape)
-        torques.append(torque)
-    omega, shape, torque = omegas[0], shapes[0], torques[0]
+    found = [_modes_of_part(train, *part) for part in parts]
+    omega, shape, torque, _ = found[0]
     if len(parts) > 1:
-        omega = np.concatenate(omegas)
+        omega = np.concatenate([part[0] for part in found])
         order = np.argsort(omega, kind="stable")
         omega = omega[order]
-        shape = np.concatenate(shapes, axis=1)[:, order]
-        torque = np.concatenate(torques, axis=1)[:, order]
-    return _with_energies(train, omega, n_rigid, shape, torque, algorithm)
+        shape = np.concatenate([part[1] for part in found], axis=1)[:, order]
+        torque = np.concatenate([part[2] for part in found], axis=1)[:, order]
+    n_rigid = sum(not grounded for *_, grounded in parts)
+    algorithm = next((used for *_, used in reversed(found) if used != "svd"), "svd")
+    return Modes(train, omega, n_rigid, shape, torque, algorithm)
+
+
+def _modes_of_part(
+    train: Train, dofs: Ints, rows: Ints, grounded: bool
+) -> tuple[Floats, Floats, Floats, str]:
+    """Angular frequencies of a part, shapes and row torques over the whole train, and the algorithm."""
+    n, n_rows, count = len(dofs), len(rows), len(dofs) - (0 if grounded else 1)
+    whole = n == train.n_dof and n_rows == train.n_rows
+    incidence = train.incidence if whole else train.incidence[np.ix_(rows, dofs)]
+    root_k, root_mass = np.sqrt(train.stiffness[rows]), np.sqrt(train.inertia[dofs])
+    used = "svd"
+    torque, omega, shape = np.zeros((n_rows, n)), np.zeros(n), np.zeros((n, n))
+    if count:
+        torque, omega, shape, used = singular_triplets(root_k, incidence, root_mass, count)
+    torque *= root_k[:, None]  # in place: of a long train each is large
+    torque *= omega
+    shape /= root_mass[:, None]
+    if not grounded:
+        ratio = train.dof_ratio[dofs]
+        shape[:, 0] = ratio / math.sqrt(float(np.sum(train.inertia[dofs] * ratio**2)))
+    if whole:
+        return omega, shape, torque, used
+    shapes, torques = np.zeros((train.n_dof, n)), np.zeros((train.n_rows, n))
+    shapes[dofs], torques[rows] = shape, torque
+    return omega, shapes, torques, used
 
 
 def _components(train: Train) -> list[tuple[Ints, Ints, bool]]:
@@ -164,35 +218,6 @@ def _components(train: Train) -> list[tuple[Ints, Ints, bool]]:
         )
         for h in sorted(dofs)
     ]
-
-
-def _with_energies(
-    train: Train, omega: Floats, n_rigid: int, shape: Floats, torque: Floats, algorithm: str
-) -> Modes:
-    """Energy shares, and twists without cancellation: torque over stiffness."""
-    soft = train.stiffness <= 0.0
-    twist = torque / np.where(soft, 1.0, train.stiffness)[:, None]
-    if soft.any():
-        twist[soft] = product(train.incidence[soft], shape)
-    safe = np.where(omega > 0.0, omega, 1.0)
-    share = torque * twist / safe**2  # zero where there is no torque: rigid modes, soft rows
-    strain = np.zeros((len(train.elements), len(omega)))
-    own = train.element_rows
-    if len(own) == train.n_rows == len(train.elements):
-        strain[train.row_element] = share
-    else:
-        np.add.at(strain, train.row_element[own], share[own])
-    n = train.n_stations
-    angle = train.node_scale[:n, None] * shape[train.node_dof[:n]]
-    kinetic = train.node_inertia[:n, None] * angle**2
-    bearing, sideways = np.zeros((2, len(train.bodies), len(omega)))
-    for i, body in enumerate(train.bodies):
-        bearing[i] = share[[body.row_x, body.row_y]].sum(axis=0)
-        displacement = shape[train.node_dof[[body.node_x, body.node_y]]]
-        sideways[i] = body.mass * np.sum(displacement**2, axis=0)
-    return Modes(
-        omega, n_rigid, shape, torque, twist, strain, kinetic, bearing, sideways, algorithm
-    )
 
 
 def nodes_of(train: Train, modes: Modes) -> tuple[Node, ...]:

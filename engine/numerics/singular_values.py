@@ -28,6 +28,7 @@ import numpy as np
 from engine.arrays import Floats, Ints
 from engine.errors import InternalError
 from engine.numerics.same_bits import square, svd
+from engine.stepping.library import address, ffi, library
 
 #: Left vectors, values, right vectors, algorithm.
 Triplets = tuple[Floats, Floats, Floats, str]
@@ -50,24 +51,28 @@ ORTHOGONAL = 1e-11
 TINY, EPS = float(np.finfo(float).tiny), float(np.finfo(float).eps)
 
 
-def singular_triplets(D: Floats, count: int) -> tuple[Floats, Floats, Floats, str]:
-    """The `count` largest singular triplets, rising, each value to its own rounding.
+def singular_triplets(root_k: Floats, B: Floats, root_mass: Floats, count: int) -> Triplets:
+    """Singular triplets of D = √k · B · 1/√m, rising, each value to its own rounding.
 
     Parameters
     ----------
-    D : ndarray, shape (n_rows, n_columns)
-        Scaled incidence matrix √k · B · 1/√m. [rad/s]
+    root_k : ndarray, shape (n_rows,)
+        √k, positive. [√(N m/rad)]
+    B : ndarray, shape (n_rows, n_columns)
+        Incidence matrix. [1]
+    root_mass : ndarray, shape (n_columns,)
+        √m. [√(kg m²)]
     count : int
         Number of singular values that are not zero, known from the topology. [count]
 
     Returns
     -------
-    left : ndarray, shape (n_rows, count)
-        Left singular vectors. [1]
-    sigma : ndarray, shape (count,)
-        Singular values. [rad/s]
-    right : ndarray, shape (n_columns, count)
-        Right singular vectors. [1]
+    left : ndarray, shape (n_rows, n_columns)
+        Left singular vectors; zero where the value is. [1]
+    sigma : ndarray, shape (n_columns,)
+        Singular values; those that are zero come first. [rad/s]
+    right : ndarray, shape (n_columns, n_columns)
+        Right singular vectors; zero where the value is. [1]
     algorithm : str
         ``svd``, ``jacobi`` or ``chain``. [word]
 
@@ -76,22 +81,30 @@ def singular_triplets(D: Floats, count: int) -> tuple[Floats, Floats, Floats, st
     InternalError
         If fewer than `count` values differ from zero.
     """
-    large = max(D.shape) >= LARGE
-    if large and (triplets := _chain(D, count) or _plain(D, count)) is not None:
+    large = max(B.shape) >= LARGE
+    if large and (triplets := _chain(root_k, B, root_mass, count)) is not None:
+        return triplets
+    D = root_k[:, None] * B / root_mass
+    if large and (triplets := _plain(D, count)) is not None:
         return triplets
     u, sigma, v = _rising(*(_lapack_jacobi(D) if large else svd(D)), count)
-    if not (np.all(np.isfinite(sigma)) and sigma[0] > 0.0):
+    elastic = sigma[-count:]
+    if not (np.all(np.isfinite(elastic)) and elastic[0] > 0.0):
         raise InternalError(
-            f"expected {count} elastic modes, the smallest singular value is {sigma[0]:.3g}"
+            f"expected {count} elastic modes, the smallest singular value is {elastic[0]:.3g}"
         )
-    if sigma[-1] > CONFIDENT_SPAN * sigma[0]:
-        sigma = _corrected(D, sigma)
+    if elastic[-1] > CONFIDENT_SPAN * elastic[0] and (tree := _leaves_first(D)) is not None:
+        sigma[-count:] = _corrected(tree, elastic)
     return u, sigma, v, "jacobi"
 
 
 def _rising(u: Floats, sigma: Floats, v: Floats, count: int) -> tuple[Floats, Floats, Floats]:
-    """The `count` largest of triplets in falling order, in rising order."""
-    return u[:, :count][:, ::-1], sigma[:count][::-1], v[:, :count][:, ::-1]
+    """Triplets in falling order, in rising order; those behind the `count` largest become zero."""
+    n = len(v)
+    left, values, right = np.zeros((len(u), n)), np.zeros(n), np.zeros((n, n))
+    for to, of in ((left, u), (values, sigma), (right, v)):
+        to[..., n - count :] = of[..., :count][..., ::-1]
+    return left, values, right
 
 
 def _plain(D: Floats, count: int) -> Triplets | None:
@@ -99,7 +112,7 @@ def _plain(D: Floats, count: int) -> Triplets | None:
     u, sigma, vt = np.linalg.svd(D, full_matrices=False)
     loss, smallest = EPS * max(D.shape) * sigma[0], sigma[count - 1]
     close, good = loss <= CONFIRMED_LIMIT * smallest, loss <= SVD_ERROR_LIMIT * smallest
-    if good or (close and not _contradicted(D, sigma[:count][::-1])):
+    if good or (close and _confirmed(D, sigma[:count][::-1])):
         return *_rising(u, sigma, vt.T, count), "svd"
     return None
 
@@ -121,10 +134,10 @@ def _lapack_jacobi(D: Floats) -> tuple[Floats, Floats, Floats]:
     return (np.asarray(v), sigma, u) if wide else (u, sigma, np.asarray(v))
 
 
-def _contradicted(D: Floats, sigma: Floats) -> bool:
-    """True if a count contradicts a singular value (all of them given, rising)."""
+def _confirmed(D: Floats, sigma: Floats) -> bool:
+    """True if the counts confirm every singular value (all of them given, rising)."""
     tree = _leaves_first(D)
-    return tree is None or len(_contradictions(tree, sigma)) > 0
+    return tree is not None and len(_contradictions(tree, sigma)) == 0
 
 
 def _contradictions(tree: list[_Hanging], sigma: Floats) -> Ints:
@@ -136,13 +149,10 @@ def _contradictions(tree: list[_Hanging], sigma: Floats) -> Ints:
     return np.flatnonzero((below[:n] > index) | (below[n:] <= index))
 
 
-def _corrected(D: Floats, sigma: Floats) -> Floats:
+def _corrected(tree: list[_Hanging], sigma: Floats) -> Floats:
     """Singular values (rising) that the counts contradict are bisected; the others stay."""
-    tree = _leaves_first(D)
-    contradicting = (
-        _contradictions(tree, sigma) if tree is not None else np.zeros(0, dtype=np.int64)
-    )
-    if tree is None or not len(contradicting):
+    contradicting = _contradictions(tree, sigma)
+    if not len(contradicting):
         return sigma
     low, high = sigma[contradicting], sigma[contradicting]
     for reach in (1e-11, 1e-8, 1e-4, 1e-1, 1e1, 1e4, 1e8):
@@ -216,16 +226,16 @@ def _count_below(tree: list[_Hanging], values: Floats) -> Ints:
     Negative pivots of [[−s, Dᵀ], [D, −s]], whose eigenvalues are ±σ and zeros. Every rounding
     error is a relative one in s or in an entry of D, so the count is right to a few roundings.
     """
-    pivot = np.tile(-values, (len(tree), 1))
+    pivots: dict[int, Floats] = {}  # of columns on which something eliminated hangs
     negative = np.zeros(len(values), dtype=np.int64)
     n_rows = 0
     with np.errstate(over="ignore", divide="ignore"):
         for node in tree:
-            d = pivot[node.column]
+            d = pivots.pop(node.column, -values)
             for square in node.grounded:
                 n_rows += 1
                 negative += 1
-                d += square / values
+                d = d + square / values
             d[d == 0.0] = -TINY
             negative += d < 0.0
             if node.parent >= 0:
@@ -233,98 +243,85 @@ def _count_below(tree: list[_Hanging], values: Floats) -> Ints:
                 e = -values - node.onward[0] / d
                 e[e == 0.0] = -TINY
                 negative += e < 0.0
-                pivot[node.parent] -= node.onward[1] / e
+                pivots[node.parent] = pivots.get(node.parent, -values) - node.onward[1] / e
     return negative - max(n_rows, len(tree))
 
 
 # --- unbranched trains ----------------------------------------------------------------------------
 
 
-def _chain(D: Floats, count: int) -> Triplets | None:
-    """Triplets of a bidiagonal matrix in any order of rows and columns; None if it is not one.
+def _chain(root_k: Floats, B: Floats, root_mass: Floats, count: int) -> Triplets | None:
+    """Triplets where D is bidiagonal in any order of rows and columns; None if it is not.
 
     Also None where two values are so close that their vectors, each found alone, would not be
-    orthogonal.
+    orthogonal. D itself is not formed.
     """
     from scipy.linalg import eigh_tridiagonal
 
-    order = _chain_order(D) if D.shape == (count, count + 1) else None
+    order = _chain_order(B) if B.shape == (count, count + 1) else None
     if order is None:
         return None
     rows, columns = order
     # Row and column in turn (Golub & Kahan): a tridiagonal matrix without diagonal, values ±σ and 0.
     b = np.empty(2 * count)
-    b[0::2], b[1::2] = D[rows, columns[:-1]], D[rows, columns[1:]]
+    for i, ends in enumerate((columns[:-1], columns[1:])):
+        b[i::2] = root_k[rows] * B[rows, ends] / root_mass[ends]
     rough = eigh_tridiagonal(
         np.zeros(2 * count + 1), b, eigvals_only=True, check_finite=False, lapack_driver="sterf"
     )[-count:]
     if not rough[0] > 0.0:
         return None
-    correction, _ = _twisted(b, rough)
-    sigma = _corrected(D, np.sort(np.abs(rough + correction)))
-    correction, z = _twisted(b, sigma)
+    sigma = np.sort(np.abs(rough + _vectors(b, rough)))
+    squares = (b * b).reshape(-1, 2).tolist()
+    tree = [_Hanging(i, i + 1, (own, other), ()) for i, (own, other) in enumerate(squares)]
+    sigma = _corrected([*tree, _Hanging(count, -1, (0.0, 0.0), ())], sigma)
+    u, v = np.empty((count, count + 1)), np.empty((count + 1, count + 1))
+    u[:, 0], v[:, 0] = 0.0, 0.0
+    correction = _vectors(b, sigma, (rows, columns, u, v))
     if not np.all(np.abs(correction) <= COUNT_TOLERANCE * sigma):
         return None
-    sigma = sigma + correction
-    u, v = np.empty((count, count)), np.empty((count + 1, count))
-    u[rows], v[columns] = z[1::2], z[0::2]
-    for vectors in (u, v):
-        vectors /= np.sqrt(np.einsum("ij,ij->j", vectors, vectors))
+    for vectors in (u[:, 1:], v[:, 1:]):
         close = np.abs(np.einsum("ij,ij->j", vectors[:, :-1], vectors[:, 1:]))
         if not np.all(close <= ORTHOGONAL):  # nor if one is not finite
             return None
-    return u, sigma, v, "chain"
+    return u, np.concatenate([[0.0], sigma + correction]), v, "chain"
 
 
-def _chain_order(D: Floats) -> tuple[Ints, Ints] | None:
-    """Rows and columns from one end to the other; None if D is no chain with two free ends."""
-    joined = D != 0.0
-    degree = joined.sum(axis=0)
-    if np.any(joined.sum(axis=1) != 2) or np.any(degree > 2) or np.sum(degree == 1) != 2:
+def _chain_order(B: Floats) -> tuple[Ints, Ints] | None:
+    """Rows and columns from one end to the other; None if B is no chain with two free ends."""
+    row, end = np.nonzero(B)
+    joins, degree = np.bincount(row, minlength=B.shape[0]), np.bincount(end, minlength=B.shape[1])
+    if np.any(joins != 2) or np.any(degree > 2) or np.sum(degree == 1) != 2:
         return None
-    near: list[list[tuple[int, int]]] = [[] for _ in range(D.shape[1])]
-    for row, (a, b) in enumerate(np.nonzero(joined)[1].reshape(-1, 2).tolist()):
-        near[a].append((row, b))
-        near[b].append((row, a))
+    near: list[list[tuple[int, int]]] = [[] for _ in range(B.shape[1])]
+    for number, (a, b) in enumerate(end.reshape(-1, 2).tolist()):
+        near[a].append((number, b))
+        near[b].append((number, a))
     column, came = int(np.flatnonzero(degree == 1)[0]), -1
     rows, columns = [], [column]
     while onward := [n for n in near[column] if n[0] != came]:
         came, column = onward[0]
         rows.append(came)
         columns.append(column)
-    return (np.array(rows), np.array(columns)) if len(rows) == D.shape[0] else None
+    return (np.array(rows), np.array(columns)) if len(rows) == B.shape[0] else None
 
 
-def _twisted(b: Floats, sigma: Floats) -> tuple[Floats, Floats]:
-    """Corrections of positive eigenvalues, and eigenvectors, of a tridiagonal without diagonal.
+def _vectors(
+    b: Floats, sigma: Floats, into: tuple[Ints, Ints, Floats, Floats] | None = None
+) -> Floats:
+    """Corrections of the singular values of a chain; rows, columns, left and right: its vectors as well.
 
-    Elimination from both ends meets where the pivot is least: there the vector is large, and both
-    ways out from there it is a product of ratios, without cancellation. The vector is in the error
-    of its eigenvalue over the distance to the next one; the correction is the Rayleigh quotient's.
+    The vector of a twisted factorisation is in the error of its value over the distance to the next one;
+    the correction is the Rayleigh quotient's. The first column of `left` and `right` stays as it is.
     """
-    n, every = len(b) + 1, np.arange(len(sigma))
-    square = (b * b).tolist()
-    nothing = (
-        -EPS * EPS * sigma
-    )  # for a pivot of zero: far below a rounding of σ, far from overflow
-    ahead, behind = np.empty((2, n, len(sigma)))
-    with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
-        ahead[0] = behind[-1] = -sigma
-        for i, q in enumerate(square):
-            pivot = -sigma - q / ahead[i]
-            ahead[i + 1] = np.where(pivot == 0.0, nothing, pivot)
-        for i in range(n - 2, -1, -1):
-            pivot = -sigma - square[i] / behind[i + 1]
-            behind[i] = np.where(pivot == 0.0, nothing, pivot)
-        both = ahead + behind
-        both += sigma
-        meet = np.argmin(np.abs(both), axis=0)
-        least = both[meet, every]
-        z = both
-        z[:] = 0.0
-        z[meet, every] = 1.0
-        for i in range(n - 2, -1, -1):
-            np.multiply(z[i + 1], -b[i] / ahead[i], out=z[i], where=i < meet)
-        for i in range(n - 1):
-            np.multiply(z[i], -b[i] / behind[i + 1], out=z[i + 1], where=i >= meet)
-        return least / np.einsum("ij,ij->j", z, z), z
+    n, correction = len(b) + 1, np.empty(len(sigma))
+    place, room = np.zeros(n, dtype=np.int64), np.empty(16 * n)
+    matrices = ffi.NULL, ffi.NULL
+    if into is not None:
+        place[1::2], place[0::2], left, right = into
+        matrices = address(right) + 1, address(left) + 1
+    library.chain_vectors(
+        n, address(b), len(sigma), address(sigma), address(correction), address(place, "int64_t"),
+        len(sigma) + 1, *matrices, address(room),
+    )  # fmt: skip
+    return correction

@@ -211,4 +211,7 @@ int64_t factor_complex(int64_t count, int64_t n, const double *a, double *f, int
 void solve_complex(int64_t count, int64_t n, int64_t r, const double *a, const double *f, const int64_t *rows,
                    double *b, double *room);
 int64_t eigenvalues(int64_t n, double *a, double *real, double *imaginary);
+/* Long unbranched trains (engine/numerics/singular_values.py). */
+void chain_vectors(int64_t n, const double *b, int64_t count, const double *sigma, double *correction,
+                   const int64_t *place, int64_t row, double *right, double *left, double *room);
 #endif

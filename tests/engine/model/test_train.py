@@ -353,6 +353,18 @@ def test_a_damper_alone_leaves_two_rigid_modes():
     assert nodes_of(train, modes) == ()
 
 
+def test_a_shaft_in_pieces_beside_rigid_meshes_has_all_strain():
+    """As many rows as elements, though two of them belong to one element and a mesh has none."""
+    case = case_of(
+        [("a", 2, 1), ("b", 1, 1), ("c", 3, 2)],
+        [shaft("s", "a", "b", od=0.03, length=3.0, density=7800.0, **STEEL), mesh("m", "b", "c")],
+    )
+    train = build_train(case, {"s": 2})
+    assert train.n_rows == len(train.elements)
+    modes = modes_of(train)
+    assert modes.strain_share[:, modes.n_rigid :] == pytest.approx(np.array([[1, 1], [0, 0]]))
+
+
 def test_the_parts_of_modal_damping_add_up():
     """Stated + ½ Σ η × strain share + ½ φᵀCφ/ω (contract)."""
     case = case_of(
