@@ -234,7 +234,8 @@ def _coupling_number(modal: ModalTrain, motors: Sequence[Motor], synchronous: fl
 
     Mode j moves with A_j: its static answer to the motor torque, magnified where the pulsation
     passes it; a rigid mode with its speed at synchronism. Through the off-diagonal damping d_ij it
-    drives mode i to |d_ij| ω_j A_j / |ω_i² − ω_j²| (a rigid one to |d_ij| v_j / ω_i²).
+    drives mode i to |d_ij| ω_j A_j / |ω_i² − ω_j²| (a rigid one to |d_ij| v_j / ω_i²); where both are nearer than
+    mode i's own damping lets them be told apart, to |d_ij| A_j / d_ii.
     """
     train, modes, damping = modal
     sprung = np.where(train.stiffness > 0.0, train.viscous, 0.0)  # the others are forces anyway
@@ -253,11 +254,13 @@ def _coupling_number(modal: ModalTrain, motors: Sequence[Motor], synchronous: fl
     passed = modes.omega <= 2.0 * motors[0].pole_pairs * motors[0].synchronous_speed
     excess = np.clip(0.5 / np.maximum(damping.ratio, 1e-9), 1.0, LARGEST_AMPLIFICATION)
     moved = np.abs(static) * np.where(passed, excess, 1.0)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        mixed = off * modes.omega * moved / np.abs(square[:, None] - square[None, :])
-        driven = np.where(elastic[:, None], off / square[:, None], 0.0)
-        driven = driven * _rigid_speed(train, modes, synchronous)
-    mixed = np.where(elastic[:, None] & elastic[None, :] & (off > 0.0), mixed, 0.0) + driven
+    apart = np.abs(square[:, None] - square[None, :])
+    apart = np.maximum(apart, np.diag(matrix)[:, None] * modes.omega)
+    coupled = elastic[:, None] & elastic[None, :] & (off > 0.0) & (apart > 0.0)
+    mixed = np.where(coupled, off * modes.omega * moved / np.where(coupled, apart, 1.0), 0.0)
+    driven = np.where(elastic[:, None], off / np.where(elastic, square, 1.0)[:, None], 0.0)
+    driven = driven * _rigid_speed(train, modes, synchronous)
+    mixed = mixed + driven
     outputs = torque_outputs(train, modes, stations)
     position = outputs.position
     # rigid meshes and ends of shafts take their torque from equilibrium, in which dampers have a part of their own

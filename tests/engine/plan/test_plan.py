@@ -10,7 +10,7 @@ import pytest
 
 import engine.run as conductor
 from engine.case.case import Case
-from engine.case.data import EffectChoiceRow, MeshRow, TorqueTimeRow
+from engine.case.data import EffectChoiceRow, ElementRow, MeshRow, StationRow, TorqueTimeRow
 from engine.case.effect import StartEffects
 from engine.case.effects import EFFECTS
 from engine.model.modal_analysis import analyse
@@ -26,7 +26,7 @@ from engine.run import PlannedStart, planned_start, run
 from tests.random_effects import with_bearings, with_dampers, with_judged_shafts
 from tests.random_starts import random_start
 from tests.sample_case import sample_case
-from tests.trains import MOTOR, RATED, geared, motor, prepared
+from tests.trains import MOTOR, RATED, geared, load, motor, prepared
 
 
 def chosen(case: Case, **choices: str) -> Case:
@@ -139,6 +139,19 @@ def test_dampers_that_couple_modes_are_followed_as_they_are(strength, on):
     assert d.on is plan.effects.coupled_damping is on
     assert (d.deciding_number > d.limit) is on
     assert (d.bound is None) is on
+
+
+def test_modes_of_one_frequency_are_coupled_no_more_than_their_damping_lets_them():
+    """Three equal branches have two modes of one frequency: its difference divides nothing."""
+    discs = ("Motor", "Load", "Twin")
+    branches = tuple(
+        ElementRow(f"Shaft {k}", "shaft", disc, "Hub", 3.0e6, damping=100.0 * (k + 1))
+        for k, disc in enumerate(discs)
+    )
+    stations = (*(StationRow(disc, None, 20.0) for disc in discs), StationRow("Hub", None, 10.0))
+    case = geared(stations=stations, elements=branches, load_torque=load(rated=RATED))
+    d = planned(case).plan.decision("coupled damping")
+    assert 0.0 < d.deciding_number < 10.0
 
 
 @pytest.mark.parametrize(("softness", "on"), [(1e-9, False), (1e-2, True)])
