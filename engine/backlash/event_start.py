@@ -42,6 +42,7 @@ from engine.model.modes import stated_damping
 from engine.model.motor import motors_of, voltage_factor
 from engine.model.rigid_runup import RigidRunup, rigid_runup
 from engine.model.train import Flank, Train
+from engine.numerics.distinct import distinct
 from engine.numerics.same_bits import interp, square
 from engine.start.event_results import PullIn, Repeatability, prediction_interval
 from engine.start.outcome import StartOutcome, outcome_of, run_length
@@ -501,7 +502,7 @@ def _together_until(coarse: EventRun, fine: EventRun, apart: float) -> float:
     """Until when two runs were together: the same changes of contact at each clearance, no more than so
     much apart. [s]"""
     until = math.inf
-    for clearance in np.unique(np.concatenate([coarse.log[:, 1], fine.log[:, 1]])):
+    for clearance in distinct(coarse.log[:, 1], fine.log[:, 1]):
         logs = [log[log[:, 1] == clearance] for log in (coarse.log, fine.log)]
         n = min(map(len, logs))
         a, b = (log[:n] for log in logs)

@@ -144,15 +144,15 @@ def log(*rows: tuple[float, int]) -> Any:
 
 
 def test_until_when_two_runs_were_together() -> None:
-    """By hand: the same changes of contact, at least one, none more than 0.02 s apart."""
+    """By hand: the same changes of contact, none more than 0.02 s apart; until the first change there is nothing to part at."""
     one = log((1.0, 3), (2.0, 1), (3.0, 3))
     for other, until in (
         (log((1.01, 3), (2.01, 1), (3.01, 3)), math.inf),
         (log((1.01, 3), (2.03, 1), (3.01, 3)), 2.0),  # apart, although they meet again
         (log((1.01, 3), (2.01, 1), (2.95, 2)), 2.95),  # another contact: the earlier of the two
         (log((1.01, 3), (2.01, 1)), 3.0),  # one more
-        (log((0.99, 1)), -math.inf),
-        (log(), -math.inf),
+        (log((0.99, 1)), 0.99),
+        (log(), 1.0),
     ):
         assert _together_until(one, other, 0.02) == until
         assert _together_until(other, one, 0.02) == until
