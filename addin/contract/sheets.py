@@ -207,12 +207,12 @@ SHEETS: tuple[Sheet, ...] = (
     Sheet(
         "Start-up",
         "result",
-        {"A": 1.5, "B": 20, "C:J": 10.4, "K": 20, "L:O": 10.4, "P": 63},
+        {"A": 1.5, "B": 20, "C:J": 10.4, "K": 20, "L:O": 10.4, "P": 74},
         {"StartupCrossings": "B5", "StartupPeaks": f"B{9 + CROSSING_ROWS}"},
         (
-            ChartAt("speed-time", f"O{9 + CROSSING_ROWS}", 520, 304),
-            ChartAt("blow", f"O{25 + CROSSING_ROWS}", 520, 284),
-            ChartAt("pull-in", f"O{40 + CROSSING_ROWS}", 520, 284),
+            ChartAt("speed-time", f"P{9 + CROSSING_ROWS}", 520, 304),
+            ChartAt("blow", f"P{25 + CROSSING_ROWS}", 520, 284),
+            ChartAt("pull-in", f"P{40 + CROSSING_ROWS}", 520, 284),
         ),
         one_page=True,
         intro="The start from rest to EndSpeed, or to the end of pull-in or coast-down. Torques "
