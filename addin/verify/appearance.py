@@ -144,7 +144,7 @@ def compare_appearance(workbook: Workbook) -> Iterator[Finding]:
     Parameters
     ----------
     workbook : Workbook
-        As it stands.
+        The workbook as it was saved.
 
     Yields
     ------

@@ -29,7 +29,7 @@ def compare_texts(workbook: Workbook, same_version: bool) -> Iterator[Finding]:
     Parameters
     ----------
     workbook : Workbook
-        As it stands.
+        The workbook as it was saved.
     same_version : bool
         Whether this version wrote the texts, with the template; those of another one may be other
         texts. [flag]

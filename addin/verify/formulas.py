@@ -84,7 +84,7 @@ def earlier_banner(workbook: Workbook, expected: str) -> Iterator[Finding]:
     Parameters
     ----------
     workbook : Workbook
-        As it stands.
+        The workbook as it was saved.
     expected : str
         The banner of this version. [words]
 
@@ -348,7 +348,7 @@ def replaced(workbook: Workbook, own: OwnFormula, *, same_version: bool = True) 
     Parameters
     ----------
     workbook : Workbook
-        As it stands.
+        The workbook as it was saved.
     own : OwnFormula
         What should stand there.
     same_version : bool
@@ -466,7 +466,7 @@ def unjudged(standing: Workbook, fresh: Workbook | None) -> list[OwnFormula]:
     Parameters
     ----------
     standing : Workbook
-        As it stands.
+        The workbook as it was saved.
     fresh : Workbook or None
         With the results written anew and the values of its formulas renewed; None where that failed.
     """

@@ -22,7 +22,7 @@ def compare_units(workbook: Workbook, same_version: bool) -> Iterator[Finding]:
     Parameters
     ----------
     workbook : Workbook
-        As it stands.
+        The workbook as it was saved.
     same_version : bool
         Whether this version wrote the file; another one may have written them otherwise. [flag]
 

@@ -123,7 +123,7 @@ def without_banner(workbook: Workbook, banners: Collection[str]) -> Iterator[Fin
     Parameters
     ----------
     workbook : Workbook
-        As it stands.
+        The workbook as it was saved.
     banners : collection of str
         Sheets with a reference to the overall verdict. [names]
 

@@ -258,9 +258,8 @@ def _coupling_number(modal: ModalTrain, motors: Sequence[Motor], synchronous: fl
     apart = np.maximum(apart, np.diag(matrix)[:, None] * modes.omega)
     coupled = elastic[:, None] & elastic[None, :] & (off > 0.0) & (apart > 0.0)
     mixed = np.where(coupled, off * modes.omega * moved / np.where(coupled, apart, 1.0), 0.0)
-    driven = np.where(elastic[:, None], off / np.where(elastic, square, 1.0)[:, None], 0.0)
-    driven = driven * _rigid_speed(train, modes, synchronous)
-    mixed = mixed + driven
+    turned = np.where(elastic[:, None], off / np.where(elastic, square, 1.0)[:, None], 0.0)
+    mixed += turned * _rigid_speed(train, modes, synchronous)
     outputs = torque_outputs(train, modes, stations)
     position = outputs.position
     # rigid meshes and ends of shafts take their torque from equilibrium, in which dampers have a part of their own

@@ -38,9 +38,8 @@ def doubts_of_minima(start: Start) -> dict[str, float | None]:
     dict of str to (float or None)
         Error, ensemble and what is left out; None where that has no bound. [N m]
     """
-    lowest = lowest_torques(start)
     return {
-        p.element: None if p.left_out is None else p.minimum - lowest[p.element]
+        p.element: None if p.minimum_range is None else p.minimum - p.minimum_range[0]
         for p in start.peaks
     }
 
