@@ -188,24 +188,38 @@ def all_hold(record: Record) -> bool:
     return not found.unfelt and all(a.holds for a in every if a.stated is not None)
 
 
-def sensitive_answers(records: Sequence[Record], kind: str) -> tuple[int, int]:
-    """Answers (``peaks`` or ``starts``) of starts with events whose range reaches beyond the tolerance, of how many.
+def sensitive_answers(records: Sequence[Record], kind: str) -> tuple[int, int, int]:
+    """Answers (``peaks`` or ``starts``) of starts with events whose range reaches beyond the tolerance; that did
+    change by more in a repetition of a start that says it is sensitive; all of them.
 
     A start is sensitive where one answer is: others of it may be told to within the tolerance.
     """
-    beyond = count = 0
+    beyond = changed = count = 0
     for r in records:
         if "failed" in r or not r["asked"]["events"]:
             continue
         tolerance = r["tolerance"][0 if kind == "peaks" else 1]
         says = bool((r["asked"]["sensitivity"] or {}).get("sensitive", False))
-        for high, low, *_, least, most in r["asked"][kind].values():
+        for element, (high, low, *_, least, most) in r["asked"][kind].items():
             count += 1
-            told = max(abs(high), abs(low)) if kind == "peaks" else high
-            if says and told and least is not None:
+            told = _told(kind, high, low)
+            if not says or not told:
+                continue
+            if least is not None:
                 reach = math.inf if most is None else max(most - told, told - least)
                 beyond += reach > tolerance * told
-    return beyond, count
+            others = (_told(kind, *o[kind][element][:2]) for o in r.get("nudged", []))
+            changed += any(o is None or abs(o - told) > tolerance * told for o in others)
+    return beyond, changed, count
+
+
+def _told(kind: str, first: float | None, second: float | None = None) -> float | None:
+    """What an answer tells: the larger of two extremes, or the starts; None = unlimited."""
+    if kind == "peaks":
+        assert first is not None
+        assert second is not None
+        return max(abs(first), abs(second))
+    return first
 
 
 def change_under_nudges(record: Record) -> float:

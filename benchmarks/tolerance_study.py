@@ -32,6 +32,7 @@ import numpy as np  # noqa: E402
 
 from benchmarks import report, study_pages  # noqa: E402
 from benchmarks.study_answers import (  # noqa: E402
+    NO_FINER,
     SENSITIVE_NUDGES,
     Record,
     all_hold,
@@ -50,6 +51,7 @@ from benchmarks.study_trains import (  # noqa: E402
 from engine.backlash import event_start
 from engine.case.case import Case
 from engine.case.data import EffectChoiceRow  # noqa: E402
+from engine.case.defaults import LEAST_TOLERANCE_PEAK, LEAST_TOLERANCE_STARTS
 from engine.case.effects import EFFECTS  # noqa: E402
 from engine.errors import TorsionError  # noqa: E402
 from engine.fatigue.damage import starts_from_damage
@@ -74,6 +76,8 @@ REPEATED_WORK, FEWEST_NUDGES = 50_000_000, 20
 TRUTH_WORK = 120_000_000
 #: The truth is asked for at this share of the tolerance.
 FINER = 0.01
+#: Where the step of the truth is none the finer for it, at a tenth of that, so often at the most.
+MOST_TRUTHS = 4
 #: Effects that are forced on for the truth, where a train has their data.
 ALL_EFFECTS = ("bearings", "coupled damping", "fast modes", "breaker closing", "backlash")
 #: What an earlier record gives to a later one of the same train.
@@ -106,17 +110,14 @@ def record_of(number: int, nudges: int = SENSITIVE_NUDGES, earlier: Record | Non
     record["asked"] = _answers(asked, time.perf_counter() - began)
     sensitive = (record["asked"]["sensitivity"] or {}).get("sensitive", False)
     if not sensitive:  # those are counted apart: one of many equally right answers has no truth
-        peak, starts = train.tolerances
-        finer = replace(train.case, tolerance_peak=FINER * peak, tolerance_starts=FINER * starts)
+        finer = _finer(train.case, FINER)
         with patch.object(event_start, "MOST_WORK", TRUTH_WORK):
             record["bounds"] = _bounds(finer, asked)
             if earlier is not None and "truth" in earlier:
                 truths = {name: earlier[name] for name in TRUTHS if name in earlier}
                 if all_hold(record | truths):
                     return record | truths | {"earlier": True}
-            began = time.perf_counter()
-            truth = run(_with(finer, ALL_EFFECTS))
-            record["truth"] = _answers(truth, time.perf_counter() - began)
+            record["truth"] = _truth(finer, asked)
     if sensitive and asked.start is not None:
         work = asked.start.trajectory.n_steps * asked.start.kept_modes
         times = min(nudges, max(FEWEST_NUDGES, REPEATED_WORK // work))
@@ -126,6 +127,29 @@ def record_of(number: int, nudges: int = SENSITIVE_NUDGES, earlier: Record | Non
     if train.independent and not sensitive and asked.start is not None:
         record["independent"] = _independent(train, asked.start, asked)
     return record
+
+
+def _truth(finer: Case, asked: Results) -> Record:
+    """The answers with every effect on, asked for more finely until their step is finer than that of the answer."""
+    assert asked.start is not None
+    for _ in range(MOST_TRUTHS):
+        began = time.perf_counter()
+        truth = _answers(run(_with(finer, ALL_EFFECTS)), time.perf_counter() - began)
+        if truth["stopped"] or truth["step"] <= NO_FINER * asked.start.step:
+            break
+        finer = _finer(finer, 0.1)
+    return truth
+
+
+def _finer(case: Case, share: float) -> Case:
+    """The case at a share of its tolerances, or at the least that can be asked for."""
+    assert case.tolerance_peak is not None
+    assert case.tolerance_starts is not None
+    return replace(
+        case,
+        tolerance_peak=max(share * case.tolerance_peak, LEAST_TOLERANCE_PEAK),
+        tolerance_starts=max(share * case.tolerance_starts, LEAST_TOLERANCE_STARTS),
+    )
 
 
 def _with(case: Case, names: Iterable[str], choice: str = "on") -> Case:

@@ -58,10 +58,16 @@ def test_sensitive_answers_are_those_told_less_closely_than_wanted() -> None:
     asked: Any = made["asked"]
     asked["peaks"]["B"] = [100.0, 0.0, 0.0, 0.0, 99.95, 100.05]
     asked["starts"]["C"] = [99.0, 0.0, 98.0, None]
-    assert sensitive_answers([made], "peaks") == (0, 2)
+    assert sensitive_answers([made], "peaks") == (0, 0, 2)
     asked["sensitivity"] = {"spread": 1.0, "sensitive": True}
-    assert sensitive_answers([made], "peaks") == (1, 2)
-    assert sensitive_answers([made], "starts") == (2, 3)
+    assert sensitive_answers([made], "peaks") == (1, 0, 2)
+    assert sensitive_answers([made], "starts") == (2, 0, 3)
+    other = {
+        "peaks": {"A": [1000.9, -10.0], "B": [100.2, 0.0]},
+        "starts": {"A": [99.0], "B": [None], "C": [None]},
+    }
+    assert sensitive_answers([made | {"nudged": [other]}], "peaks") == (1, 1, 2)
+    assert sensitive_answers([made | {"nudged": [other]}], "starts") == (2, 1, 3)
 
 
 def test_recontact_speeds_are_judged_by_their_own_error() -> None:
