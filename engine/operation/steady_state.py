@@ -61,8 +61,10 @@ BESIDE_RESONANCE = 1e-7
 STRESS_ROUNDING = 1e-9
 #: Speeds of an order line over the operating range, besides its resonances.
 SWEEP_POINTS = 31
-#: Times a sweep looks for the largest torque between its frequencies. What the last time added is its error.
+#: Times a sweep looks for the largest torque between its frequencies.
 SWEEP_REFINEMENTS = 3
+#: Error of a sweep over what the last time added: all that is left where each time adds two thirds of the time before.
+STILL_TO_GAIN = 2.0
 #: Torques this near to the largest are as large but for rounding: the flattest of them is at the peak.
 EQUAL_TORQUE = 1e-12
 #: A frequency is at the peak if its torque is this near to the largest: it is within 1e-9 of the width of the peak.
@@ -695,7 +697,7 @@ def _rows(
                 allowable=limit.allowable,
                 torque_limit=limit.torque_limit,
                 verdict=limit.verdict(bounded),
-                error=float(sweep.gain[element]),
+                error=STILL_TO_GAIN * float(sweep.gain[element]),
             )
         )
     return rows

@@ -101,6 +101,7 @@ def test_a_study_that_is_out_of_date_is_named_and_not_compared(found: Difference
     assert not [c for c in found.studies.results if c.table == "TuningResults"]
 
 
+@pytest.mark.slow
 def test_a_study_in_one_file_only_is_named(first: Path, tmp_path: Path) -> None:
     bare = tmp_path / "bare.xlsx"
     said("new", bare, "--studies", "--from", first)

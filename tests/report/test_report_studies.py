@@ -44,6 +44,7 @@ def pictures(path: Path) -> int:
     return len(docx.Document(str(path)).inline_shapes)
 
 
+@pytest.mark.slow
 def test_each_study_has_its_chapter_with_numbers_of_its_sheet(
     book: Path, tmp_path: Path, undrawn: None
 ) -> None:

@@ -373,6 +373,7 @@ def test_the_workbook_comes_back_recalculated(tab, tmp_path):
     assert any("StartupPeaks" in sheet.tables for sheet in book)
 
 
+@pytest.mark.slow
 def test_a_calculation_shows_progress_and_stops_when_cancelled(tab, tmp_path):
     import json
 

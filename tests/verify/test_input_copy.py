@@ -56,6 +56,7 @@ def test_an_edited_copy_is_named_with_its_cell(edited, edit, says):
     ]
 
 
+@pytest.mark.slow
 def test_a_unit_exchanged_after_the_calculation_leaves_the_copy_as_it_is(edited):
     def edit(workbook):
         unit = unit_cell_of(workbook, "MotorTorque", "Speed")
@@ -72,6 +73,7 @@ def test_a_unit_exchanged_after_the_calculation_leaves_the_copy_as_it_is(edited)
     assert not [f for f in found.findings if f.sheet in (SHEET, "Summary")]
 
 
+@pytest.mark.slow
 def test_of_changed_inputs_the_copy_is_not_judged(edited):
     def edit(workbook):
         workbook.set_cell(*cell_of(workbook, "Stations", 1, "Inertia"), 12345.0)

@@ -158,6 +158,7 @@ def test_the_unit_behind_a_number_is_no_finding_but_another_one_is(restyled, pla
     assert found_at(found) == sorted(places[1:3])
 
 
+@pytest.mark.slow
 def test_formats_that_show_another_verdict_are_found(restyled, words):
     lying = (";;;", ';;;"passed"', '0;0;0;"pass" @', "[White]@")
     honest = ("@", "0.00", "General", "0;0;0;@", "0;0;0;[Red]@")
@@ -229,6 +230,7 @@ def green_without_rules(book, cell):
     painted("FF00B050")(book, cell)
 
 
+@pytest.mark.slow
 def test_verdicts_in_the_colour_of_a_pass_are_found(restyled, train):
     """But not where the shipped rule for a fail goes before the green one."""
     workbook = open_workbook(train, read_only=True)
@@ -305,6 +307,7 @@ def test_banners_that_are_covered_hidden_or_cut_are_found(train, tmp_path):
     }
 
 
+@pytest.mark.slow
 def test_white_words_inside_a_text_are_found(restyled, words):
     def edit(book, cell):
         cell.value = CellRichText(TextBlock(InlineFont(color="FFFFFFFF"), "not "), "judged")
@@ -474,6 +477,7 @@ def test_an_input_that_shows_another_number_is_found(restyled, train):
     assert (found.sheet, found.cell) == place
 
 
+@pytest.mark.slow
 def test_changed_texts_of_notes_and_trace_are_found(train, tmp_path):
     book = openpyxl.load_workbook(train)
     told = NOTES["How to use"][0][1]

@@ -66,6 +66,7 @@ def test_a_study_of_other_rows_is_out_of_date_and_named(book: Path) -> None:
     assert "torsionbook starts again" in wrong
 
 
+@pytest.mark.slow
 def test_a_cell_that_cannot_be_read_is_not_the_blank_it_was(book: Path) -> None:
     """So far was blank and counts as blank in the digest; who typed words there meant something."""
     typed(book, "StartConditions", "So far", "lots")
@@ -171,6 +172,7 @@ def test_sorted_rows_of_a_study_are_those_it_wrote(book: Path) -> None:
     assert edits(book, code=0) == []
 
 
+@pytest.mark.slow
 def test_a_study_without_a_record_of_its_rows_is_noted(book: Path) -> None:
     """As earlier versions wrote them."""
     typed(book, "", "starts_Tables", "")

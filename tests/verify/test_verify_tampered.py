@@ -45,6 +45,7 @@ def test_a_result_table_that_became_a_range_is_missed(tampered, table):
     assert (missing.sheet, missing.table) == ("Starts", table)
 
 
+@pytest.mark.slow
 def test_a_zero_in_place_of_a_blank_is_seen_and_a_blank_in_place_of_a_zero(train, tmp_path):
     workbook = open_workbook(train)
     table = workbook.table("NaturalFrequencies")
@@ -77,6 +78,7 @@ def test_a_header_that_stops_the_calculator_leaves_the_workbook_unverified(tampe
     assert [f.kind for f in failing(found)] == ["not judged"]
 
 
+@pytest.mark.slow
 def test_swapped_headers_are_seen(tampered):
     def edit(package):
         package.put_text("Starts", header_cell("Damage"), "Paper count")
@@ -368,6 +370,7 @@ def with_cells(package: Package, sheet: str, row: int, cells: str) -> None:
     )
 
 
+@pytest.mark.slow
 def test_an_input_that_is_read_elsewhere_than_beside_its_label_is_seen(train, tampered):
     """The copy of the inputs is led to the same cell; the digest is that of the inputs."""
     workbook = open_workbook(train, read_only=True)
