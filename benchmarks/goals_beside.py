@@ -26,6 +26,7 @@ os.environ.update(single_threaded())
 from benchmarks import report  # noqa: E402
 from benchmarks.goal_rows import ROWS, Row  # noqa: E402
 from benchmarks.installed import installed_lines  # noqa: E402
+from benchmarks.loop_share import in_loops  # noqa: E402
 from benchmarks.report import Section, Table  # noqa: E402
 
 __all__ = ["KEPT", "Line", "goals_section", "kept_lines", "measured_rows"]
@@ -133,10 +134,12 @@ def measured_rows(rows: Sequence[Row], other: Path, rounds: int) -> Iterator[Lin
     for row in rows:
         old, new, ratio = turns(row, other, rounds)
         told = row.also(new.told)
+        loops = in_loops(row.new) if row.warm else ""
+        notes = ". ".join(filter(None, (row.note, _beside(old, new), loops)))
         yield _told(
             Line(
                 row.what, _both(old), _both(new), ratio, f"≤ {row.goal:.2f}",
-                ratio <= row.goal and told, " ".join(filter(None, (row.note, _beside(old, new)))),
+                ratio <= row.goal and told, notes,
             )
         )  # fmt: skip
         if row.memory:
