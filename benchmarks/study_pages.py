@@ -48,8 +48,8 @@ def study_sections(found: Study) -> list[Section]:
         Section("Goals and what was reached", _what(found), (_goals(found, rows),)),
         Section(
             "By class",
-            "Truth: the same train at a hundredth of the tolerance with every effect on that it has data "
-            "for; in the lines of the integrator one of its own (`tests/hard_cases/reference.py`); for bounds "
+            "Truth: the same train at a hundredth of the tolerance, or at less where its step would not be finer than that "
+            "of the answer, with every effect on that it has data for; in the lines of the integrator one of its own (`tests/hard_cases/reference.py`); for bounds "
             "the same train with the one effect forced on and nothing else changed, less the errors of both runs "
             f"({sum(a.true > 0.0 for a in found.bounds)} changes are larger than those). A statement holds where the "
             "true error is at most `Error` and `Left out` together, or the true starts are between `Starts low` and `Starts high`. "

@@ -1,7 +1,7 @@
 """Does what a start says of itself hold? 1,520 random trains: `python -m benchmarks.tolerance_study`.
 
-Every train is run as a user runs it, and again at a hundredth of its tolerances with every effect on
-that it has data for: that is the truth. Each effect left out is also forced on by itself. A run that says
+Every train is run as a user runs it, and again at a hundredth of its tolerances (at less where the step would not be
+finer) with every effect on that it has data for: that is the truth. Each effect left out is also forced on by itself. A run that says
 it is sensitive is repeated with every inertia changed by a billionth (a hundred times, less often where one run is
 long), of the others with events every third. Every twentieth pair is also integrated by tests/hard_cases/reference.py, which shares no code with the
 engine. What each
