@@ -53,7 +53,6 @@ from engine.start.settings import NEGLIGIBLE, StartSettings, has_start, keeps_hi
 from engine.start.start import Start, run_start
 from engine.start.start_fatigue import judged_shafts
 from engine.start.start_model import (
-    COARSEST_FIRST,
     MAX_VALUES,
     Machines,
     StartModel,
@@ -74,7 +73,8 @@ def clearances_of(train: Train) -> tuple[Flank, ...]:
 
 #: Largest phase of the pulsation per step of the first run at the default tolerance. Its error is of fourth order,
 #: measured as 5e-5 × phase⁴ on the example: a twelfth of the tolerance. Of random trains, a phase of 1.6 takes more
-#: steps all in all, since the runs at h and h/2 part more often, one of 0.8 does, too. [rad]
+#: steps all in all, since the runs at h and h/2 part more often, one of 0.8 does, too. Larger tolerances take no
+#: longer steps: hundreds of contacts in a row are then of no order yet, and two runs may agree by chance. [rad]
 COARSEST_EVENT_ANGLE = 1.13
 #: Ringing below this share of the tolerance is passed over in the first, coarsest run.
 VISIBLE = 0.2
@@ -381,11 +381,8 @@ def _start(
         events=True,
     )
     model = _event_model(case, modal, plain, effects, linear)
-    angle = min(
-        COARSEST_EVENT_ANGLE * math.sqrt(math.sqrt(tolerance / DEFAULT_TOLERANCE_PEAK)),
-        COARSEST_FIRST,
-    )
-    step = angle / plain.pulsation_omega
+    share = min(tolerance / DEFAULT_TOLERANCE_PEAK, 1.0)
+    step = COARSEST_EVENT_ANGLE * math.sqrt(math.sqrt(share)) / plain.pulsation_omega
     if linear.method == Method.EXPONENTIAL:  # Newmark's steps are shorter than these runs need
         step = min(linear.step * 2.0 ** (linear.halvings + 1), step)
     judge: Settled | None = _settled_judge(case, waited, motors[0].pole_pairs, synchronous)
