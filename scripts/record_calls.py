@@ -114,7 +114,8 @@ def digest(before: Words, after: Words) -> int:
     """Of the words that a call changed and of their places."""
     before, after = (np.where(w == NEGATIVE_NAN, NAN, w) for w in (before, after))
     at = np.flatnonzero(before != after)
-    return int(np.sum(_spread(_spread(at.astype(np.uint64)) + after[at])))
+    places = _spread(at.astype(np.uint64) + np.uint64(1))  # nought would stay nought
+    return int(np.sum(_spread(places + after[at])))
 
 
 def _spread(words: Words) -> Words:

@@ -56,7 +56,7 @@ static uint64_t digest(int64_t n, const word_t *before, const word_t *after)
     for (int64_t i = 0; i < n; i++) {
         const uint64_t word = without_sign_of_nan(after[i]);
         if (after[i].u == before[i].u || word == without_sign_of_nan(before[i])) continue;
-        sum += spread(spread((uint64_t)i) + word);
+        sum += spread(spread((uint64_t)i + 1) + word);
     }
     return sum;
 }

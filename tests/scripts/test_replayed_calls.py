@@ -20,6 +20,7 @@ hatch_build = other_systems.hatch_build
 @pytest.fixture
 def recorder(monkeypatch):
     recorder = record_calls.Recorder()
+    monkeypatch.setattr(np, "empty", np.zeros)  # as `record` does
     monkeypatch.setattr(linear_loop, "library", recorder)
     monkeypatch.setattr(same_bits, "library", recorder)
     return recorder
