@@ -38,20 +38,16 @@ class System:
     """A system whose programs this machine may be able to run."""
 
     tag: str  #: Of its wheel.
-    emulators: tuple[
-        str, ...
-    ]  #: Programs that run those of the system; none: they run as they are.
+    #: Programs that run those of the system, the first that is here; none: they run as they are.
+    emulators: tuple[str, ...] = ()
     options: tuple[str, ...] = ()  #: Of the emulator.
     files: tuple[Path, ...] = ()  #: What else it needs.
 
     def missing(self) -> str:
         """What this machine lacks to run it; empty where it lacks nothing."""
         if not self.emulators:
-            return (
-                ""
-                if (sys.platform, platform.machine()) == ("linux", "x86_64")
-                else "such a machine"
-            )
+            is_own = (sys.platform, platform.machine()) == ("linux", "x86_64")
+            return "" if is_own else "such a machine"
         lacks = [] if self._emulator() else [self.emulators[0]]
         return " and no ".join([*lacks, *(str(f) for f in self.files if not f.exists())])
 
@@ -64,7 +60,7 @@ class System:
 
 
 SYSTEMS = (
-    System("manylinux_2_17_x86_64", ()),
+    System("manylinux_2_17_x86_64"),
     System(
         "manylinux_2_17_aarch64", ("qemu-aarch64", "qemu-aarch64-static"), ("-L", str(ARM_ROOT)),
         (ARM_ROOT / "lib" / "ld-linux-aarch64.so.1",),

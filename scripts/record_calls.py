@@ -173,17 +173,13 @@ def driver_code() -> str:
     """C that calls a function by its number, with arguments from words."""
     names = ", ".join(f'"{name}"' for name in FUNCTIONS)
     lines = [f"enum {{ PAGE = {PAGE} }};", f"static const char *const names[] = {{{names}}};"]
-    lines += [
-        "static void make_call(int64_t function, word_t *word)",
-        "{",
-        "    switch (function) {",
-    ]
+    lines += ["static void make_call(int64_t function, word_t *word)"]
+    lines += ["{", "    switch (function) {"]
     member = {"int64_t": "i", "double": "d"}
     for number, name in enumerate(FUNCTIONS):
         kind = ffi.typeof(getattr(real, name))
-        words = ", ".join(
-            f"word[{i}].{member.get(k.cname, 'p')}" for i, k in enumerate(kind.args, 1)
-        )
+        members = [member.get(argument.cname, "p") for argument in kind.args]
+        words = ", ".join(f"word[{i}].{m}" for i, m in enumerate(members, 1))
         result = f"word[0].{member[kind.result.cname]} = " if kind.result.kind != "void" else ""
         lines.append(f"    case {number}: {result}FUNCTION({name})({words}); break;")
     return "\n".join([*lines, "    }", "}", ""])
@@ -192,10 +188,8 @@ def driver_code() -> str:
 def record() -> Recorder:
     """Calls of random starts, of the published cases, of a study and of the modes of a long chain."""
     loaded.library = recorder = Recorder()
-    np.empty, np.empty_like = (
-        np.zeros,
-        np.zeros_like,
-    )  # what a call leaves unwritten is the same each time
+    # What a call leaves unwritten is then the same each time.
+    np.empty, np.empty_like = np.zeros, np.zeros_like
 
     import compare_cases
     from results_digest import calculated

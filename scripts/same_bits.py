@@ -109,12 +109,11 @@ def main() -> int:
         print(f"{told} ({command.replace(sys.executable, 'python')})")
     digests = {told.partition(";")[0] for told in found}
     parts = [len(digests) == 1, on_each_machine(), other_systems.same_everywhere()]
-    print(
-        "The same bits from all of them."
-        if all(parts)
-        else "FAILED: bits differ, or a system was not run."
-    )
-    return 0 if all(parts) else 1
+    if not all(parts):
+        print("FAILED: bits differ, or a system was not run.")
+        return 1
+    print("The same bits from all of them.")
+    return 0
 
 
 if __name__ == "__main__":
