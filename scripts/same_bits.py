@@ -3,8 +3,9 @@
 The library is built by cc, clang, gcc (those that are here) and by ziglang, without and with the widest vector
 instructions of this machine; each calculates the same starts, and every fourth result of `results_digest.py`. Then all
 results of linear trains are calculated with the routines of OpenBLAS for each processor, without numpy's vector
-instructions, and with a C library whose functions are one unit in the last place off (`rounds_otherwise.c`). Exit
-status 1 unless everything is equal to the last bit.
+instructions, and with a C library whose functions are one unit in the last place off (`rounds_otherwise.c`). Last, the
+libraries of other systems make the calls of the starts (`other_systems.py`). Exit status 1 unless everything is equal
+to the last bit.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import other_machines
+import other_systems
 
 ROOT = Path(__file__).resolve().parents[1]
 #: Random starts: linear ones, and with clearances, bearings, dampers, breaker closing, tables against time.
@@ -106,9 +108,12 @@ def main() -> int:
     for told, command in zip(found, commands, strict=True):
         print(f"{told} ({command.replace(sys.executable, 'python')})")
     digests = {told.partition(";")[0] for told in found}
-    same = on_each_machine() and len(digests) == 1
-    print("The same bits from all of them." if same else "FAILED: the bits differ.")
-    return 0 if same else 1
+    parts = [len(digests) == 1, on_each_machine(), other_systems.same_everywhere()]
+    if not all(parts):
+        print("FAILED: bits differ, or a system was not run.")
+        return 1
+    print("The same bits from all of them.")
+    return 0
 
 
 if __name__ == "__main__":

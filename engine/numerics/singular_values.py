@@ -319,7 +319,7 @@ def _vectors(
     matrices = ffi.NULL, ffi.NULL
     if into is not None:
         place[1::2], place[0::2], left, right = into
-        matrices = address(right) + 1, address(left) + 1
+        matrices = address(right.ravel()[1:]), address(left.ravel()[1:])
     library.chain_vectors(
         n, address(b), len(sigma), address(sigma), address(correction), address(place, "int64_t"),
         len(sigma) + 1, *matrices, address(room),
