@@ -25,6 +25,7 @@ module             responsibility
 `tables`           Excel tables and their size
 `workbook_part`    sheets, defined names, relationships, content types, calculation settings
 `dependents`       which formulas depend on changed cells
+`shared_texts`     texts to which cells refer by number
 `written`          what was written, to be checked before the file is put in place
 `state`            an open workbook in memory: its parts, the cells changed and written so far
 `calculator_copy`  the copy that the calculator of formulas is given
