@@ -37,6 +37,7 @@ from addin.xlsx.values import (
     constant_text,
     read_cell,
     read_constant,
+    read_text,
     row_xml,
 )
 from addin.xlsx.xml_part import MAIN, Element, main, parse_part, serialise
@@ -136,6 +137,10 @@ class SheetPart:
 
     def constant(self, row: int, column: int) -> Constant:
         """The value that a cell shows; of a formula its cached value."""
+        held = self._row_as_it_is(row) if row in self._rows else None
+        if isinstance(held, TextRow):
+            text = held.cell(column)
+            return None if text is None else read_text(text, self.shared_strings)
         cell = self._cell(row, column)
         return None if cell is None else read_constant(cell, self.shared_strings)
 

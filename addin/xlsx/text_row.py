@@ -87,6 +87,10 @@ class TextRow:
             if not filled or not self.texts[at].endswith('"/>'):
                 yield self.firsts[at]
 
+    def cell(self, column: int) -> str | None:
+        """The cell of a column; None where there is none."""
+        return next((self.texts[at] for at in self._pieces_in(Rect(1, column, 1, column))), None)
+
     def exchange(self, rect: Rect, text: str) -> None:
         """Put new cells, or none, in the place of those in the columns of a rectangle."""
         style = _CELLS.findall(text)[0][3] or None if text and rect.left == rect.right else None

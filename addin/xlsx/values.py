@@ -204,6 +204,10 @@ def _text_xml(text: str) -> str:
     return f'<t xml:space="preserve">{body}</t>' if _NEEDS_SPACE.search(text) else f"<t>{body}</t>"
 
 
+# A plain cell: its kind, and its value or its inline text.
+_PLAIN = re.compile(
+    r'<c r="\w+"(?: s="\d+")?(?: t="(\w+)")?>(?:<v>([^<]*)</v>|<is><t(?:/>|[^<>/]*>)([^<]*)(?:</t>)?</is>)</c>'
+)
 _F, _V, _IS, _T, _R, _RPH = (main(tag) for tag in ("f", "v", "is", "t", "r", "rPh"))
 
 
@@ -229,9 +233,25 @@ def read_constant(cell: Element, shared_strings: Any) -> Constant:
     value = cell[-1] if len(cell) else None
     if value is not None and value.tag != _V:
         value = cell.find(_V)
-    if value is None:
+    return None if value is None else _constant(kind, value.text or "", shared_strings)
+
+
+def read_text(cell: str, shared_strings: Any) -> Constant:
+    """As `read_constant`, of a plain ``<c>`` element that is text; see `text_row` for what is plain."""
+    found = _PLAIN.match(cell)
+    if found is None:
         return None
-    text = value.text or ""
+    kind, value, inline = found.groups()
+    text = inline if kind == "inlineStr" else value
+    if text is None:
+        return None
+    if "&" in text:
+        text = text.replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&")
+    return unescape(text) if kind == "inlineStr" else _constant(kind or "n", text, shared_strings)
+
+
+def _constant(kind: str, text: str, shared_strings: Any) -> Constant:
+    """The value that a cell of a kind states as text."""
     if kind == "s":
         return shared_strings(text)  # type: ignore[no-any-return]
     if kind in ("str", "d"):
