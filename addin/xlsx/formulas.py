@@ -17,8 +17,8 @@ import math
 import re
 import zipfile
 from collections import defaultdict
-from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 from addin.xlsx.calculator_copy import calculator_copy, reads_other_workbook
@@ -37,6 +37,7 @@ from addin.xlsx.formula_text import (
     TableReference,
     parse_formula,
 )
+from addin.xlsx.kept_calculator import SHELF, Place
 from addin.xlsx.references import Rect
 from addin.xlsx.sheet_part import SheetPart
 from addin.xlsx.state import WorkbookState
@@ -290,7 +291,7 @@ class _Refresh:
         """What formulas read; None when some formula may read anything."""
         return None if None in self.formulas.areas else self.formulas.known_areas
 
-    def _with_values_to_keep(self, recalculated: _Recalculated) -> set[str]:
+    def _with_values_to_keep(self, recalculated: _Recalculated | _Given) -> set[str]:
         """Formulas with functions that the calculator does not know and values that no change has made old.
 
         Their values stay, and what reads them can be calculated from these.
@@ -307,10 +308,13 @@ class _Refresh:
             )
         }
 
-    def _recalculate(self) -> tuple[_Recalculated | None, str]:
+    def _recalculate(self) -> tuple[_Recalculated | _Given | None, str]:
         """A recalculated copy of the whole, or else of the formulas of which is known what they read."""
+        kept = self._by_kept_calculator()
+        if kept is not None:
+            return kept, ""
         areas, known = self.formulas.areas, self.formulas.known_areas
-        recalculated, reason = self._calculated(self._areas())
+        recalculated, reason = self._calculated(self._areas(), keep=True)
         if recalculated is not None:
             return recalculated, reason
         # Formulas that may read anything need more tables than the calculator takes, or are what it refuses; and it
@@ -343,8 +347,26 @@ class _Refresh:
         self.left_out = left_out
         return recalculated, reason
 
+    def _by_kept_calculator(self) -> _Given | None:
+        """What the calculator gives that an earlier workbook left; None without one."""
+        calculator = None if self.rich_values else SHELF.take(self.formulas)
+        if calculator is None:
+            return None
+        try:
+            results = calculator.results(self.workbook)
+        except (KeyboardInterrupt, SystemExit):
+            raise
+        except BaseException:  # a panic of the Rust side is a BaseException; the calculator is gone
+            return None
+        SHELF.put(self.formulas, calculator)
+        return None if results is None else _Given(results)
+
     def _calculated(
-        self, read: Collection[tuple[str, Rect]] | None, left_out: Collection[str] = ()
+        self,
+        read: Collection[tuple[str, Rect]] | None,
+        left_out: Collection[str] = (),
+        *,
+        keep: bool = False,
     ) -> tuple[_Recalculated | None, str]:
         """A recalculated copy, or None and the reason; see `calculator_copy` for the arguments."""
         try:
@@ -369,7 +391,10 @@ class _Refresh:
             raise
         except BaseException as problem:  # a panic of the Rust side is a BaseException
             return None, f"The formulas could not be recalculated ({in_short(problem)})."
-        return _Recalculated(self.workbook, fed, result), ""
+        recalculated = _Recalculated(self.workbook, fed, result)
+        if keep and not self.rich_values and SHELF.wants(self.formulas):
+            SHELF.make(self.workbook, self.formulas, package.getvalue(), recalculated.constant)
+        return recalculated, ""
 
     def _refused(
         self, read: Collection[tuple[str, Rect]], left_out: set[str], reason: str
@@ -422,7 +447,7 @@ class _Refresh:
                     yield cell
                     break
 
-    def _suspects(self, recalculated: _Recalculated) -> set[FormulaCell]:
+    def _suspects(self, recalculated: _Recalculated | _Given) -> set[FormulaCell]:
         """Formulas whose recalculated value is not to be trusted."""
         affected = set(self.affected)
         sources = [
@@ -435,7 +460,9 @@ class _Refresh:
         reached = self.formulas.graph.downstream_of_formulas(sources)
         return {self.everything[index] for index in reached}
 
-    def _is_doubtful(self, cell: FormulaCell, affected: bool, recalculated: _Recalculated) -> bool:
+    def _is_doubtful(
+        self, cell: FormulaCell, affected: bool, recalculated: _Recalculated | _Given
+    ) -> bool:
         if cell.is_data_table or cell.text in self.left_out:
             return affected  # calculated nowhere: the copy had its old value
         if not parse_formula(cell.text).functions.isdisjoint(recalculated.doubtful_functions):
@@ -481,7 +508,7 @@ class _Refresh:
         # Cells that are not in the file show nothing; a damaged file may state a range of any size.
         return list(self.workbook.sheet_part(cell.sheet).cells_in(rect))
 
-    def _renew(self, cell: FormulaCell, recalculated: _Recalculated) -> None:
+    def _renew(self, cell: FormulaCell, recalculated: _Recalculated | _Given) -> None:
         sheet = self.workbook.sheet_part(cell.sheet)
         for row, column in self._places(cell):
             new = recalculated.sheet(cell.sheet).constant(row, column)
@@ -534,6 +561,37 @@ class _Recalculated:
             again = SheetPart(name, own.part, data, own.shared_strings) if data != before else own
             self._sheets[name] = again
         return self._sheets[name]
+
+    def constant(self, place: Place) -> Constant:
+        """What a cell shows."""
+        sheet, row, column = place
+        return self.sheet(sheet).constant(row, column)
+
+
+@dataclass(frozen=True)
+class _GivenSheet:
+    """What a kept calculator gave for one sheet, in which no formula fills more than its cell."""
+
+    name: str
+    results: Mapping[Place, Constant]
+    arrays: Mapping[tuple[int, int], Rect] = field(default_factory=dict)
+
+    def constant(self, row: int, column: int) -> Constant:
+        """The value of a formula."""
+        return self.results[self.name, row, column]
+
+
+@dataclass(frozen=True)
+class _Given:
+    """What a kept calculator gave; it knows all functions."""
+
+    results: Mapping[Place, Constant]
+    unknown_functions: frozenset[str] = frozenset()
+    doubtful_functions: frozenset[str] = frozenset()
+
+    def sheet(self, name: str) -> _GivenSheet:
+        """The values of a sheet."""
+        return _GivenSheet(name, self.results)
 
 
 def _parted(texts: Sequence[str], reason: str) -> tuple[list[str], list[str]]:
