@@ -165,7 +165,7 @@ class SheetPart:
         """Style index that a cell has, or would have if it were written now."""
         here = Rect(row, column, row, column)
         if row in self._rows and column in self._row_as_it_is(row).columns_in(here):
-            return self._row_styles(row, here, [None])[0]
+            return self._row_styles(row, here, (None,))[0]
         return self._default_styles(row, self._column_styles(here))[0]
 
     def filled_cells(self, rect: Rect) -> Iterator[tuple[int, int]]:
@@ -277,14 +277,18 @@ class SheetPart:
             XML of the cells of each row, as it is in the part when its namespace has no prefix.
         """
         self._forget_formulas(rect)
-        column_styles = self._column_styles(rect) if styles is None else styles
-        starts = [f'<c r="{column_letters(column)}' for column in range(rect.left, rect.right + 1)]
+        column_styles = self._column_styles(rect) if styles is None else tuple(styles)
+        starts = tuple(
+            f'<c r="{column_letters(column)}' for column in range(rect.left, rect.right + 1)
+        )
         blank: list[CellValue] = [None] * rect.width
         texts = []
         for offset in range(rect.height):
             number = rect.top + offset
             row = rows[offset] if offset < len(rows) else blank
-            default = self._default_styles(number, column_styles) if styles is None else styles
+            default = (
+                self._default_styles(number, column_styles) if styles is None else column_styles
+            )
             texts.append(row_xml(number, starts, self._row_styles(number, rect, default), row))
         self._graft(rect, texts)
         with_formulas = [offset for offset, text in enumerate(texts) if FORMULA_MARK in text]
@@ -541,7 +545,7 @@ class SheetPart:
         self._rows[number] = element
         self._row_numbers.insert(position, number)
 
-    def _column_styles(self, rect: Rect) -> list[str | None]:
+    def _column_styles(self, rect: Rect) -> tuple[str | None, ...]:
         """Style of each column of a rectangle, as far as the sheet gives columns a style."""
         styles: list[str | None] = [None] * rect.width
         for entry in self._root.iterfind(f"{main('cols')}/{main('col')}"):
@@ -553,20 +557,20 @@ class SheetPart:
                 )
             for column in range(max(first, rect.left), min(last, rect.right) + 1):
                 styles[column - rect.left] = entry.get("style")
-        return styles
+        return tuple(styles)
 
     def _default_styles(
-        self, number: int, column_styles: Sequence[str | None]
-    ) -> Sequence[str | None]:
+        self, number: int, column_styles: tuple[str | None, ...]
+    ) -> tuple[str | None, ...]:
         """Styles of cells that do not exist yet: a formatted row goes before the columns."""
         element = self._rows.get(number)
         if element is not None and element.get("customFormat") in ("1", "true"):
-            return [element.get("s")] * len(column_styles)
+            return (element.get("s"),) * len(column_styles)
         return column_styles
 
     def _row_styles(
-        self, number: int, rect: Rect, new_styles: Sequence[str | None]
-    ) -> Sequence[str | None]:
+        self, number: int, rect: Rect, new_styles: tuple[str | None, ...]
+    ) -> tuple[str | None, ...]:
         """Styles of the cells of a row: of those that exist their own."""
         if number not in self._rows:
             return new_styles
@@ -576,7 +580,7 @@ class SheetPart:
         styles = list(new_styles)
         for column in row.columns_in(rect):
             styles[column - rect.left] = row.cells[column].get("s")
-        return styles
+        return tuple(styles)
 
     def _graft(self, rect: Rect, texts: Sequence[str]) -> None:
         """Put rows of new cells, given as XML, in the place of the old cells of the rectangle."""

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import re
 from bisect import bisect_left
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 from addin.xlsx.references import MAX_COLUMN, Rect, column_number
 from addin.xlsx.xml_part import is_utf8
@@ -72,14 +73,17 @@ class TextRow:
         """All its cells."""
         return "".join(self.texts)
 
-    def styles_in(self, rect: Rect, new: Sequence[str | None]) -> Sequence[str | None]:
+    def styles_in(self, rect: Rect, new: tuple[str | None, ...]) -> tuple[str | None, ...]:
         """Styles of the cells in the columns of a rectangle; those given for cells that are not there."""
         if not self.lasts or self.lasts[-1] < rect.left:
             return new
+        inside = self._pieces_in(rect)
+        if len(inside) == len(new):
+            return tuple(self.styles[inside.start : inside.stop])
         styles = list(new)
-        for at in self._pieces_in(rect):
+        for at in inside:
             styles[self.firsts[at] - rect.left] = self.styles[at]
-        return styles
+        return tuple(styles)
 
     def columns_in(self, rect: Rect, *, filled: bool = False) -> Iterator[int]:
         """Columns of a rectangle in which there are cells, or cells that hold something."""
@@ -130,9 +134,16 @@ class TextRow:
 def text_row(number: int, cells: str) -> TextRow | None:
     """A plain row as text; None where its cells are out of order or bear names of other rows."""
     texts, letters, rows, styles = zip(*_CELLS.findall(cells), strict=True)
-    columns = list(map(column_number, letters))
-    in_order = columns == sorted(set(columns))
-    if not in_order or columns[-1] > MAX_COLUMN or set(rows) != {str(number)}:
+    columns = _columns_in_order(letters)
+    if not columns or set(rows) != {str(number)}:
         return None
     held = [style or None for style in styles]
-    return TextRow(columns, columns.copy(), list(texts), held, states_span=True)
+    return TextRow(list(columns), list(columns), list(texts), held, states_span=True)
+
+
+@lru_cache(maxsize=1024)
+def _columns_in_order(letters: tuple[str, ...]) -> tuple[int, ...]:
+    """The columns of the cells of a row, in which rows of a table are alike; none where they are out of order."""
+    columns = tuple(map(column_number, letters))
+    in_order = list(columns) == sorted(set(columns))
+    return columns if in_order and columns[-1] <= MAX_COLUMN else ()

@@ -136,37 +136,38 @@ def number_text(value: float) -> str:
 
 
 def row_xml(
-    number: int, starts: Sequence[str], styles: Sequence[str | None], row: Sequence[CellValue]
+    number: int,
+    starts: tuple[str, ...],
+    styles: tuple[str | None, ...],
+    row: Sequence[CellValue],
 ) -> str:
     """The ``<c>`` elements of a row in the default namespace; nothing for blank cells without a style."""
-    if _NUMBERS.issuperset(map(type, row)):
-        # Long blocks of numbers come through here, all with the same few styles.
-        rests = [_before_number(style) for style in styles]
-        text = "".join(
-            [
-                f"{start}{number}{rest}{value!r}</v></c>"
-                for start, rest, value in zip(starts, rests, row, strict=True)
-            ]
-        )
-        return text.replace(".0</v>", "</v>")  # as `number_text`
-    texts = []
-    for start, style, value in zip(starts, styles, row, strict=True):
-        if value is None and not style:
-            continue
-        named = _style_xml(style)
-        if type(value) is float:
-            texts.append(f'{start}{number}"{named}><v>{number_text(value)}</v></c>')
-        elif value is not None:
-            texts.append(f'{start}{number}"{named}{_rest_of_cell(value)}')
-        else:
-            texts.append(f'{start}{number}"{named}/>')
-    return "".join(texts)
+    kinds = tuple(map(type, row))
+    if not _NUMBERS.issuperset(kinds):
+        row = [_as_written(value) for value in row if value is not None]  # type: ignore[misc]
+    text = _row_form(starts, styles, kinds).replace("#", str(number)) % tuple(row)
+    return text.replace(".0</v>", "</v>")  # as `number_text`
 
 
 @lru_cache(maxsize=1024)
-def _before_number(style: str | None) -> str:
-    """What stands between the place of a cell and its number."""
-    return f'"{_style_xml(style)}><v>'
+def _row_form(
+    starts: tuple[str, ...], styles: tuple[str | None, ...], kinds: tuple[type, ...]
+) -> str:
+    """The row with a mark for its number, and places for its values: rows of a table are alike."""
+    texts = []
+    for start, style, kind in zip(starts, styles, kinds, strict=True):
+        named = f'{start}#"{_style_xml(style)}'
+        if kind is float:
+            texts.append(f"{named}><v>%r</v></c>")
+        elif kind is not type(None):
+            texts.append(f"{named}%s")
+        elif style:
+            texts.append(f"{named}/>")
+    return "".join(texts)
+
+
+def _as_written(value: CellValue) -> float | str:
+    return value if type(value) is float else _rest_of_cell(value)
 
 
 def _style_xml(style: str | None) -> str:
