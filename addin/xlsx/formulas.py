@@ -18,7 +18,7 @@ import re
 import zipfile
 from collections import defaultdict
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 from addin.xlsx.calculator_copy import calculator_copy, reads_other_workbook
@@ -26,6 +26,7 @@ from addin.xlsx.dependents import (
     ChangedCells,
     FormulaCell,
     FormulaMap,
+    Place,
     formula_map,
     spill_rect,
 )
@@ -37,7 +38,7 @@ from addin.xlsx.formula_text import (
     TableReference,
     parse_formula,
 )
-from addin.xlsx.kept_calculator import SHELF, Place
+from addin.xlsx.kept_calculator import SHELF
 from addin.xlsx.references import Rect
 from addin.xlsx.sheet_part import SheetPart
 from addin.xlsx.state import WorkbookState
@@ -265,6 +266,12 @@ class _Refresh:
         self.removed = 0
 
     def run(self) -> CacheReport:
+        given = self._given()
+        if given is not None:
+            for cell in self.affected:
+                self._show(cell.place, given[cell.place])
+            count = len(self.affected)
+            return CacheReport("recalculated", len(self.everything), count, self.changed)
         recalculated, reason = self._recalculate()
         if recalculated is not None and (kept := self._with_values_to_keep(recalculated)):
             again = self._calculated(self._areas(), kept.union(self.left_out))[0]
@@ -291,7 +298,7 @@ class _Refresh:
         """What formulas read; None when some formula may read anything."""
         return None if None in self.formulas.areas else self.formulas.known_areas
 
-    def _with_values_to_keep(self, recalculated: _Recalculated | _Given) -> set[str]:
+    def _with_values_to_keep(self, recalculated: _Recalculated) -> set[str]:
         """Formulas with functions that the calculator does not know and values that no change has made old.
 
         Their values stay, and what reads them can be calculated from these.
@@ -308,11 +315,8 @@ class _Refresh:
             )
         }
 
-    def _recalculate(self) -> tuple[_Recalculated | _Given | None, str]:
+    def _recalculate(self) -> tuple[_Recalculated | None, str]:
         """A recalculated copy of the whole, or else of the formulas of which is known what they read."""
-        kept = self._by_kept_calculator()
-        if kept is not None:
-            return kept, ""
         areas, known = self.formulas.areas, self.formulas.known_areas
         recalculated, reason = self._calculated(self._areas(), keep=True)
         if recalculated is not None:
@@ -347,19 +351,27 @@ class _Refresh:
         self.left_out = left_out
         return recalculated, reason
 
-    def _by_kept_calculator(self) -> _Given | None:
-        """What the calculator gives that an earlier workbook left; None without one."""
+    def _given(self) -> Mapping[Place, Constant] | None:
+        """What the calculator gives that an earlier workbook left; None without one, or where a whole file must tell."""
         calculator = None if self.rich_values else SHELF.take(self.formulas)
         if calculator is None:
             return None
         try:
-            results = calculator.results(self.workbook)
+            given = calculator.results(self.workbook)
         except (KeyboardInterrupt, SystemExit):
             raise
         except BaseException:  # a panic of the Rust side is a BaseException; the calculator is gone
             return None
         SHELF.put(self.formulas, calculator)
-        return None if results is None else _Given(results)
+        affected = set(self.affected)
+        contradicted = given is not None and any(
+            old is not None and not _alike(old, given[place], _SAME_RESULT)
+            for cell in self.everything
+            if cell not in affected
+            for place in [cell.place]
+            for old in [self.workbook.sheet_part(cell.sheet).constant(*place[1:])]
+        )
+        return None if contradicted else given
 
     def _calculated(
         self,
@@ -447,7 +459,7 @@ class _Refresh:
                     yield cell
                     break
 
-    def _suspects(self, recalculated: _Recalculated | _Given) -> set[FormulaCell]:
+    def _suspects(self, recalculated: _Recalculated) -> set[FormulaCell]:
         """Formulas whose recalculated value is not to be trusted."""
         affected = set(self.affected)
         sources = [
@@ -460,9 +472,7 @@ class _Refresh:
         reached = self.formulas.graph.downstream_of_formulas(sources)
         return {self.everything[index] for index in reached}
 
-    def _is_doubtful(
-        self, cell: FormulaCell, affected: bool, recalculated: _Recalculated | _Given
-    ) -> bool:
+    def _is_doubtful(self, cell: FormulaCell, affected: bool, recalculated: _Recalculated) -> bool:
         if cell.is_data_table or cell.text in self.left_out:
             return affected  # calculated nowhere: the copy had its old value
         if not parse_formula(cell.text).functions.isdisjoint(recalculated.doubtful_functions):
@@ -508,14 +518,18 @@ class _Refresh:
         # Cells that are not in the file show nothing; a damaged file may state a range of any size.
         return list(self.workbook.sheet_part(cell.sheet).cells_in(rect))
 
-    def _renew(self, cell: FormulaCell, recalculated: _Recalculated | _Given) -> None:
-        sheet = self.workbook.sheet_part(cell.sheet)
-        for row, column in self._places(cell):
-            new = recalculated.sheet(cell.sheet).constant(row, column)
-            if not _alike(sheet.constant(row, column), new, _SAME_VALUE):
-                sheet.set_cached(row, column, new)
-                self.workbook.note_changed(cell.sheet, Rect(row, column, row, column))
-                self.changed += 1
+    def _renew(self, cell: FormulaCell, recalculated: _Recalculated) -> None:
+        for place in self._places(cell):
+            self._show((cell.sheet, *place), recalculated.constant((cell.sheet, *place)))
+
+    def _show(self, place: Place, new: Constant) -> None:
+        """Let a cell show the new value of a formula."""
+        name, row, column = place
+        sheet = self.workbook.sheet_part(name)
+        if not _alike(sheet.constant(row, column), new, _SAME_VALUE):
+            sheet.set_cached(row, column, new)
+            self.workbook.note_changed(name, Rect(row, column, row, column))
+            self.changed += 1
 
     def _remove(self, cell: FormulaCell) -> None:
         sheet = self.workbook.sheet_part(cell.sheet)
@@ -566,32 +580,6 @@ class _Recalculated:
         """What a cell shows."""
         sheet, row, column = place
         return self.sheet(sheet).constant(row, column)
-
-
-@dataclass(frozen=True)
-class _GivenSheet:
-    """What a kept calculator gave for one sheet, in which no formula fills more than its cell."""
-
-    name: str
-    results: Mapping[Place, Constant]
-    arrays: Mapping[tuple[int, int], Rect] = field(default_factory=dict)
-
-    def constant(self, row: int, column: int) -> Constant:
-        """The value of a formula."""
-        return self.results[self.name, row, column]
-
-
-@dataclass(frozen=True)
-class _Given:
-    """What a kept calculator gave; it knows all functions."""
-
-    results: Mapping[Place, Constant]
-    unknown_functions: frozenset[str] = frozenset()
-    doubtful_functions: frozenset[str] = frozenset()
-
-    def sheet(self, name: str) -> _GivenSheet:
-        """The values of a sheet."""
-        return _GivenSheet(name, self.results)
 
 
 def _parted(texts: Sequence[str], reason: str) -> tuple[list[str], list[str]]:

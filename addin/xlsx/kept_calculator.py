@@ -14,7 +14,7 @@ from threading import Lock
 from weakref import WeakSet
 
 from addin.xlsx.calculator_copy import reads_other_workbook
-from addin.xlsx.dependents import FormulaCell, FormulaMap
+from addin.xlsx.dependents import FormulaCell, FormulaMap, Place
 from addin.xlsx.formula_text import (
     CHANGES_BY_ITSELF,
     LOOKS_AT_HIDDEN_ROWS,
@@ -25,9 +25,6 @@ from addin.xlsx.references import Rect, absolute_range, quoted_sheet
 from addin.xlsx.state import WorkbookState
 from addin.xlsx.tables import Table
 from addin.xlsx.values import Constant
-
-#: A cell: sheet, row and column.
-Place = tuple[str, int, int]
 
 # Settings that decide what formulas give: the calendar, rounds of calculation, rounding to what is shown.
 _SETTINGS = re.compile(rb"""\s(?:date1904|iterate\w*|fullPrecision)\s*=\s*["'][^"']*["']""")
@@ -69,7 +66,7 @@ class KeptCalculator:
     ) -> None:
         import formualizer
 
-        self._homes = [(cell.sheet, cell.rect.top, cell.rect.left) for cell in formulas.cells]
+        self._homes = [cell.place for cell in formulas.cells]
         self._settings = _settings(workbook)
         self._values: dict[tuple[str, Rect], list[Constant]] = {
             run: [] for run in _runs(formulas, set(self._homes))

@@ -641,10 +641,7 @@ class SheetPart:
 
     def _forget_formulas(self, rect: Rect) -> None:
         """Prepare for overwriting a rectangle: shared formulas are written out, its formulas leave the index."""
-        if not self.formulas:
-            return
-        self._unshare_all(rect)
-        for row, column in self._formulas_in(rect):
+        for row, column in self._unshare_all(rect):
             self._drop_formula(row, column)
 
     def _formulas_in(self, rect: Rect) -> list[tuple[int, int]]:
@@ -652,14 +649,24 @@ class SheetPart:
             # Scalars are written one by one; looking through all formulas each time would cost their product.
             place = (rect.top, rect.left)
             return [place] if place in self.formulas else []
-        return [place for place in self.formulas if rect.has(*place)]
+        top, left, bottom, right = rect
+        return [
+            (row, column)
+            for row, column in self.formulas
+            if top <= row <= bottom and left <= column <= right
+        ]
 
-    def _unshare_all(self, rect: Rect) -> None:
-        """Write out the shared formulas whose master lies in the rectangle, so that the other cells keep theirs."""
-        for row, column in self._formulas_in(rect):
+    def _unshare_all(self, rect: Rect) -> list[tuple[int, int]]:
+        """Write out the shared formulas whose master lies in the rectangle, so that the other cells keep theirs.
+
+        The places of all formulas in the rectangle are given back.
+        """
+        places = self._formulas_in(rect)
+        for row, column in places:
             formula = self.formulas[row, column].find(_F)
             if formula.get("t") == "shared" and formula.text:
                 self._unshare(row, column, formula.get("si"), formula.text)
+        return places
 
     def _unshare(self, row: int, column: int, group: str, text: str) -> None:
         for (to_row, to_column), cell in self.formulas.items():
