@@ -25,8 +25,9 @@ _CELL = (
     % _INSIDE
 )
 _ROW = re.compile(rb"(<row [^<>]*+>)((?:%s)++)(?=</row>)" % _CELL)
-# In comments and the like, what looks like a row is none; two characters are none in XML.
-_MISLEADING = re.compile(rb"<!|(?!\A)<\?|\xef\xbf[\xbe\xbf]")
+# In comments and the like, what looks like a row is none; but a part begins with a declaration.
+_COMMENT = re.compile(rb"<[!?]")
+_NO_CHARACTERS = (b"\xef\xbf\xbe", b"\xef\xbf\xbf")
 _CELL_START = '<c r="'
 # Place and style of a cell in the shape of a row.
 _SHAPE = re.compile(r'([A-Z]+)#"(?: s="([0-9]+)")?(?: t="[A-Za-z]+")?/?')
@@ -45,7 +46,8 @@ def with_places(data: bytes, place: Callable[[bytes], bytes]) -> bytes:
     start, end = data.find(b"<sheetData>"), data.rfind(b"</sheetData>")
     if (
         not 0 <= start < end
-        or _MISLEADING.search(data) is not None
+        or data.startswith(b"<!")
+        or _COMMENT.search(data, 2) is not None
         or not is_utf8(data)
         or not _is_text(data)
     ):
@@ -56,7 +58,9 @@ def with_places(data: bytes, place: Callable[[bytes], bytes]) -> bytes:
 
 def _is_text(data: bytes) -> bool:
     try:
-        return data.isascii() or bool(data.decode())
+        return data.isascii() or (
+            bool(data.decode()) and not any(one in data for one in _NO_CHARACTERS)
+        )
     except UnicodeDecodeError:
         return False
 
