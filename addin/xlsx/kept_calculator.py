@@ -28,7 +28,7 @@ from addin.xlsx.values import Constant
 
 # Settings that decide what formulas give: the calendar, rounds of calculation, rounding to what is shown.
 _SETTINGS = re.compile(rb"""\s(?:date1904|iterate\w*|fullPrecision)\s*=\s*["'][^"']*["']""")
-_OF_THE_MOMENT = CHANGES_BY_ITSELF | LOOKS_AT_HIDDEN_ROWS
+_TRIAL = "Trial"
 # What the calculator gives and takes just as it is; the rest is left to calculations of the whole file.
 _RESULTS = frozenset([float, str, bool])
 _VALUES = _RESULTS | {type(None)}
@@ -71,7 +71,11 @@ class KeptCalculator:
         self._values: dict[tuple[str, Rect], list[Constant]] = {
             run: [] for run in _runs(formulas, set(self._homes))
         }
-        self._calculator = formualizer.Workbook.from_bytes(package)
+        alone = formualizer.EvaluationConfig()
+        alone.enable_parallel = False  # a process that is forked from this one lacks its threads
+        self._calculator = formualizer.Workbook.from_bytes(
+            package, config=formualizer.WorkbookConfig(eval_config=alone)
+        )
         # It opens a workbook without its tables.
         tables = {table.name.lower(): table for table in formulas.tables}
         for home, cell in zip(self._homes, formulas.cells, strict=True):
@@ -152,16 +156,32 @@ def _can_be_kept(workbook: WorkbookState, formulas: FormulaMap) -> bool:
             and not cell.is_data_table
             and cell.shift == (0, 0)
             and not reads_other_workbook(cell.text)
+            and "_xl"
+            not in cell.text  # functions of newer programs, known under another name or not
             for cell in formulas.cells
         )
-        and all(
-            parse_formula(text).functions.isdisjoint(_OF_THE_MOMENT)
-            for text in (
-                *(cell.text for cell in formulas.cells),
-                *(name.text for name in workbook.structure.names),
-            )
-        )
+        and _are_known(_functions(workbook, formulas))
     )
+
+
+def _functions(workbook: WorkbookState, formulas: FormulaMap) -> frozenset[str]:
+    """All functions of formulas and of names, also those that no calculation has come to."""
+    texts = {cell.text for cell in formulas.cells} | {n.text for n in workbook.structure.names}
+    return frozenset[str]().union(*(parse_formula(text).functions for text in texts))
+
+
+def _are_known(functions: frozenset[str]) -> bool:
+    """Whether the calculator knows all functions, and none gives another value at another time."""
+    import formualizer
+
+    trial = formualizer.Workbook()
+    trial.add_sheet(_TRIAL)
+    for row, function in enumerate(functions, 1):
+        trial.set_formula(_TRIAL, row, 1, f"={function}()")
+    trial.evaluate_all()
+    given = [trial.get_value(_TRIAL, row, 1) for row in range(1, len(functions) + 1)]
+    unknown = any(isinstance(one, dict) and one.get("kind") == "Name" for one in given)
+    return not unknown and functions.isdisjoint(CHANGES_BY_ITSELF | LOOKS_AT_HIDDEN_ROWS)
 
 
 class Shelf:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from multiprocessing import get_all_start_methods, get_context
 from pathlib import Path
 from typing import Any
 
@@ -91,7 +92,17 @@ def test_results_are_those_of_the_whole_file(
 
 
 @pytest.mark.parametrize(
-    "formula", ["NOW()", "SUBTOTAL(9,In!B1:B2)", "OFFSET(In!B1,0,0)", "SUM(In!A:XFD)", "1/0"]
+    "formula",
+    [
+        "NOW()",
+        "SUBTOTAL(9,In!B1:B2)",
+        "OFFSET(In!B1,0,0)",
+        "SUM(In!A:XFD)",
+        "1/0",
+        'IF(In!B1=2,"",NOSUCH(1))',
+        "IFERROR(NOSUCH(1),2)",
+        "_xlfn.CONCAT(In!B1)",
+    ],
 )
 def test_other_formulas_are_calculated_with_the_whole_file(
     formula: str, tmp_path: Path, shelf: Shelf
@@ -100,6 +111,20 @@ def test_other_formulas_are_calculated_with_the_whole_file(
     for _ in range(3):
         assert _written(path, CHANGES[0])["A1"] == 6.0
     assert not shelf._kept
+
+
+@pytest.mark.skipif("fork" not in get_all_start_methods(), reason="processes are not forked here")
+def test_a_forked_process_calculates_with_what_is_kept(tmp_path: Path, shelf: Shelf) -> None:
+    path = _workbook(tmp_path / "book.xlsx", FORMULAS)
+    for _ in range(2):
+        _written(path, CHANGES[0])
+    assert shelf._kept
+    child = get_context("fork").Process(target=_written, args=(path, CHANGES[2]))
+    child.start()
+    child.join(60.0)
+    is_done = child.exitcode == 0
+    child.kill()
+    assert is_done
 
 
 def test_a_calculator_is_kept_for_one_calendar(tmp_path: Path, shelf: Shelf) -> None:
