@@ -1,13 +1,15 @@
 """The version of torsionbook, as installed."""
 
+from functools import cache
 from importlib import metadata
 
 #: Versions with which anybody may have calculated; a new release is entered here.
 RELEASED = ("0.1.0",)
 
 
+@cache
 def product_version() -> str:
-    """Version of torsionbook.
+    """Version of torsionbook; it is looked up on the disk, once in a process.
 
     Returns
     -------

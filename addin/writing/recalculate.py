@@ -6,7 +6,9 @@ back as a list of problems and nothing is written; numbers never pass through he
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+import gc
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -52,6 +54,19 @@ class PreparedInput:
     history: str = ""
 
 
+@contextmanager
+def _no_search_for_garbage() -> Iterator[None]:
+    """Python looks for garbage afterwards: what is made on the way is used to the end."""
+    was_on = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_on:
+            gc.enable()
+
+
+@_no_search_for_garbage()
 def recalculate(
     source: Path,
     *,

@@ -25,9 +25,11 @@ module             responsibility
 `tables`           Excel tables and their size
 `workbook_part`    sheets, defined names, relationships, content types, calculation settings
 `dependents`       which formulas depend on changed cells
+`shared_texts`     texts to which cells refer by number
 `written`          what was written, to be checked before the file is put in place
 `state`            an open workbook in memory: its parts, the cells changed and written so far
 `calculator_copy`  the copy that the calculator of formulas is given
+`kept_calculator`  a workbook that stays open in the calculator for the next one with the same formulas
 `drawn_charts`     what charts draw and carry, for reading
 `number_text`      what a number format shows of a value, and the number a reader takes from it
 `cell_looks`       number format, font and ground of cells, conditional formats over them

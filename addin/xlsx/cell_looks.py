@@ -177,7 +177,7 @@ class CellLooks:
     def run_looks(self, cell: Element) -> Iterator[tuple[str, Look]]:
         """Texts with a font of their own inside a cell, and how they look; the rest of a look is None."""
         if cell.get("t") == "s":
-            entry = self._workbook.shared_runs(cell.findtext(main("v")) or "")
+            entry = self._workbook.shared_texts.runs(cell.findtext(main("v")) or "")
         else:
             entry = next(iter(_children(cell, "is")), None)
         for run in _children(entry, "r") if entry is not None else ():

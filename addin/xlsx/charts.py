@@ -46,9 +46,9 @@ _LABELS, _LABELS_F, _LABELS_CACHE = (
 _PLACE_INDEX = "points-"
 _PLACE = re.compile(rb"<[^<>]*pt idx=\"points-([0-9]{1,7})\"/>")
 # Points as the parser would write them again, to the last byte, so many that they are worth leaving alone.
-_PLAIN_TEXT = rb"(?:[ -%'-;=?-~]|&(?:amp|lt|gt);){0,300}+"
+_PLAIN_TEXT = rb"(?:[ -%'-;=?-~]++|&(?:amp|lt|gt);){0,300}+"
 _PLAIN_POINTS = re.compile(
-    rb'(?:<c:pt idx="[0-9]{1,7}"><c:v>' + _PLAIN_TEXT + rb"</c:v></c:pt>){8,}+"
+    rb'(?:<c:pt idx="[0-9]{1,7}+"><c:v>' + _PLAIN_TEXT + rb"</c:v></c:pt>){8,}+"
 )
 _PLAIN_POINT = re.compile(rb'idx="([0-9]+)"><c:v>([^<]*)<')
 _PREFIX = b' xmlns:c="%s"' % CHART.encode()

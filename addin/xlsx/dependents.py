@@ -11,6 +11,7 @@ from collections import Counter, defaultdict
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
+from typing import NamedTuple
 
 from addin.xlsx.formula_text import (
     NameReference,
@@ -34,8 +35,11 @@ _MOST_FORMULAS_KEPT = 20_000
 _MOST_CHANGES_KEPT = 8
 
 
-@dataclass(frozen=True)
-class FormulaCell:
+#: A cell: sheet, row and column.
+Place = tuple[str, int, int]
+
+
+class FormulaCell(NamedTuple):
     """A formula of the workbook."""
 
     sheet: str  #: Its sheet.
@@ -50,6 +54,11 @@ class FormulaCell:
     spills: bool = False  #: Whether it is a dynamic-array formula.
     #: Whether it is a data table (What-If Analysis), whose values no other formula gives.
     is_data_table: bool = False
+
+    @property
+    def place(self) -> Place:
+        """The cell that holds it."""
+        return self.sheet, self.rect.top, self.rect.left
 
     @property
     def home(self) -> Rect:

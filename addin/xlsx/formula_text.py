@@ -7,7 +7,7 @@ Only what bears on dependence is recognised. Whatever this module does not under
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -217,21 +217,41 @@ def shifted_formula(text: str, rows: int, columns: int) -> str:
 
     Used to write out shared formulas, which the file states once for the first cell only.
     """
-    pieces: list[str] = []
+    return "".join(
+        (match["sheet"] or "") + shifted_range(match["ref"], rows, columns)
+        if match is not None and match.lastgroup == "ref"
+        else piece
+        for piece, match, _ in _pieces(text)
+    )
+
+
+def with_plain_ranges(text: str, cells: Callable[[str, str], str]) -> str:
+    """The formula with plain ranges in the place of structured references.
+
+    Parameters
+    ----------
+    text : str
+        The formula.
+    cells : callable
+        The range of a structured reference, by its table and what stands in the brackets.
+    """
+    return "".join(
+        piece if match is None or inside is None else cells(match["name"] or "", inside)
+        for piece, match, inside in _pieces(text)
+    )
+
+
+def _pieces(text: str) -> Iterator[tuple[str, re.Match[str] | None, str | None]]:
+    """A formula cut into its tokens, what is between them, and what stands inside of brackets."""
     position = 0
     while (match := _TOKEN.search(text, position)) is not None:
-        pieces.append(text[position : match.start()])
-        position = match.end()
-        kind = match.lastgroup
-        if kind == "ref":
-            pieces.append((match["sheet"] or "") + shifted_range(match["ref"], rows, columns))
-            continue
-        if kind in ("bracket", "lone"):
+        yield text[position : match.start()], None, None
+        position, inside = match.end(), None
+        if match.lastgroup in ("bracket", "lone"):
             inside, position = _bracketed(text, position)
             position = len(text) if inside is None else position
-        pieces.append(text[match.start() : position])
-    pieces.append(text[position:])
-    return "".join(pieces)
+        yield text[match.start() : position], match, inside
+    yield text[position:], None, None
 
 
 def shifted_range(text: str, rows: int, columns: int) -> str:

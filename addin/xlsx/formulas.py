@@ -17,7 +17,7 @@ import math
 import re
 import zipfile
 from collections import defaultdict
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -26,6 +26,7 @@ from addin.xlsx.dependents import (
     ChangedCells,
     FormulaCell,
     FormulaMap,
+    Place,
     formula_map,
     spill_rect,
 )
@@ -37,6 +38,7 @@ from addin.xlsx.formula_text import (
     TableReference,
     parse_formula,
 )
+from addin.xlsx.kept_calculator import SHELF
 from addin.xlsx.references import Rect
 from addin.xlsx.sheet_part import SheetPart
 from addin.xlsx.state import WorkbookState
@@ -264,6 +266,12 @@ class _Refresh:
         self.removed = 0
 
     def run(self) -> CacheReport:
+        given = self._given()
+        if given is not None:
+            for cell in self.affected:
+                self._show(cell.place, given[cell.place])
+            count = len(self.affected)
+            return CacheReport("recalculated", len(self.everything), count, self.changed)
         recalculated, reason = self._recalculate()
         if recalculated is not None and (kept := self._with_values_to_keep(recalculated)):
             again = self._calculated(self._areas(), kept.union(self.left_out))[0]
@@ -310,7 +318,7 @@ class _Refresh:
     def _recalculate(self) -> tuple[_Recalculated | None, str]:
         """A recalculated copy of the whole, or else of the formulas of which is known what they read."""
         areas, known = self.formulas.areas, self.formulas.known_areas
-        recalculated, reason = self._calculated(self._areas())
+        recalculated, reason = self._calculated(self._areas(), keep=True)
         if recalculated is not None:
             return recalculated, reason
         # Formulas that may read anything need more tables than the calculator takes, or are what it refuses; and it
@@ -343,8 +351,34 @@ class _Refresh:
         self.left_out = left_out
         return recalculated, reason
 
+    def _given(self) -> Mapping[Place, Constant] | None:
+        """What the calculator gives that an earlier workbook left; None without one, or where a whole file must tell."""
+        calculator = None if self.rich_values else SHELF.take(self.formulas)
+        if calculator is None:
+            return None
+        try:
+            given = calculator.results(self.workbook)
+        except (KeyboardInterrupt, SystemExit):
+            raise
+        except BaseException:  # a panic of the Rust side is a BaseException; the calculator is gone
+            return None
+        SHELF.put(self.formulas, calculator)
+        affected = set(self.affected)
+        contradicted = given is not None and any(
+            old is not None and not _alike(old, given[place], _SAME_RESULT)
+            for cell in self.everything
+            if cell not in affected
+            for place in [cell.place]
+            for old in [self.workbook.sheet_part(cell.sheet).constant(*place[1:])]
+        )
+        return None if contradicted else given
+
     def _calculated(
-        self, read: Collection[tuple[str, Rect]] | None, left_out: Collection[str] = ()
+        self,
+        read: Collection[tuple[str, Rect]] | None,
+        left_out: Collection[str] = (),
+        *,
+        keep: bool = False,
     ) -> tuple[_Recalculated | None, str]:
         """A recalculated copy, or None and the reason; see `calculator_copy` for the arguments."""
         try:
@@ -369,7 +403,10 @@ class _Refresh:
             raise
         except BaseException as problem:  # a panic of the Rust side is a BaseException
             return None, f"The formulas could not be recalculated ({in_short(problem)})."
-        return _Recalculated(self.workbook, fed, result), ""
+        recalculated = _Recalculated(self.workbook, fed, result)
+        if keep and not self.rich_values and SHELF.wants(self.formulas):
+            SHELF.make(self.workbook, self.formulas, package.getvalue(), recalculated.constant)
+        return recalculated, ""
 
     def _refused(
         self, read: Collection[tuple[str, Rect]], left_out: set[str], reason: str
@@ -482,13 +519,17 @@ class _Refresh:
         return list(self.workbook.sheet_part(cell.sheet).cells_in(rect))
 
     def _renew(self, cell: FormulaCell, recalculated: _Recalculated) -> None:
-        sheet = self.workbook.sheet_part(cell.sheet)
-        for row, column in self._places(cell):
-            new = recalculated.sheet(cell.sheet).constant(row, column)
-            if not _alike(sheet.constant(row, column), new, _SAME_VALUE):
-                sheet.set_cached(row, column, new)
-                self.workbook.note_changed(cell.sheet, Rect(row, column, row, column))
-                self.changed += 1
+        for place in self._places(cell):
+            self._show((cell.sheet, *place), recalculated.constant((cell.sheet, *place)))
+
+    def _show(self, place: Place, new: Constant) -> None:
+        """Let a cell show the new value of a formula."""
+        name, row, column = place
+        sheet = self.workbook.sheet_part(name)
+        if not _alike(sheet.constant(row, column), new, _SAME_VALUE):
+            sheet.set_cached(row, column, new)
+            self.workbook.note_changed(name, Rect(row, column, row, column))
+            self.changed += 1
 
     def _remove(self, cell: FormulaCell) -> None:
         sheet = self.workbook.sheet_part(cell.sheet)
@@ -534,6 +575,11 @@ class _Recalculated:
             again = SheetPart(name, own.part, data, own.shared_strings) if data != before else own
             self._sheets[name] = again
         return self._sheets[name]
+
+    def constant(self, place: Place) -> Constant:
+        """What a cell shows."""
+        sheet, row, column = place
+        return self.sheet(sheet).constant(row, column)
 
 
 def _parted(texts: Sequence[str], reason: str) -> tuple[list[str], list[str]]:

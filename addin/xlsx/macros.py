@@ -301,7 +301,7 @@ def _shape(button: Button, number: int) -> str:
 def _sheet(settings: Mapping[str, Setting], code_name: str) -> bytes:
     """A sheet of names and values, in need of no other part."""
     code = f"<sheetPr codeName={quoteattr(code_name)}/>" if code_name else ""
-    starts, no_styles = [f'<c r="{column}' for column in "AB"], [None, None]
+    starts, no_styles = ('<c r="A', '<c r="B'), (None, None)
     rows = "".join(
         f'<row r="{i}">{row_xml(i, starts, no_styles, (name, None if value == "" else value))}</row>'
         for i, (name, value) in enumerate(settings.items(), start=1)

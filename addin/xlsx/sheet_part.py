@@ -37,6 +37,7 @@ from addin.xlsx.values import (
     constant_text,
     read_cell,
     read_constant,
+    read_text,
     row_xml,
 )
 from addin.xlsx.xml_part import MAIN, Element, main, parse_part, serialise
@@ -136,6 +137,10 @@ class SheetPart:
 
     def constant(self, row: int, column: int) -> Constant:
         """The value that a cell shows; of a formula its cached value."""
+        held = self._row_as_it_is(row) if row in self._rows else None
+        if isinstance(held, TextRow):
+            text = held.cell(column)
+            return None if text is None else read_text(text, self.shared_strings)
         cell = self._cell(row, column)
         return None if cell is None else read_constant(cell, self.shared_strings)
 
@@ -160,7 +165,7 @@ class SheetPart:
         """Style index that a cell has, or would have if it were written now."""
         here = Rect(row, column, row, column)
         if row in self._rows and column in self._row_as_it_is(row).columns_in(here):
-            return self._row_styles(row, here, [None])[0]
+            return self._row_styles(row, here, (None,))[0]
         return self._default_styles(row, self._column_styles(here))[0]
 
     def filled_cells(self, rect: Rect) -> Iterator[tuple[int, int]]:
@@ -272,14 +277,18 @@ class SheetPart:
             XML of the cells of each row, as it is in the part when its namespace has no prefix.
         """
         self._forget_formulas(rect)
-        column_styles = self._column_styles(rect) if styles is None else styles
-        starts = [f'<c r="{column_letters(column)}' for column in range(rect.left, rect.right + 1)]
+        column_styles = self._column_styles(rect) if styles is None else tuple(styles)
+        starts = tuple(
+            f'<c r="{column_letters(column)}' for column in range(rect.left, rect.right + 1)
+        )
         blank: list[CellValue] = [None] * rect.width
         texts = []
         for offset in range(rect.height):
             number = rect.top + offset
             row = rows[offset] if offset < len(rows) else blank
-            default = self._default_styles(number, column_styles) if styles is None else styles
+            default = (
+                self._default_styles(number, column_styles) if styles is None else column_styles
+            )
             texts.append(row_xml(number, starts, self._row_styles(number, rect, default), row))
         self._graft(rect, texts)
         with_formulas = [offset for offset, text in enumerate(texts) if FORMULA_MARK in text]
@@ -536,7 +545,7 @@ class SheetPart:
         self._rows[number] = element
         self._row_numbers.insert(position, number)
 
-    def _column_styles(self, rect: Rect) -> list[str | None]:
+    def _column_styles(self, rect: Rect) -> tuple[str | None, ...]:
         """Style of each column of a rectangle, as far as the sheet gives columns a style."""
         styles: list[str | None] = [None] * rect.width
         for entry in self._root.iterfind(f"{main('cols')}/{main('col')}"):
@@ -548,20 +557,20 @@ class SheetPart:
                 )
             for column in range(max(first, rect.left), min(last, rect.right) + 1):
                 styles[column - rect.left] = entry.get("style")
-        return styles
+        return tuple(styles)
 
     def _default_styles(
-        self, number: int, column_styles: Sequence[str | None]
-    ) -> Sequence[str | None]:
+        self, number: int, column_styles: tuple[str | None, ...]
+    ) -> tuple[str | None, ...]:
         """Styles of cells that do not exist yet: a formatted row goes before the columns."""
         element = self._rows.get(number)
         if element is not None and element.get("customFormat") in ("1", "true"):
-            return [element.get("s")] * len(column_styles)
+            return (element.get("s"),) * len(column_styles)
         return column_styles
 
     def _row_styles(
-        self, number: int, rect: Rect, new_styles: Sequence[str | None]
-    ) -> Sequence[str | None]:
+        self, number: int, rect: Rect, new_styles: tuple[str | None, ...]
+    ) -> tuple[str | None, ...]:
         """Styles of the cells of a row: of those that exist their own."""
         if number not in self._rows:
             return new_styles
@@ -571,7 +580,7 @@ class SheetPart:
         styles = list(new_styles)
         for column in row.columns_in(rect):
             styles[column - rect.left] = row.cells[column].get("s")
-        return styles
+        return tuple(styles)
 
     def _graft(self, rect: Rect, texts: Sequence[str]) -> None:
         """Put rows of new cells, given as XML, in the place of the old cells of the rectangle."""
@@ -632,10 +641,7 @@ class SheetPart:
 
     def _forget_formulas(self, rect: Rect) -> None:
         """Prepare for overwriting a rectangle: shared formulas are written out, its formulas leave the index."""
-        if not self.formulas:
-            return
-        self._unshare_all(rect)
-        for row, column in self._formulas_in(rect):
+        for row, column in self._unshare_all(rect):
             self._drop_formula(row, column)
 
     def _formulas_in(self, rect: Rect) -> list[tuple[int, int]]:
@@ -643,14 +649,24 @@ class SheetPart:
             # Scalars are written one by one; looking through all formulas each time would cost their product.
             place = (rect.top, rect.left)
             return [place] if place in self.formulas else []
-        return [place for place in self.formulas if rect.has(*place)]
+        top, left, bottom, right = rect
+        return [
+            (row, column)
+            for row, column in self.formulas
+            if top <= row <= bottom and left <= column <= right
+        ]
 
-    def _unshare_all(self, rect: Rect) -> None:
-        """Write out the shared formulas whose master lies in the rectangle, so that the other cells keep theirs."""
-        for row, column in self._formulas_in(rect):
+    def _unshare_all(self, rect: Rect) -> list[tuple[int, int]]:
+        """Write out the shared formulas whose master lies in the rectangle, so that the other cells keep theirs.
+
+        The places of all formulas in the rectangle are given back.
+        """
+        places = self._formulas_in(rect)
+        for row, column in places:
             formula = self.formulas[row, column].find(_F)
             if formula.get("t") == "shared" and formula.text:
                 self._unshare(row, column, formula.get("si"), formula.text)
+        return places
 
     def _unshare(self, row: int, column: int, group: str, text: str) -> None:
         for (to_row, to_column), cell in self.formulas.items():

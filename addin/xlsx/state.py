@@ -6,7 +6,7 @@ Formulas, table writing and the calculator's copy work on this; `workbook.Workbo
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import TypeVar
 
 from lxml import etree
@@ -14,25 +14,23 @@ from lxml import etree
 from addin.xlsx.charts import Area, ChartPart
 from addin.xlsx.container import Container, shown_name
 from addin.xlsx.dependents import ChangedCells
-from addin.xlsx.errors import WorkbookMismatch, WorkbookRefused, damaged
+from addin.xlsx.errors import WorkbookMismatch, WorkbookRefused
 from addin.xlsx.references import (
     MAX_COLUMN,
     Rect,
     parse_range,
     split_areas,
     split_sheet,
-    whole_number,
 )
+from addin.xlsx.shared_texts import SharedTexts
 from addin.xlsx.sheet_part import SheetPart
 from addin.xlsx.tables import Table, apply_table, check_places, parse_table
-from addin.xlsx.values import CellValue, rich_text
+from addin.xlsx.values import CellValue
 from addin.xlsx.workbook_part import DefinedName, WorkbookPart
 from addin.xlsx.written import Written
-from addin.xlsx.xml_part import Element, main, parse_part, serialise
+from addin.xlsx.xml_part import Element, serialise
 
 _T = TypeVar("_T")
-# Shared texts are the same in all workbooks of one template: those of the last parts are kept, none of more bytes.
-_MOST_KEPT = 2**20
 
 
 def in_any_capitals(named: Mapping[str, _T], name: str) -> _T | None:
@@ -40,14 +38,6 @@ def in_any_capitals(named: Mapping[str, _T], name: str) -> _T | None:
     if name in named:
         return named[name]
     return next((one for known, one in named.items() if known.casefold() == name.casefold()), None)
-
-
-def _shared_texts(data: bytes, part: str) -> tuple[str, ...]:
-    """The shared texts of a workbook."""
-    return tuple(rich_text(entry) for entry in parse_part(data, part).iterchildren(main("si")))
-
-
-_kept_texts = lru_cache(maxsize=8)(_shared_texts)
 
 
 class WorkbookState:
@@ -63,6 +53,8 @@ class WorkbookState:
         The package as opened.
     structure : WorkbookPart
         Structure of the package.
+    shared_texts : SharedTexts
+        Texts to which cells refer by number.
     changed : ChangedCells
         Cells whose values changed.
     shown_rows : ChangedCells
@@ -80,6 +72,7 @@ class WorkbookState:
         self.notes: list[str] = []
         self.container = container
         self.structure = structure
+        self.shared_texts = SharedTexts(container, structure)
         self.changed = ChangedCells()
         self.shown_rows = ChangedCells()
         self.perhaps_changed = ChangedCells()
@@ -178,7 +171,7 @@ class WorkbookState:
             )
         if sheet not in self._sheets:
             data = self.container.charged(part)
-            self._sheets[sheet] = SheetPart(sheet, part, data, self._shared_string)
+            self._sheets[sheet] = SheetPart(sheet, part, data, self.shared_texts.text)
         return self._sheets[sheet]
 
     def is_loaded(self, sheet: str) -> bool:
@@ -189,35 +182,6 @@ class WorkbookState:
         """Part of a sheet as opened; empty for chart sheets."""
         part = self.structure.worksheet_part(sheet)
         return self.container.read(part) if part else b""
-
-    @cached_property
-    def _strings(self) -> Sequence[str]:
-        part = self.structure.related("sharedStrings")
-        if part is None:
-            return []
-        data = self.container.charged(part)
-        return _kept_texts(data, part) if len(data) <= _MOST_KEPT else _shared_texts(data, part)
-
-    def shared_runs(self, index: str) -> Element | None:
-        """The shared text of an index, if parts of it have a font of their own."""
-        self._shared_string(index)
-        return self._with_runs.get(int(index))
-
-    @cached_property
-    def _with_runs(self) -> dict[int, Element]:
-        part = self.structure.related("sharedStrings")
-        root = None if part is None else parse_part(self.container.read(part), part)
-        entries = enumerate(() if root is None else root.iterchildren(main("si")))
-        return {k: one for k, one in entries if one.find(main("r")) is not None}
-
-    def _shared_string(self, index: str) -> str:
-        number = whole_number(index.strip(), len(self._strings) - 1)
-        if number is None:
-            raise damaged(
-                f"A cell of {self.path.name} refers to shared text {shown_name(index)}, but the workbook has "
-                f"{len(self._strings)} texts."
-            )
-        return self._strings[number]
 
     @cached_property
     def charts(self) -> list[ChartPart]:

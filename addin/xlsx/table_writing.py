@@ -96,8 +96,10 @@ def plan_table(workbook: WorkbookState, data: TableData) -> TablePlan:
         for number, row in enumerate(data.rows, new.data.top)
     ]
     positions = sorted(sources)
-    grid = [[row[sources[position]] for position in positions] for row in rows]
-    return TablePlan(table, new, positions, grid, dict(data.formulas))
+    order = [sources[position] for position in positions]
+    if order != sorted(order):
+        rows = [[row[source] for source in order] for row in rows]
+    return TablePlan(table, new, positions, rows, dict(data.formulas))
 
 
 def obstacles_of(workbook: WorkbookState, plan: TablePlan) -> Iterator[Obstacle]:

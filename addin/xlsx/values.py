@@ -136,37 +136,38 @@ def number_text(value: float) -> str:
 
 
 def row_xml(
-    number: int, starts: Sequence[str], styles: Sequence[str | None], row: Sequence[CellValue]
+    number: int,
+    starts: tuple[str, ...],
+    styles: tuple[str | None, ...],
+    row: Sequence[CellValue],
 ) -> str:
     """The ``<c>`` elements of a row in the default namespace; nothing for blank cells without a style."""
-    if _NUMBERS.issuperset(map(type, row)):
-        # Long blocks of numbers come through here, all with the same few styles.
-        rests = [_before_number(style) for style in styles]
-        text = "".join(
-            [
-                f"{start}{number}{rest}{value!r}</v></c>"
-                for start, rest, value in zip(starts, rests, row, strict=True)
-            ]
-        )
-        return text.replace(".0</v>", "</v>")  # as `number_text`
-    texts = []
-    for start, style, value in zip(starts, styles, row, strict=True):
-        if value is None and not style:
-            continue
-        named = _style_xml(style)
-        if type(value) is float:
-            texts.append(f'{start}{number}"{named}><v>{number_text(value)}</v></c>')
-        elif value is not None:
-            texts.append(f'{start}{number}"{named}{_rest_of_cell(value)}')
-        else:
-            texts.append(f'{start}{number}"{named}/>')
-    return "".join(texts)
+    kinds = tuple(map(type, row))
+    if not _NUMBERS.issuperset(kinds):
+        row = [_as_written(value) for value in row if value is not None]  # type: ignore[misc]
+    text = _row_form(starts, styles, kinds).replace("#", str(number)) % tuple(row)
+    return text.replace(".0</v>", "</v>")  # as `number_text`
 
 
 @lru_cache(maxsize=1024)
-def _before_number(style: str | None) -> str:
-    """What stands between the place of a cell and its number."""
-    return f'"{_style_xml(style)}><v>'
+def _row_form(
+    starts: tuple[str, ...], styles: tuple[str | None, ...], kinds: tuple[type, ...]
+) -> str:
+    """The row with a mark for its number, and places for its values: rows of a table are alike."""
+    texts = []
+    for start, style, kind in zip(starts, styles, kinds, strict=True):
+        named = f'{start}#"{_style_xml(style)}'
+        if kind is float:
+            texts.append(f"{named}><v>%r</v></c>")
+        elif kind is not type(None):
+            texts.append(f"{named}%s")
+        elif style:
+            texts.append(f"{named}/>")
+    return "".join(texts)
+
+
+def _as_written(value: CellValue) -> float | str:
+    return value if type(value) is float else _rest_of_cell(value)
 
 
 def _style_xml(style: str | None) -> str:
@@ -204,6 +205,10 @@ def _text_xml(text: str) -> str:
     return f'<t xml:space="preserve">{body}</t>' if _NEEDS_SPACE.search(text) else f"<t>{body}</t>"
 
 
+# A plain cell: its kind, and its value or its inline text.
+_PLAIN = re.compile(
+    r'<c r="\w+"(?: s="\d+")?(?: t="(\w+)")?>(?:<v>([^<]*)</v>|<is><t(?:/>|[^<>/]*>)([^<]*)(?:</t>)?</is>)</c>'
+)
 _F, _V, _IS, _T, _R, _RPH = (main(tag) for tag in ("f", "v", "is", "t", "r", "rPh"))
 
 
@@ -229,9 +234,25 @@ def read_constant(cell: Element, shared_strings: Any) -> Constant:
     value = cell[-1] if len(cell) else None
     if value is not None and value.tag != _V:
         value = cell.find(_V)
-    if value is None:
+    return None if value is None else _constant(kind, value.text or "", shared_strings)
+
+
+def read_text(cell: str, shared_strings: Any) -> Constant:
+    """As `read_constant`, of a plain ``<c>`` element that is text; see `text_row` for what is plain."""
+    found = _PLAIN.match(cell)
+    if found is None:
         return None
-    text = value.text or ""
+    kind, value, inline = found.groups()
+    text = inline if kind == "inlineStr" else value
+    if text is None:
+        return None
+    if "&" in text:
+        text = text.replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&")
+    return unescape(text) if kind == "inlineStr" else _constant(kind or "n", text, shared_strings)
+
+
+def _constant(kind: str, text: str, shared_strings: Any) -> Constant:
+    """The value that a cell of a kind states as text."""
     if kind == "s":
         return shared_strings(text)  # type: ignore[no-any-return]
     if kind in ("str", "d"):

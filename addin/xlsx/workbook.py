@@ -346,6 +346,6 @@ class Workbook(WorkbookState):
             data = parts.get(part) or self.container.read(part)
             if not all(one.stands_in(data) for one in written):
                 # Prefixed names, cells written twice, renewed values: read these sheets cell by cell.
-                again = SheetPart(name, part, data, self._shared_string)
+                again = SheetPart(name, part, data, self.shared_texts.text)
                 wrong += [f"{name}!{cell}" for cell in misread(again, written)]
         return wrong

@@ -98,7 +98,7 @@ def test_a_workbook_opened_for_reading_is_saved_after_the_checks(train: Path) ->
 def test_written_rows_are_found_again(change: Callable[[bytes], bytes], stands: bool) -> None:
     grid = [[7.0, "a", Formula("A1*2")], [8.0, None, Formula("A1*2")]]
     texts = [
-        row_xml(number, ['<c r="A', '<c r="B', '<c r="C'], [None] * 3, row)
+        row_xml(number, ('<c r="A', '<c r="B', '<c r="C'), (None,) * 3, row)
         for number, row in enumerate(grid, 1)
     ]
     sheet = "<sheetData>" + "".join(f"<row>{text}</row>" for text in texts) + "</sheetData>"
