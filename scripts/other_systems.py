@@ -48,15 +48,13 @@ class System:
         if not self.emulators:
             is_own = (sys.platform, platform.machine()) == ("linux", "x86_64")
             return "" if is_own else "such a machine"
-        lacks = [] if self._emulator() else [self.emulators[0]]
+        lacks = [] if self.emulator() else [self.emulators[0]]
         return " and no ".join([*lacks, *(str(f) for f in self.files if not f.exists())])
 
-    def _emulator(self) -> str | None:
-        return next(filter(None, map(shutil.which, self.emulators)), None)
-
-    def command(self) -> list[str]:
-        """Words before those of a program."""
-        return [self._emulator() or "", *self.options] if self.emulators else []
+    def emulator(self) -> list[str]:
+        """Words before those of a program; none where no emulator is here, or none is needed."""
+        found = next(filter(None, map(shutil.which, self.emulators)), None)
+        return [found, *self.options] if found else []
 
 
 SYSTEMS = (
@@ -91,13 +89,12 @@ def replayed(words: Sequence[str | Path], prefix: Path) -> list[str]:
     return done.stdout.splitlines()
 
 
-def on(system: System, folder: Path) -> list[str]:
-    """What the library of a system leaves, a line a call."""
-    tag = system.tag
-    compiler = [*hatch_build.ZIG, "-target", hatch_build.TARGETS[tag][0], "-s"]
-    library = hatch_build.build_for(ROOT, tag)[0]
-    words = [*system.command(), driver(compiler, folder, tag), library, folder / "recording"]
-    return replayed(words, folder / f"wine_{tag}")
+def command(system: System, folder: Path) -> list[str | Path]:
+    """Words that make the recorded calls of the library of a system; library and driver are built."""
+    compiler = [*hatch_build.ZIG, "-target", hatch_build.TARGETS[system.tag][0], "-s"]
+    library = hatch_build.build_for(ROOT, system.tag)[0]
+    program = driver(compiler, folder, system.tag)
+    return [*system.emulator(), program, library, folder / "recording"]
 
 
 def digest(lines: Sequence[str]) -> str:
@@ -128,10 +125,11 @@ def same_everywhere() -> bool:
         print(
             f"{digest(expected)} {len(expected)} calls of the loops, by the library of this machine"
         )
-        found = list(pool.map(lambda system: on(system, folder), here))
+        commands = [command(system, folder) for system in here]
+        found = list(pool.map(replayed, commands, [folder / f"wine_{s.tag}" for s in here]))
     for system, lines in zip(here, found, strict=True):
-        words = Path(*system.command()[:1]).name
-        print(f"{digest(lines)} {system.tag}{words and f' under {words}'}")
+        under = f" under {Path(system.emulator()[0]).name}" if system.emulators else ""
+        print(f"{digest(lines)} {system.tag}{under}")
         if difference := first_difference(expected, lines):
             print(f"  {difference}")
     complete = len(here) == len(SYSTEMS) or not REQUIRE_ALL
