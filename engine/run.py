@@ -97,7 +97,7 @@ def run(case: CaseData, on_stage: Callable[[str], None] | None = None) -> Result
     crossings: tuple[Crossing, ...] = ()
     errors: tuple[tuple[str, float | None], ...] = ()
     reversals: tuple[Reversal, ...] = ()
-    if has_start(case) or case.torque_time:
+    if has_start(case) or case.torque_time_from_rest:
         planned = planned_start(case, analysis, stage)
         with stage("fatigue"):
             start, starts, errors = judged_starts(case, planned)

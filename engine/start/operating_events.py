@@ -1,0 +1,229 @@
+"""Events in operation: a fault, or any torque that comes upon a train that runs at synchronous speed.
+
+Before the event the running loads twist the train and the motor balances them. Its equations are linear, so
+the torques of the running train stay and the response to the torques of the event is added; the motor's torque
+in operation goes on unchanged beside them. Events are those of table `EventTorque`, sums of decaying
+harmonics, and table `TorqueTime` where `InitialState` is ``running``. An event is no start and none is counted.
+
+Teeth that separate make the train another one. Where the torque of an element with a clearance may fall below
+zero the event is therefore not calculated, with a sentence that says so.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from engine.case.choices import EffectChoice
+from engine.case.data import CaseData, EventTorqueRow
+from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, LONGEST_START
+from engine.case.effects import choice_of
+from engine.fatigue.allowable_starts import ShaftFatigue
+from engine.model.excitation import transmitted_torque
+from engine.model.modal_analysis import ModalAnalysis
+from engine.model.modal_train import ModalTrain
+from engine.model.train import Train
+from engine.numerics.distinct import distinct
+from engine.numerics.same_bits import hypot, log, modulus
+from engine.start.decaying_harmonics import DecayingHarmonic, Tones, harmonic_response
+from engine.start.pieces import COMPARED_AT, pieces_errors, with_pieces_error
+from engine.start.prescribed import (
+    Drive,
+    RunningState,
+    follow,
+    tabled_drive,
+    visible_modes,
+)
+from engine.start.start import Start, with_left_out
+from engine.start.start_fatigue import starts_of
+from engine.start.start_model import FADED
+from engine.start.time_response import TimeResponse, tabled_torques
+
+#: Largest amplification of a mode when its share of a torque is estimated; no damping is less. [1]
+LARGEST_GAIN = 1e3
+#: An event is followed so long at the least: a constant torque on a rigid train has no time of its own. [s]
+SHORTEST = 0.1
+
+
+@dataclass(frozen=True, eq=False)
+class OperatingEvent:
+    """An event in operation, and what it does."""
+
+    name: str  #: Its name in `EventTorque`.
+    response: Start | None  #: Torques from the event on, those of operation included; None: not calculated. [SI]
+    shafts: tuple[ShaftFatigue, ...] = ()  #: Damage of each judged shaft by one such event. [1]
+    #: Of each judged shaft, relative error of its damage; None where it has none. [1]
+    damage_errors: tuple[tuple[str, float | None], ...] = ()
+    #: What a reader must know of it: why it was not calculated, or what was not followed to its end.
+    note: str = ""
+
+
+def operating_events(case: CaseData, analysis: ModalAnalysis) -> tuple[OperatingEvent, ...]:
+    """Every event in operation of a case, in the order of its tables.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+    analysis : ModalAnalysis
+        Its train: gears on bearings move laterally where their data is given. [SI]
+
+    Returns
+    -------
+    tuple of OperatingEvent
+        Empty where there is none. [SI]
+    """
+    return tuple(_event(case, analysis, name) for name in case.event_names)
+
+
+def _event(case: CaseData, analysis: ModalAnalysis, name: str) -> OperatingEvent:
+    modal, rough = analysis.reported, analysis.rough_reported
+    tolerance = case.tolerance_peak or DEFAULT_TOLERANCE_PEAK
+    drive = _drive(case, modal, name)
+    dies_out, why = _length(case, modal, name, drive, tolerance)
+    longest = case.maximum_time or LONGEST_START
+    if dies_out > longest and case.maximum_time is None:
+        return OperatingEvent(
+            name, None,
+            note=f"Event '{name}' is not calculated: {why}. Type DampingRatio or a Time constant, or "
+            "MaximumTime to say how long it is to be followed.",
+        )  # fmt: skip
+    end = min(dies_out, longest)
+    running = transmitted_torque(case, modal.train).element
+    before = RunningState(running, case.ratings.synchronous_speed or 0.0)
+    pieces: dict[str, float] = {}
+    if rough is not None:
+        fine, other = (
+            follow(m, _drive(case, m, name), end, COMPARED_AT, before) for m in (modal, rough)
+        )
+        pieces = pieces_errors(case, fine, other)
+    # what comes after the end has faded to this share of what it was
+    faded = FADED * tolerance
+    left = max(tolerance - faded - max(pieces.values(), default=0.0), 0.5 * tolerance)
+    response = follow(modal, drive, end, left, before)
+    response = with_pieces_error(response, pieces, tolerance)
+    peaks = tuple(p.with_error(faded * p.size) for p in response.peaks)
+    response = replace(response, peaks=peaks, estimated_error=response.estimated_error + faded)
+    note = ""
+    if separating := list(_separating(modal.train, response)):
+        names = ", ".join(separating)
+        if choice_of(case, "backlash") != EffectChoice.OFF:
+            return OperatingEvent(
+                name, None,
+                note=f"Event '{name}' is not calculated: it brings the torque of {names} to zero, where teeth "
+                "separate, and clearances are not simulated in events. Force effect backlash off for the "
+                "response of teeth that stay together.",
+            )  # fmt: skip
+        response = with_left_out(response, None, tolerance)
+        note = f"Event '{name}' brings the torque of {names} to zero; backlash is forced off, so teeth stay together."
+    if dies_out > end:
+        note = " ".join(filter(None, (note, f"Event '{name}' is followed to MaximumTime, {end:g} s: {why}.")))
+        response = with_left_out(response, None, tolerance)
+    starts, errors = starts_of(case, response)
+    return OperatingEvent(name, response, () if starts is None else starts.shafts, errors, note)
+
+
+def _separating(train: Train, response: Start) -> Iterator[str]:
+    """Elements with a clearance whose torque may fall to zero."""
+    lowest = {p.element: p.extremes[1][0] for p in response.peaks}
+    for flank in train.flanks:
+        name = train.elements[flank.element]
+        if flank.gap and lowest[name] <= 0.0:
+            yield f"'{name}'"
+
+
+# --- torques ----------------------------------------------------------------------------------------
+
+
+def _drive(case: CaseData, modal: ModalTrain, name: str) -> Drive:
+    rows = [row for row in case.event_torque if row.event == name]
+    if not rows:
+        return tabled_drive(modal, tabled_torques(case.torque_time, modal.train))
+    terms = [_term(case, modal.train, row) for row in rows]
+    return harmonic_drive(modal, Tones.of(terms))
+
+
+def _term(case: CaseData, train: Train, row: EventTorqueRow) -> DecayingHarmonic:
+    """One row of `EventTorque`: rated torque at the speed of its station is what its amplitude is a share of."""
+    station = train.stations.index(str(row.station))
+    rated = (case.ratings.rated_torque or 0.0) / float(train.speed_ratio[station])
+    line_omega = 2.0 * math.pi * (case.ratings.line_frequency or 0.0)
+    return DecayingHarmonic(
+        station,
+        (row.amplitude or 0.0) * rated,
+        row.phase or 0.0,
+        (row.multiple or 0.0) * line_omega,
+        1.0 / row.time_constant if row.time_constant else 0.0,
+    )
+
+
+def harmonic_drive(modal: ModalTrain, tones: Tones) -> Drive:
+    """Decaying harmonic torques; each mode counts with its amplification.
+
+    Parameters
+    ----------
+    modal : ModalTrain
+        The train. [SI]
+    tones : Tones
+        The torques. [N m]
+
+    Returns
+    -------
+    Drive
+        For `follow`. [SI]
+    """
+    train, modes, damping = modal
+    driven, s = modulus(tones.on_modes(train, modes)), tones.exponent
+    omega = np.where(modes.omega > 0.0, modes.omega, 1.0)[:, None]
+    rate, real, imag = damping.rate[:, None], s.real, s.imag
+    # |1 + (d s + s²) / ω²|, which is one over the amplification
+    apart = hypot(
+        1.0 + (rate * real + real * real - imag * imag) / (omega * omega),
+        (rate * imag + 2.0 * real * imag) / (omega * omega),
+    )
+    gain = 1.0 / np.maximum(apart, 1.0 / LARGEST_GAIN)
+
+    def respond(end: float, count: int, kept: np.ndarray) -> TimeResponse:
+        return harmonic_response(
+            train, modes, tones, end, count, damping_ratio=damping.structural, kept=kept
+        )
+
+    return Drive(
+        tones.stations,
+        (driven * gain).sum(axis=1),
+        (driven * (1.0 + modulus(s) / omega)).sum(axis=1),
+        float(np.max(s.imag, initial=0.0)) / (2.0 * math.pi),
+        respond,
+    )
+
+
+# --- how long ---------------------------------------------------------------------------------------
+
+
+def _length(
+    case: CaseData, modal: ModalTrain, name: str, drive: Drive, tolerance: float
+) -> tuple[float, str]:
+    """Time after which nothing new comes, and what takes longest, in words. [s]
+
+    All that decays, torques and modes, has faded to a share `FADED` of the tolerance by then. Torques that do not
+    decay go on: the longest beat between them is added.
+    """
+    rows = [row for row in case.event_torque if row.event == name]
+    begins = 0.0 if rows else max(float(row.time or 0.0) for row in case.torque_time)
+    rates = [(1.0 / r.time_constant, "a torque that decays slowly") for r in rows if r.time_constant]
+    train, modes, damping = modal
+    visible = visible_modes(train, modes, drive, tolerance) & (modes.omega > 0.0)
+    for i in np.flatnonzero(visible).tolist():
+        words = f"mode {i - modes.n_rigid + 1} ({modes.frequency[i]:.4g} Hz)"
+        rates.append((0.5 * float(damping.rate[i]), words))
+    slowest, what = min(rates, default=(math.inf, ""))
+    if slowest == 0.0:
+        return math.inf, f"{what} has no damping and never dies out"
+    fades = begins - float(log(FADED * tolerance)) / slowest
+    lasting = [r.multiple or 0.0 for r in rows if not r.time_constant]
+    gaps = np.diff(distinct([0.0], lasting)) * (case.ratings.line_frequency or 0.0)
+    beat = 1.0 / float(gaps.min()) if len(gaps) else 0.0
+    return max(fades + beat, SHORTEST), f"{what} dies out after {fades:.3g} s only"
