@@ -35,10 +35,11 @@ from engine.plan.plan import (
     with_times,
 )
 from engine.results.results import AtSpeed, Results
-from engine.results.times import accuracy_of, measured_times
+from engine.results.times import EVENTS, accuracy_of, measured_times
 from engine.results.verdicts import verdicts_of
 from engine.results.warnings import warnings_of
 from engine.start.crossings import Crossing, crossings_of
+from engine.start.operating_events import OperatingEvent, operating_events
 from engine.start.peaks import change_of_peaks
 from engine.start.pieces import analysis_for_start, with_pieces_error
 from engine.start.prescribed import run_prescribed
@@ -113,6 +114,10 @@ def run(case: CaseData, on_stage: Callable[[str], None] | None = None) -> Result
         plans = (*planned.plans[:-1], measured)
     else:
         plans = (first_plan(case, collect_evidence(case, analysis.torsional, analysis.coupled)),)
+    events: tuple[OperatingEvent, ...] = ()
+    if case.event_names:
+        with stage(EVENTS):
+            events = operating_events(case, analysis)
     results = Results(
         **vars(at_speed_results),
         start=start,
@@ -122,6 +127,7 @@ def run(case: CaseData, on_stage: Callable[[str], None] | None = None) -> Result
         spent=tuple(spent),
         plans=plans,
         reversals=reversals,
+        events=events,
     )
     return replace(
         results,

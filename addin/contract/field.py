@@ -122,6 +122,8 @@ class ReportedError(StrEnum):
     STARTS = "of the allowable starts of the row's element"
     ALL_STARTS = "the largest of the allowable starts"
     FREQUENCIES = "of the frequencies"
+    EVENTS = "of the peaks of the row's event"
+    EVENT_DAMAGE = "of the damage of the row's event and element"
     WORDS = "of a number inside a sentence"
     ESTIMATE = "itself an estimate of an error: may differ by its own size"
 

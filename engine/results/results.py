@@ -19,6 +19,7 @@ from engine.operation.margins import Interference, SeparationMargins
 from engine.operation.steady_state import SteadyState
 from engine.plan.plan import Plan
 from engine.start.crossings import Crossing
+from engine.start.operating_events import OperatingEvent
 from engine.start.reversals import Reversal
 from engine.start.start import Start
 
@@ -78,7 +79,7 @@ class AtSpeed:
 
 @dataclass(frozen=True, eq=False)
 class Results(AtSpeed):
-    """Everything one run answers: what `AtSpeed` holds, and the start."""
+    """Everything one run answers: what `AtSpeed` holds, the start, and events in operation."""
 
     start: Start | None  #: The start, or the response to prescribed torques. [SI]
     crossings: tuple[Crossing, ...]  #: Where 2 × slip crosses the modes. [SI]
@@ -90,6 +91,7 @@ class Results(AtSpeed):
     plans: tuple[Plan, ...]
     #: Torque reversals of meshes and geared couplings in the start that is reported. [SI]
     reversals: tuple[Reversal, ...]
+    events: tuple[OperatingEvent, ...] = ()  #: Events in operation. [SI]
     #: Estimated error and time of each analysis, as calculated. [1, s]
     accuracy: tuple[AccuracyRow, ...] = ()
     verdicts: tuple[Verdict, ...] = ()  #: The checks at a glance.

@@ -17,9 +17,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from engine.case.choices import EffectChoice
+from engine.case.choices import EffectChoice, ElementKind
 from engine.case.data import CaseData, EventTorqueRow
-from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, LONGEST_START
+from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, LONGEST_START, NOTABLE_REVERSAL
 from engine.case.effects import choice_of
 from engine.fatigue.allowable_starts import ShaftFatigue
 from engine.model.excitation import transmitted_torque
@@ -53,7 +53,9 @@ class OperatingEvent:
     """An event in operation, and what it does."""
 
     name: str  #: Its name in `EventTorque`.
-    response: Start | None  #: Torques from the event on, those of operation included; None: not calculated. [SI]
+    response: (
+        Start | None
+    )  #: Torques from the event on, those of operation included; None: not calculated. [SI]
     shafts: tuple[ShaftFatigue, ...] = ()  #: Damage of each judged shaft by one such event. [1]
     #: Of each judged shaft, relative error of its damage; None where it has none. [1]
     damage_errors: tuple[tuple[str, float | None], ...] = ()
@@ -107,23 +109,45 @@ def _event(case: CaseData, analysis: ModalAnalysis, name: str) -> OperatingEvent
     response = with_pieces_error(response, pieces, tolerance)
     peaks = tuple(p.with_error(faded * p.size) for p in response.peaks)
     response = replace(response, peaks=peaks, estimated_error=response.estimated_error + faded)
-    note = ""
-    if separating := list(_separating(modal.train, response)):
-        names = ", ".join(separating)
+    notes = []
+    if names := ", ".join(_separating(modal.train, response)):
         if choice_of(case, "backlash") != EffectChoice.OFF:
             return OperatingEvent(
-                name, None,
+                name,
+                None,
                 note=f"Event '{name}' is not calculated: it brings the torque of {names} to zero, where teeth "
                 "separate, and clearances are not simulated in events. Force effect backlash off for the "
                 "response of teeth that stay together.",
-            )  # fmt: skip
-        response = with_left_out(response, None, tolerance)
-        note = f"Event '{name}' brings the torque of {names} to zero; backlash is forced off, so teeth stay together."
+            )
+        notes.append(
+            f"Event '{name}' brings the torque of {names} to zero, but teeth stay together, since backlash is "
+            "forced off."
+        )
+    if names := ", ".join(_reversing(case, response)):
+        notes.append(
+            f"Event '{name}' reverses the torque of {names}, but teeth stay together, since no clearance is given. "
+            "Type Backlash or Angular backlash in table Meshes, 0 where there is none."
+        )
     if dies_out > end:
-        note = " ".join(filter(None, (note, f"Event '{name}' is followed to MaximumTime, {end:g} s: {why}.")))
+        notes.append(f"Event '{name}' is followed to MaximumTime, {end:g} s: {why}.")
+    if notes:
         response = with_left_out(response, None, tolerance)
     starts, errors = starts_of(case, response)
-    return OperatingEvent(name, response, () if starts is None else starts.shafts, errors, note)
+    return OperatingEvent(
+        name, response, () if starts is None else starts.shafts, errors, " ".join(notes)
+    )
+
+
+def _reversing(case: CaseData, response: Start) -> Iterator[str]:
+    """Meshes and geared couplings of which no clearance is given and whose torque may reverse."""
+    toothed = {m.element for m in case.meshes}
+    toothed |= {e.element for e in case.elements if e.kind == ElementKind.GEAR_MESH}
+    given = {
+        m.element for m in case.meshes if m.backlash is not None or m.angular_backlash is not None
+    }
+    for p in response.peaks:
+        if p.element in toothed - given and p.extremes[1][0] < -NOTABLE_REVERSAL * p.size:
+            yield f"'{p.element}'"
 
 
 def _separating(train: Train, response: Start) -> Iterator[str]:
@@ -213,7 +237,9 @@ def _length(
     """
     rows = [row for row in case.event_torque if row.event == name]
     begins = 0.0 if rows else max(float(row.time or 0.0) for row in case.torque_time)
-    rates = [(1.0 / r.time_constant, "a torque that decays slowly") for r in rows if r.time_constant]
+    rates = [
+        (1.0 / r.time_constant, "a torque that decays slowly") for r in rows if r.time_constant
+    ]
     train, modes, damping = modal
     visible = visible_modes(train, modes, drive, tolerance) & (modes.omega > 0.0)
     for i in np.flatnonzero(visible).tolist():

@@ -51,7 +51,7 @@ class Drive:
     #: Bound on the modal torque that a mode too fast to be followed rings with. [rad √(kg m²)/s²] Shape
     #: (n_modes,).
     ringing: Floats
-    fastest: float  #: Highest frequency of the torques themselves, where they have one; else 0. [Hz]
+    fastest: float  #: Highest frequency of the torques themselves; 0 without one. [Hz]
     #: The response from an untwisted train: (last time [s], steps to there, modes integrated).
     respond: Callable[[float, int, Mask], TimeResponse]
 
@@ -170,7 +170,24 @@ def _most_samples(train: Train) -> int:
 
 
 def visible_modes(train: Train, modes: Modes, drive: Drive, tolerance: float) -> Mask:
-    """Modes with a visible share of the static torque of some element, shape (n_modes,). [mask]"""
+    """Modes with a visible share of the static torque of some element.
+
+    Parameters
+    ----------
+    train : Train
+        The train. [SI]
+    modes : Modes
+        Its modes. [SI]
+    drive : Drive
+        What drives them. [SI]
+    tolerance : float
+        Wanted relative error of the peaks. [1]
+
+    Returns
+    -------
+    ndarray of bool, shape (n_modes,)
+        Those that matter. [mask]
+    """
     static = _flexibility(train, modes, drive.stations) * drive.size
     total = np.maximum(static.sum(axis=1, keepdims=True), 1e-300)
     return np.asarray(np.max(static / total, axis=0, initial=0.0) > MATTERS * tolerance)

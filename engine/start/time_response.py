@@ -103,7 +103,20 @@ def prescribed_torques(case: CaseData, train: Train) -> list[PrescribedTorque]:
 
 
 def tabled_torques(table: Sequence[TorqueTimeRow], train: Train) -> list[PrescribedTorque]:
-    """Rows of `TorqueTime` as torques, one a station, linear between its rows."""
+    """Rows of `TorqueTime` as torques, one a station, linear between its rows.
+
+    Parameters
+    ----------
+    table : sequence of TorqueTimeRow
+        Rows, rising in time for each station. [s, N m]
+    train : Train
+        The train. [SI]
+
+    Returns
+    -------
+    list of PrescribedTorque
+        In the order in which the stations come. [N m]
+    """
     names = list(dict.fromkeys(p.station for p in table))
     torques = []
     for name in names:
@@ -303,7 +316,26 @@ def modal_system(
     damping_ratio: Floats | None,
     kept: Mask | None,
 ) -> ModalSystem:
-    """The modal equations of a train; parameters as for `time_response`."""
+    """The modal equations of a train under torques at some stations.
+
+    Parameters
+    ----------
+    train : Train
+        The train; its dampers act with their full matrix. [SI]
+    modes : Modes
+        All its modes. [SI]
+    stations : ndarray of int, shape (n_stations,)
+        Where torques act. [indices]
+    damping_ratio : ndarray, shape (n_modes,), or None
+        Stated modal damping, in addition to the train's dampers. [1]
+    kept : ndarray of bool, shape (n_modes,), or None
+        Modes that are integrated; None = all. [mask]
+
+    Returns
+    -------
+    ModalSystem
+        Damping, reach and torques in the modes that are integrated. [SI]
+    """
     keep = np.ones(modes.n_modes, dtype=np.bool_) if kept is None else kept
     physical = modal_damping_matrix(train, modes)
     matrix = physical

@@ -177,9 +177,7 @@ def reference(case: Case, times: np.ndarray) -> dict[str, np.ndarray]:
             (high + high_d + applied("Load", t) - ground_c * vc) / high_j,
         ]
 
-    found = solve_ivp(
-        rates, (0.0, times[-1]), np.zeros(6), "DOP853", times, rtol=3e-14, atol=1e-15
-    )
+    found = solve_ivp(rates, (0.0, times[-1]), np.zeros(6), "DOP853", times, rtol=3e-14, atol=1e-15)
     a, b, c, _, vb, vc = found.y
     low, high = low_k * (a - b), high_k * (RATIO * b - c)
     running = 0.9 * RATED

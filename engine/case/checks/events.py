@@ -12,7 +12,7 @@ from engine.case.checks.problem import (
     STATION_NAME,
     Limit,
     each_row,
-    possible_ratings,
+    has_possible_ratings,
 )
 from engine.case.choices import ElementKind
 from engine.case.data import GROUND, TABLED_EVENT, CaseData
@@ -29,9 +29,7 @@ NUMBERS = (
         "Amplitude its sign instead.",
     ),
     Limit("Phase", ANY_NUMBER, "rad"),
-    Limit(
-        "Time constant", POSITIVE, "s", "Leave the cell blank if the torque does not decay."
-    ),
+    Limit("Time constant", POSITIVE, "s", "Leave the cell blank if the torque does not decay."),
 )
 
 
@@ -41,7 +39,7 @@ def check_events(case: CaseData) -> Iterator[Problem]:
     for cells, row in each_row(TABLE, case.event_torque):
         if not row.event:
             yield cells.blank("Event", "the name of an event", "Name it: rows of one name add up.")
-        elif row.event == TABLED_EVENT and TABLED_EVENT in case.event_names[1:]:
+        elif row.event == TABLED_EVENT and case.torque_time and not case.torque_time_from_rest:
             allowed = "another name (table TorqueTime is the event of this name)"
             yield cells.wrong("Event", row.event, allowed, "Rename the event.")
         yield from cells.name("Station", row.station, stations, STATION_NAME)
@@ -59,16 +57,15 @@ def check_events(case: CaseData) -> Iterator[Problem]:
 
 def _missing_base(case: CaseData) -> Iterator[Problem]:
     """Rated torque, and line frequency, that the terms are shares and multiples of."""
-    ratings = possible_ratings(case)
-    if case.event_torque and ratings == type(ratings)(None, None, None, None, None):
-        return  # impossible ratings are reported already, missing ones below once they are possible
-    if case.event_torque and ratings.rated_torque is None:
+    if not has_possible_ratings(case):
+        return
+    if case.event_torque and case.ratings.rated_torque is None:
         yield SCALARS.blank(
             "RatedTorque",
             "given where EventTorque is",
             "Type RatedTorque or RatedPower: Amplitude is a share of it.",
         )
-    if any(row.multiple for row in case.event_torque) and ratings.line_frequency is None:
+    if any(row.multiple for row in case.event_torque) and case.ratings.line_frequency is None:
         yield SCALARS.blank(
             "LineFrequency",
             "given where EventTorque has a Multiple",
