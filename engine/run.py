@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from engine.backlash.event_start import run_event_start
+from engine.backlash.operating_events import OperatingEvent, operating_events
 from engine.case.data import CaseData, case_digest
 from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, DEFAULT_TOLERANCE_STARTS
 from engine.case.effect import StartEffects
@@ -39,7 +40,6 @@ from engine.results.times import EVENTS, accuracy_of, measured_times
 from engine.results.verdicts import verdicts_of
 from engine.results.warnings import warnings_of
 from engine.start.crossings import Crossing, crossings_of
-from engine.start.operating_events import OperatingEvent, operating_events
 from engine.start.peaks import change_of_peaks
 from engine.start.pieces import analysis_for_start, with_pieces_error
 from engine.start.prescribed import run_prescribed
@@ -117,7 +117,7 @@ def run(case: CaseData, on_stage: Callable[[str], None] | None = None) -> Result
     events: tuple[OperatingEvent, ...] = ()
     if case.event_names:
         with stage(EVENTS):
-            events = operating_events(case, analysis)
+            events = tuple(e.without_histories() for e in operating_events(case, analysis))
     results = Results(
         **vars(at_speed_results),
         start=start,

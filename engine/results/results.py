@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from engine.arrays import Complexes
+from engine.backlash.operating_events import OperatingEvent
 from engine.case.data import CaseData
 from engine.case.result_words import Judgement
 from engine.fatigue.allowable_starts import AllowableStarts
@@ -19,7 +20,6 @@ from engine.operation.margins import Interference, SeparationMargins
 from engine.operation.steady_state import SteadyState
 from engine.plan.plan import Plan
 from engine.start.crossings import Crossing
-from engine.start.operating_events import OperatingEvent
 from engine.start.reversals import Reversal
 from engine.start.start import Start
 

@@ -11,6 +11,7 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
+from engine.backlash.operating_events import OperatingEvent
 from engine.case.coverage import (
     calls_for_start,
     links,
@@ -31,7 +32,6 @@ from engine.results.implausible_results import implausible_results
 from engine.results.results import Results, Verdict
 from engine.start.crossings import Crossing
 from engine.start.lowest_torque import lowest_torques
-from engine.start.operating_events import OperatingEvent
 from engine.start.peaks import ElementPeak
 from engine.start.reversals import Reversal, reversing_elements
 from engine.start.start import Start

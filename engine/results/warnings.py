@@ -189,7 +189,10 @@ def _event_warnings(results: Results) -> Iterator[str]:
     for event in results.events:
         if event.note:
             yield event.note
-        if event.response is not None and event.response.estimated_error > wanted:
+        if event.response is None:
+            continue
+        yield from (f"Event '{event.name}': {words}" for words in _run_warnings(event.response))
+        if event.response.estimated_error > wanted and not event.response.is_sensitive:
             yield (
                 f"The wanted accuracy of the peaks of event '{event.name}' was not reached: estimated error "
                 f"{event.response.estimated_error:.2g}."

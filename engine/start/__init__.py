@@ -35,6 +35,5 @@ module            responsibility
                   is
 `pieces`          what the pieces of distributed shafts do to the torques of a start, and how many
                   it needs
-`operating_events`  events in operation: a fault, or any torque that comes upon a train that runs at synchronous speed
 ================  ================================================================================
 """

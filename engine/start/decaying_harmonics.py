@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -31,6 +32,21 @@ class DecayingHarmonic:
     phase: float = 0.0  #: φ. [rad]
     omega: float = 0.0  #: Angular frequency. [rad/s]
     decay: float = 0.0  #: 1/τ. [1/s]
+
+
+def as_the_loop_takes_them(
+    terms: Sequence[DecayingHarmonic], stations: Sequence[int]
+) -> dict[str, Any]:
+    """Decaying harmonics as fields of ``drive_t``; `stations` names the station of each force."""
+    columns = list(stations)
+    return {
+        "n_tones": len(terms),
+        "tone_force": np.array([columns.index(t.station) for t in terms], dtype=np.int64),
+        "tone_size": np.array([t.amplitude for t in terms], dtype=np.float64),
+        "tone_decay": np.array([t.decay for t in terms], dtype=np.float64),
+        "tone_omega": np.array([t.omega for t in terms], dtype=np.float64),
+        "tone_phase": np.array([t.phase for t in terms], dtype=np.float64),
+    }
 
 
 @dataclass(frozen=True, eq=False)

@@ -56,14 +56,6 @@ class Drive:
     respond: Callable[[float, int, Mask], TimeResponse]
 
 
-@dataclass(frozen=True, eq=False)
-class RunningState:
-    """The train before the torques begin; zero where it is untwisted and at rest."""
-
-    torque: Floats  #: Torque of each element. [N m] Shape (n_elements,).
-    speed: float  #: Speed of the reference shaft. [rad/s]
-
-
 def run_prescribed(case: CaseData, modal: ModalTrain) -> Start:
     """Response to the prescribed torques, from rest; its outcome is ``completed``.
 
@@ -76,9 +68,10 @@ def run_prescribed(case: CaseData, modal: ModalTrain) -> Start:
         raise ModelError(
             "The prescribed torques end at time 0. Type MaximumTime to set the length of the run."
         )
-    at_rest = RunningState(np.zeros(len(modal.train.elements)), 0.0)
     tolerance = case.tolerance_peak or DEFAULT_TOLERANCE_PEAK
-    return follow(modal, tabled_drive(modal, torques), end, tolerance, at_rest)
+    return follow(
+        modal, tabled_drive(modal, torques), end, tolerance, np.zeros(len(modal.train.elements))
+    )
 
 
 def tabled_drive(modal: ModalTrain, torques: list[PrescribedTorque]) -> Drive:
@@ -102,9 +95,7 @@ def tabled_drive(modal: ModalTrain, torques: list[PrescribedTorque]) -> Drive:
     return Drive(stations, reach.sum(axis=1), ringing, 0.0, respond)
 
 
-def follow(
-    modal: ModalTrain, drive: Drive, end: float, tolerance: float, before: RunningState
-) -> Start:
+def follow(modal: ModalTrain, drive: Drive, end: float, tolerance: float, before: Floats) -> Start:
     """A train under prescribed torques, sampled as finely as the peaks between the samples need.
 
     The torques of the train before they begin stay: its equations are linear, so they add to the response.
@@ -119,23 +110,23 @@ def follow(
         How long it is followed. [s]
     tolerance : float
         Wanted relative error of the peaks. [1]
-    before : RunningState
-        The train before the torques begin. [SI]
+    before : ndarray, shape (n_elements,)
+        Torque of each element before they begin. [N m]
 
     Returns
     -------
     Start
-        With the outcome ``completed``. [SI]
+        With the outcome ``completed``; speeds are what is added to those before. [SI]
     """
     train = modal.train
     step, keep, truncation = _first_step(train, modal.modes, drive, tolerance, end)
     most = _most_samples(train)
-    offset = before.torque[train.output_element][:, None]
+    offset = before[train.output_element][:, None]
 
     def at(h: float) -> SingleRun:
         count = min(max(int(np.ceil(end / h)), 2), most)
         r = drive.respond(end, count, keep)
-        mean = before.speed + r.station_speed[0] / train.speed_ratio[0]
+        mean = r.station_speed[0] / train.speed_ratio[0]
         trajectory = Trajectory(
             r.time, mean, offset + r.torque, r.torque_rate, r.output_element, False, count
         )

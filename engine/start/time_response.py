@@ -97,6 +97,24 @@ def linear(station: int, times: Floats, torques: Floats) -> PrescribedTorque:
     return PrescribedTorque(station, t, value)
 
 
+def held(station: int, torque: float) -> PrescribedTorque:
+    """Torque that does not change.
+
+    Parameters
+    ----------
+    station : int
+        Station. [index]
+    torque : float
+        Torque in its running direction. [N m]
+
+    Returns
+    -------
+    PrescribedTorque
+        The torque. [N m]
+    """
+    return linear(station, np.zeros(1), np.array([torque]))
+
+
 def prescribed_torques(case: CaseData, train: Train) -> list[PrescribedTorque]:
     """Torques of table `TorqueTime` in a start, one a station."""
     return tabled_torques(case.torque_time_from_rest, train)

@@ -16,16 +16,18 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from engine.backlash.operating_events import operating_events
 from engine.case.case import Case
 from engine.case.data import (
+    EffectChoiceRow,
     ElementRow,
     EventTorqueRow,
+    MeshRow,
     ModeDampingRow,
     StationRow,
     TorqueTimeRow,
 )
 from engine.start.decaying_harmonics import DecayingHarmonic, Tones, harmonic_response
-from engine.start.operating_events import operating_events
 from engine.start.pieces import analysis_for_start
 from engine.start.start import Start
 from tests.trains import prepared
@@ -283,3 +285,95 @@ def test_event_without_any_damping_needs_a_length() -> None:
     (event,) = operating_events(damped, analysis_for_start(damped))
     assert event.response is not None
     assert event.note == ""
+
+
+# --- clearances -----------------------------------------------------------------------------------
+
+GAP = 0.004
+#: Reverses the torque of the coupling several times.
+HEAVY = (
+    EventTorqueRow("Fault", "Motor", -4.0, 1.0, math.radians(90.0), 0.1),
+    EventTorqueRow("Fault", "Motor", 2.0, 2.0, math.radians(-90.0), 0.03),
+    EventTorqueRow("Fault", "Motor", -1.0, None, None, 0.1),
+)
+
+
+def coupled(**fields: Any) -> Case:
+    """Two discs and a coupling with a clearance, without any damping, for 0.25 s."""
+    given: dict[str, Any] = {
+        "elements": (ElementRow("Coupling", "coupling", "Motor", "Load", K),),
+        "meshes": (MeshRow("Coupling", angular_backlash=GAP),),
+        "event_torque": HEAVY,
+        "maximum_time": 0.25,
+        "tolerance_peak": 1e-6,
+    }
+    return two_discs(0.0, **(given | fields))
+
+
+def extremes_with_a_gap(case: Case, end: float) -> tuple[float, float]:
+    """Highest and lowest torque of the coupling from the equation of its twist x alone. [N m]
+
+    x'' = (T + T0) / J1 + T0 / J2 − F(x) (1 / J1 + 1 / J2), F zero in the gap.
+    """
+    running, line = 0.8 * RATED, 2.0 * math.pi * 60.0
+
+    def force(x: float) -> float:
+        return K * x if x > 0.0 else K * (x + GAP) if x < -GAP else 0.0
+
+    def rates(t: float, y: np.ndarray) -> list[float]:
+        torque = sum(
+            RATED
+            * float(r.amplitude or 0.0)
+            * math.exp(-t / float(r.time_constant or math.inf))
+            * math.cos((r.multiple or 0.0) * line * t + (r.phase or 0.0))
+            for r in case.event_torque
+        )
+        x, v = y
+        return [v, (torque + running) / J1 + running / J2 - force(x) * (1.0 / J1 + 1.0 / J2)]
+
+    found = solve_ivp(
+        rates, (0.0, end), [running / K, 0.0], "DOP853", dense_output=True, rtol=1e-12, atol=1e-16,
+        max_step=1e-4,
+    )  # fmt: skip
+
+    def extreme(sign: float) -> float:
+        """Between the steps beside the largest sample."""
+        at = int(np.argmax([sign * force(x) for x in found.y[0]]))
+        times = np.linspace(found.t[at - 1], found.t[at + 1], 20_001)
+        return sign * max(sign * force(x) for x in found.sol(times)[0])
+
+    return extreme(1.0), extreme(-1.0)
+
+
+def test_separating_teeth_against_another_integrator() -> None:
+    case = coupled()
+    (event,) = operating_events(case, analysis_for_start(case))
+    assert event.response is not None, event.note
+    (contact,) = event.response.contacts
+    assert contact.impacts >= 3
+    peak = event.response.peaks[0]
+    high, low = extremes_with_a_gap(case, 0.25)
+    assert low < -RATED  # the back flank is struck
+    assert peak.maximum == pytest.approx(high, rel=1e-6)
+    assert peak.minimum == pytest.approx(low, rel=1e-6)
+    assert max(abs(peak.maximum - high), abs(peak.minimum - low)) <= peak.error
+    linear = response(coupled(effect_choices=(EffectChoiceRow("backlash", "off"),))).peaks[0]
+    assert abs(linear.maximum - high) > 0.02 * high  # the gap is no detail
+
+
+def test_teeth_that_stay_together_are_linear() -> None:
+    small = tuple(replace(r, amplitude=0.01 * (r.amplitude or 0.0)) for r in HEAVY)
+    with_gap, without = (
+        response(coupled(event_torque=small, meshes=meshes)) for meshes in (coupled().meshes, ())
+    )
+    assert with_gap.contacts == ()
+    assert with_gap.peaks == without.peaks
+
+
+def test_running_state_with_a_clearance_is_an_equilibrium() -> None:
+    """Forced through the contact loop by an event that begins long after the train has come to rest in it."""
+    late = tuple(TorqueTimeRow("Motor", t, x) for t, x in ((0.1, 0.0), (0.12, -4e4), (0.2, 0.0)))
+    start = response(coupled(event_torque=(), torque_time=late, initial_state="running"))
+    assert start.contacts[0].impacts >= 1
+    time, torque = start.trajectory.time, start.trajectory.torque[0]
+    np.testing.assert_allclose(torque[time < 0.1], 0.8 * RATED, rtol=1e-9)

@@ -5,8 +5,8 @@ the torques of the running train stay and the response to the torques of the eve
 in operation goes on unchanged beside them. Events are those of table `EventTorque`, sums of decaying
 harmonics, and table `TorqueTime` where `InitialState` is ``running``. An event is no start and none is counted.
 
-Teeth that separate make the train another one. Where the torque of an element with a clearance may fall below
-zero the event is therefore not calculated, with a sentence that says so.
+Where the torque of an element with a clearance may fall to zero, teeth separate: the response is then simulated contact
+by contact, as a start is, from the twisted train.
 """
 
 from __future__ import annotations
@@ -17,9 +17,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from engine.case.choices import EffectChoice, ElementKind
+from engine.backlash.event_start import EventTorques, clearances_of, run_event_start
+from engine.case.choices import ContactLaw, EffectChoice, ElementKind
 from engine.case.data import CaseData, EventTorqueRow
 from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, LONGEST_START, NOTABLE_REVERSAL
+from engine.case.effect import StartEffects
 from engine.case.effects import choice_of
 from engine.fatigue.allowable_starts import ShaftFatigue
 from engine.model.excitation import transmitted_torque
@@ -32,7 +34,6 @@ from engine.start.decaying_harmonics import DecayingHarmonic, Tones, harmonic_re
 from engine.start.pieces import COMPARED_AT, pieces_errors, with_pieces_error
 from engine.start.prescribed import (
     Drive,
-    RunningState,
     follow,
     tabled_drive,
     visible_modes,
@@ -53,14 +54,26 @@ class OperatingEvent:
     """An event in operation, and what it does."""
 
     name: str  #: Its name in `EventTorque`.
-    response: (
-        Start | None
-    )  #: Torques from the event on, those of operation included; None: not calculated. [SI]
+    #: Torques from the event on, those of operation included, and speeds over synchronous. None: not
+    #: calculated. [SI]
+    response: Start | None
     shafts: tuple[ShaftFatigue, ...] = ()  #: Damage of each judged shaft by one such event. [1]
     #: Of each judged shaft, relative error of its damage; None where it has none. [1]
     damage_errors: tuple[tuple[str, float | None], ...] = ()
     #: What a reader must know of it: why it was not calculated, or what was not followed to its end.
     note: str = ""
+
+    def without_histories(self) -> OperatingEvent:
+        """With peaks and turning points alone: histories are most of the memory, and no table is read from them."""
+        if self.response is None:
+            return self
+        none, response = np.empty((0, 0)), self.response
+        trajectory = replace(response.trajectory, torque=none, torque_rate=none)
+        repeated = response.repeatability and replace(response.repeatability, histories=())
+        return replace(
+            self,
+            response=replace(response, trajectory=trajectory, sections={}, repeatability=repeated),
+        )
 
 
 def operating_events(case: CaseData, analysis: ModalAnalysis) -> tuple[OperatingEvent, ...]:
@@ -95,41 +108,49 @@ def _event(case: CaseData, analysis: ModalAnalysis, name: str) -> OperatingEvent
         )  # fmt: skip
     end = min(dies_out, longest)
     running = transmitted_torque(case, modal.train).element
-    before = RunningState(running, case.ratings.synchronous_speed or 0.0)
     pieces: dict[str, float] = {}
     if rough is not None:
         fine, other = (
-            follow(m, _drive(case, m, name), end, COMPARED_AT, before) for m in (modal, rough)
+            follow(m, _drive(case, m, name), end, COMPARED_AT, running) for m in (modal, rough)
         )
         pieces = pieces_errors(case, fine, other)
     # what comes after the end has faded to this share of what it was
     faded = FADED * tolerance
     left = max(tolerance - faded - max(pieces.values(), default=0.0), 0.5 * tolerance)
-    response = follow(modal, drive, end, left, before)
-    response = with_pieces_error(response, pieces, tolerance)
-    peaks = tuple(p.with_error(faded * p.size) for p in response.peaks)
-    response = replace(response, peaks=peaks, estimated_error=response.estimated_error + faded)
+    response = follow(modal, drive, end, left, running)
     notes = []
-    if names := ", ".join(_separating(modal.train, response)):
-        if choice_of(case, "backlash") != EffectChoice.OFF:
+    if names := list(_separating(modal.train, response)):
+        quoted = ", ".join(f"'{element}'" for element in names)
+        if choice_of(case, "backlash") == EffectChoice.OFF:
+            notes.append(
+                f"Event '{name}' brings the torque of {quoted} to zero, but teeth stay together, since backlash is "
+                "forced off."
+            )
+        elif idle := [e for e in names if running[modal.train.elements.index(e)] <= 0.0]:
             return OperatingEvent(
                 name,
                 None,
-                note=f"Event '{name}' is not calculated: it brings the torque of {names} to zero, where teeth "
-                "separate, and clearances are not simulated in events. Force effect backlash off for the "
-                "response of teeth that stay together.",
+                note=f"Event '{name}' is not calculated: it brings the torque of {quoted} to zero, where teeth "
+                f"separate, and '{idle[0]}' carries no driving torque in operation, so that the flank it begins on is "
+                "unknown. Type Running load in table Stations, or force effect backlash off.",
             )
+        else:
+            response = _with_clearances(case, modal, name, response)
+            if response.gave_up:
+                notes.append(
+                    f"Event '{name}' with separating teeth was stopped after {response.outcome.time:.3g} s: it takes too "
+                    "many steps."
+                )
+    if reversing := ", ".join(_reversing(case, response)):
         notes.append(
-            f"Event '{name}' brings the torque of {names} to zero, but teeth stay together, since backlash is "
-            "forced off."
-        )
-    if names := ", ".join(_reversing(case, response)):
-        notes.append(
-            f"Event '{name}' reverses the torque of {names}, but teeth stay together, since no clearance is given. "
+            f"Event '{name}' reverses the torque of {reversing}, but teeth stay together, since no clearance is given. "
             "Type Backlash or Angular backlash in table Meshes, 0 where there is none."
         )
     if dies_out > end:
         notes.append(f"Event '{name}' is followed to MaximumTime, {end:g} s: {why}.")
+    response = with_pieces_error(response, pieces, tolerance)
+    peaks = tuple(p.with_error(faded * p.size) for p in response.peaks)
+    response = replace(response, peaks=peaks, estimated_error=response.estimated_error + faded)
     if notes:
         response = with_left_out(response, None, tolerance)
     starts, errors = starts_of(case, response)
@@ -156,7 +177,25 @@ def _separating(train: Train, response: Start) -> Iterator[str]:
     for flank in train.flanks:
         name = train.elements[flank.element]
         if flank.gap and lowest[name] <= 0.0:
-            yield f"'{name}'"
+            yield name
+
+
+def _with_clearances(case: CaseData, modal: ModalTrain, name: str, linear: Start) -> Start:
+    """The response with teeth that separate, from the drive flanks on which the running train has them."""
+    train = modal.train
+    effects = StartEffects(
+        clearances=tuple(train.elements[f.element] for f in clearances_of(train)),
+        contact_law=case.contact_law or ContactLaw.LIMITED,
+    )
+    transmitted = transmitted_torque(case, train)
+    net = transmitted.motor - transmitted.load
+    rows = [row for row in case.event_torque if row.event == name]
+    torques = EventTorques(
+        [] if rows else tabled_torques(case.torque_time, train),
+        [_term(case, train, row) for row in rows],
+        [(i, float(net[i])) for i in np.flatnonzero(net).tolist()],
+    )
+    return run_event_start(case, modal, effects, linear, torques)
 
 
 # --- torques ----------------------------------------------------------------------------------------
