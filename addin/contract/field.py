@@ -243,6 +243,8 @@ class TableSpec:
     #: state, start-up, reversals, starts, then what explains them; None = at the end.
     rank: int | None = None
     filtered: bool = False  #: Shipped with the buttons of a filter.
+    #: Templates of earlier versions lack it: a workbook without it is read as one where it is blank.
+    later: bool = False
     workbook_only: bool = False  #: The JSON has none of it: maps, and numbers behind charts.
 
     @property

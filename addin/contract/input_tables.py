@@ -188,7 +188,7 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
         "EventTorque", sheet="Excitation", caption="Events in operation (optional)",
         help="Air-gap torque of a fault as makers publish it: sums of A e^(−t/τ) cos(m ω t + φ) from the event on, "
         "added to the torque in operation.",
-        rows=20, row_name=("Event", "Station", "Multiple"),
+        rows=20, row_name=("Event", "Station", "Multiple"), later=True,
         columns=(
             text("Event", "Name of the event; the rows of one name add up."),
             text("Station", "Where the torque acts: the motor.", kind="station"),

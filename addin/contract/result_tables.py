@@ -750,6 +750,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
         "EventPeaks", sheet="Events", caption="Peaks of events in operation",
         help="Extremes from the event on, the torques of operation included, at own speed; stress nominal without SCF.",
         row_name=("Event", "Element"), changes_shown=("Maximum", "Minimum"), of_the_start=True, rank=7,
+        later=True,
         columns=(
             text("Event", "Name of the event.", trace=named("EventTorque.Event")),
             text("Element", "Element.", kind="element", trace=named("Elements.Element")),

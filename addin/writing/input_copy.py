@@ -16,7 +16,6 @@ from addin.contract.input_copy import (
     CHECK_COLUMNS,
     CHECKS,
     COMPARED_SCALARS,
-    COPY_TABLES,
     FULL_SPEED,
     OF_THE_RESULTS,
     UNIT_COLUMNS,
@@ -31,6 +30,7 @@ from addin.contract.input_copy import (
     is_renamed,
     is_speed,
     may_be_speed,
+    missing_copies,
     quantity_of,
     unit_rows,
 )
@@ -70,8 +70,7 @@ def input_copy(
     list of TableData
         None for a workbook of an earlier version, which has no place for them.
     """
-    missing = {copy_name(s.name) for s in INPUT_TABLES if s.name not in read.locations.tables}
-    if any(name not in read.workbook.tables for name, _ in COPY_TABLES if name not in missing):
+    if missing_copies(read.workbook.tables):
         return []
     return list(_Copy(read, digest, units or {}).tables())
 
