@@ -14,6 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -31,7 +32,7 @@ from engine.model.train import Train
 from engine.numerics.distinct import distinct
 from engine.numerics.same_bits import hypot, log, modulus
 from engine.start.decaying_harmonics import DecayingHarmonic, Tones, harmonic_response
-from engine.start.pieces import COMPARED_AT, pieces_errors, with_pieces_error
+from engine.start.pieces import COMPARED_AT, pieces_errors, refined, with_pieces_error
 from engine.start.prescribed import (
     Drive,
     follow,
@@ -95,10 +96,8 @@ def operating_events(case: CaseData, analysis: ModalAnalysis) -> tuple[Operating
 
 
 def _event(case: CaseData, analysis: ModalAnalysis, name: str) -> OperatingEvent:
-    modal, rough = analysis.reported, analysis.rough_reported
     tolerance = case.tolerance_peak or DEFAULT_TOLERANCE_PEAK
-    drive = _drive(case, modal, name)
-    dies_out, why = _length(case, modal, name, drive, tolerance)
+    dies_out, why = _length(case, analysis.reported, name, tolerance)
     longest = case.maximum_time or LONGEST_START
     if dies_out > longest and case.maximum_time is None:
         return OperatingEvent(
@@ -107,17 +106,16 @@ def _event(case: CaseData, analysis: ModalAnalysis, name: str) -> OperatingEvent
             "MaximumTime to say how long it is to be followed.",
         )  # fmt: skip
     end = min(dies_out, longest)
-    running = transmitted_torque(case, modal.train).element
     pieces: dict[str, float] = {}
-    if rough is not None:
-        fine, other = (
-            follow(m, _drive(case, m, name), end, COMPARED_AT, running) for m in (modal, rough)
-        )
-        pieces = pieces_errors(case, fine, other)
+    if analysis.rough_reported is not None:
+        analysis = refined(case, analysis, partial(_pieces_errors, case, name, end))
+        pieces = dict(analysis.pieces_error)
+    modal = analysis.reported
+    running = transmitted_torque(case, modal.train).element
     # what comes after the end has faded to this share of what it was
     faded = FADED * tolerance
     left = max(tolerance - faded - max(pieces.values(), default=0.0), 0.5 * tolerance)
-    response = follow(modal, drive, end, left, running)
+    response = _linear(case, modal, name, end, left)
     notes = []
     if names := list(_separating(modal.train, response)):
         quoted = ", ".join(f"'{element}'" for element in names)
@@ -157,6 +155,24 @@ def _event(case: CaseData, analysis: ModalAnalysis, name: str) -> OperatingEvent
     return OperatingEvent(
         name, response, () if starts is None else starts.shafts, errors, " ".join(notes)
     )
+
+
+def _linear(case: CaseData, modal: ModalTrain, name: str, end: float, tolerance: float) -> Start:
+    """The response with teeth that stay together, added to the torques in operation."""
+    running = transmitted_torque(case, modal.train).element
+    return follow(modal, _drive(case, modal, name), end, tolerance, running)
+
+
+def _pieces_errors(
+    case: CaseData, name: str, end: float, analysis: ModalAnalysis
+) -> dict[str, float]:
+    """Relative error of the torque of each element from the pieces of distributed shafts."""
+    assert analysis.rough_reported is not None
+    fine, rough = (
+        _linear(case, modal, name, end, COMPARED_AT)
+        for modal in (analysis.reported, analysis.rough_reported)
+    )
+    return pieces_errors(case, fine, rough)
 
 
 def _reversing(case: CaseData, response: Start) -> Iterator[str]:
@@ -266,9 +282,7 @@ def harmonic_drive(modal: ModalTrain, tones: Tones) -> Drive:
 # --- how long ---------------------------------------------------------------------------------------
 
 
-def _length(
-    case: CaseData, modal: ModalTrain, name: str, drive: Drive, tolerance: float
-) -> tuple[float, str]:
+def _length(case: CaseData, modal: ModalTrain, name: str, tolerance: float) -> tuple[float, str]:
     """Time after which nothing new comes, and what takes longest, in words. [s]
 
     All that decays, torques and modes, has faded to a share `FADED` of the tolerance by then. Torques that do not
@@ -280,6 +294,7 @@ def _length(
         (1.0 / r.time_constant, "a torque that decays slowly") for r in rows if r.time_constant
     ]
     train, modes, damping = modal
+    drive = _drive(case, modal, name)
     visible = visible_modes(train, modes, drive, tolerance) & (modes.omega > 0.0)
     for i in np.flatnonzero(visible).tolist():
         words = f"mode {i - modes.n_rigid + 1} ({modes.frequency[i]:.4g} Hz)"

@@ -6,8 +6,9 @@ change falls with the square of their number, so a third of it is the error; see
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -53,23 +54,43 @@ def analysis_for_start(case: CaseData) -> ModalAnalysis:
     if analysis.rough_torsional is None or not (has_start(case) or case.torque_time_from_rest):
         return analysis
     try:
-        return _refined(case, analysis)
+        return refined(case, analysis, partial(_errors, case))
     except ModelError:  # a train that cannot start says so when it is to
         return analysis
 
 
-def _refined(case: CaseData, analysis: ModalAnalysis) -> ModalAnalysis:
+def refined(
+    case: CaseData,
+    analysis: ModalAnalysis,
+    errors_of: Callable[[ModalAnalysis], dict[str, float]],
+) -> ModalAnalysis:
+    """A train in so many pieces that they take no more than their share of the tolerances, if it may have so many.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+    analysis : ModalAnalysis
+        Its train, with shafts in pieces. [SI]
+    errors_of : callable
+        Relative errors of torques from the pieces of an analysis, by element. [1]
+
+    Returns
+    -------
+    ModalAnalysis
+        With these errors. [SI]
+    """
     peak = case.tolerance_peak or DEFAULT_TOLERANCE_PEAK
     starts = case.tolerance_starts or DEFAULT_TOLERANCE_STARTS
     wanted = SHARE * min(peak, starts / max(sn_slope(case), 1.0))
     for _ in range(MOST_REFINEMENTS):
-        errors = _errors(case, analysis)
+        errors = errors_of(analysis)
         analysis = replace(analysis, pieces_error=tuple(errors.items()))
         finer = in_more_pieces(case, analysis, max(errors.values(), default=0.0), wanted)
         if finer is None:
             return analysis
         analysis = finer
-    return replace(analysis, pieces_error=tuple(_errors(case, analysis).items()))
+    return replace(analysis, pieces_error=tuple(errors_of(analysis).items()))
 
 
 def _errors(case: CaseData, analysis: ModalAnalysis) -> dict[str, float]:

@@ -27,6 +27,7 @@ from engine.case.data import (
     StationRow,
     TorqueTimeRow,
 )
+from engine.model.modal_analysis import analyse
 from engine.start.decaying_harmonics import DecayingHarmonic, Tones, harmonic_response
 from engine.start.pieces import analysis_for_start
 from engine.start.start import Start
@@ -377,3 +378,23 @@ def test_running_state_with_a_clearance_is_an_equilibrium() -> None:
     assert start.contacts[0].impacts >= 1
     time, torque = start.trajectory.time, start.trajectory.torque[0]
     np.testing.assert_allclose(torque[time < 0.1], 0.8 * RATED, rtol=1e-9)
+
+
+# --- distributed shafts ---------------------------------------------------------------------------
+
+
+def test_error_covers_the_pieces_of_a_distributed_shaft() -> None:
+    """Beside the same shaft in three times as many pieces, followed as long."""
+    shaft = ElementRow(
+        "Shaft", "shaft", "Motor", "Load", od=0.15, length=4.0, shear_modulus=8e10, density=7850.0
+    )
+    case = two_discs(0.05, elements=(shaft,), event_torque=HEAVY, maximum_time=0.1)
+    found, wanted = response(case).peaks[0], 1e-3
+    assert found.error <= wanted * found.size
+    pieces = dict(analysis_for_start(case).subdivided.segments)["Shaft"]
+    many = replace(analyse(case, least_pieces=3 * pieces), rough_reported=None)
+    (event,) = operating_events(case, many)
+    assert event.response is not None
+    finer = event.response.peaks[0]
+    change = max(abs(found.maximum - finer.maximum), abs(found.minimum - finer.minimum))
+    assert 0.0 < change <= found.error
