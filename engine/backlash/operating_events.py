@@ -12,7 +12,7 @@ by contact, as a start is, from the twisted train.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -112,10 +112,8 @@ def _event(case: CaseData, analysis: ModalAnalysis, name: str) -> OperatingEvent
         pieces = dict(analysis.pieces_error)
     modal = analysis.reported
     running = transmitted_torque(case, modal.train).element
-    # what comes after the end has faded to this share of what it was
-    faded = FADED * tolerance
-    left = max(tolerance - faded - max(pieces.values(), default=0.0), 0.5 * tolerance)
-    response = _linear(case, modal, name, end, left)
+    left = max((1.0 - FADED) * tolerance - max(pieces.values(), default=0.0), 0.5 * tolerance)
+    response = _with_errors(_linear(case, modal, name, end, left), pieces, tolerance)
     notes = []
     if names := list(_separating(modal.train, response)):
         quoted = ", ".join(f"'{element}'" for element in names)
@@ -134,6 +132,7 @@ def _event(case: CaseData, analysis: ModalAnalysis, name: str) -> OperatingEvent
             )
         else:
             response = _with_clearances(case, modal, name, response)
+            response = _with_errors(response, pieces, tolerance)
             if response.gave_up:
                 notes.append(
                     f"Event '{name}' with separating teeth was stopped after {response.outcome.time:.3g} s: it takes too "
@@ -146,9 +145,6 @@ def _event(case: CaseData, analysis: ModalAnalysis, name: str) -> OperatingEvent
         )
     if dies_out > end:
         notes.append(f"Event '{name}' is followed to MaximumTime, {end:g} s: {why}.")
-    response = with_pieces_error(response, pieces, tolerance)
-    peaks = tuple(p.with_error(faded * p.size) for p in response.peaks)
-    response = replace(response, peaks=peaks, estimated_error=response.estimated_error + faded)
     if notes:
         response = with_left_out(response, None, tolerance)
     starts, errors = starts_of(case, response)
@@ -161,6 +157,16 @@ def _linear(case: CaseData, modal: ModalTrain, name: str, end: float, tolerance:
     """The response with teeth that stay together, added to the torques in operation."""
     running = transmitted_torque(case, modal.train).element
     return follow(modal, _drive(case, modal, name), end, tolerance, running)
+
+
+def _with_errors(response: Start, pieces: Mapping[str, float], tolerance: float) -> Start:
+    """The response with errors that cover the pieces of shafts and what comes after its end.
+
+    That has faded to a share `FADED` of the tolerance.
+    """
+    response, faded = with_pieces_error(response, pieces, tolerance), FADED * tolerance
+    peaks = tuple(p.with_error(faded * p.size) for p in response.peaks)
+    return replace(response, peaks=peaks, estimated_error=response.estimated_error + faded)
 
 
 def _pieces_errors(
