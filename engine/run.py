@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from engine.backlash.event_start import run_event_start
+from engine.backlash.operating_events import OperatingEvent, operating_events
 from engine.case.data import CaseData, case_digest
 from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, DEFAULT_TOLERANCE_STARTS
 from engine.case.effect import StartEffects
@@ -35,7 +36,7 @@ from engine.plan.plan import (
     with_times,
 )
 from engine.results.results import AtSpeed, Results
-from engine.results.times import accuracy_of, measured_times
+from engine.results.times import EVENTS, accuracy_of, measured_times
 from engine.results.verdicts import verdicts_of
 from engine.results.warnings import warnings_of
 from engine.start.crossings import Crossing, crossings_of
@@ -97,7 +98,7 @@ def run(case: CaseData, on_stage: Callable[[str], None] | None = None) -> Result
     crossings: tuple[Crossing, ...] = ()
     errors: tuple[tuple[str, float | None], ...] = ()
     reversals: tuple[Reversal, ...] = ()
-    if has_start(case) or case.torque_time:
+    if has_start(case) or case.torque_time_from_rest:
         planned = planned_start(case, analysis, stage)
         with stage("fatigue"):
             start, starts, errors = judged_starts(case, planned)
@@ -113,6 +114,10 @@ def run(case: CaseData, on_stage: Callable[[str], None] | None = None) -> Result
         plans = (*planned.plans[:-1], measured)
     else:
         plans = (first_plan(case, collect_evidence(case, analysis.torsional, analysis.coupled)),)
+    events: tuple[OperatingEvent, ...] = ()
+    if case.event_names:
+        with stage(EVENTS):
+            events = tuple(e.without_histories() for e in operating_events(case, analysis))
     results = Results(
         **vars(at_speed_results),
         start=start,
@@ -122,6 +127,7 @@ def run(case: CaseData, on_stage: Callable[[str], None] | None = None) -> Result
         spent=tuple(spent),
         plans=plans,
         reversals=reversals,
+        events=events,
     )
     return replace(
         results,

@@ -122,6 +122,8 @@ class ReportedError(StrEnum):
     STARTS = "of the allowable starts of the row's element"
     ALL_STARTS = "the largest of the allowable starts"
     FREQUENCIES = "of the frequencies"
+    EVENTS = "of the peaks of the row's event"
+    EVENT_DAMAGE = "of the damage of the row's event and element"
     WORDS = "of a number inside a sentence"
     ESTIMATE = "itself an estimate of an error: may differ by its own size"
 
@@ -241,6 +243,8 @@ class TableSpec:
     #: state, start-up, reversals, starts, then what explains them; None = at the end.
     rank: int | None = None
     filtered: bool = False  #: Shipped with the buttons of a filter.
+    #: Templates of earlier versions lack it: a workbook without it is read as one where it is blank.
+    later: bool = False
     workbook_only: bool = False  #: The JSON has none of it: maps, and numbers behind charts.
 
     @property

@@ -7,7 +7,7 @@ The formulas are plain ones of Excel 2010: none is volatile, none an array formu
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Container, Iterator
 
 from addin.contract.field import Field, TableSpec
 from addin.contract.input_tables import INPUT_TABLES
@@ -64,6 +64,16 @@ COPY_TABLES: tuple[tuple[str, tuple[str, ...]], ...] = (
     (UNITS, UNIT_COLUMNS),
     *((copy_name(spec.name), copy_columns(spec)) for spec in INPUT_TABLES),
 )
+
+
+def missing_copies(tables: Container[str]) -> list[str]:
+    """Tables of the sheet that are not among those of a workbook.
+
+    Of an input table that came later, and that the workbook of an earlier version does not have, no copy is
+    missed.
+    """
+    earlier = {copy_name(s.name) for s in INPUT_TABLES if s.later and s.name not in tables}
+    return [name for name, _ in COPY_TABLES if name not in tables and name not in earlier]
 
 
 # --- units ----------------------------------------------------------------------------------------

@@ -185,6 +185,25 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
         ),
     ),
     table(
+        "EventTorque", sheet="Excitation", caption="Events in operation (optional)",
+        help="Air-gap torque of a fault as makers publish it: sums of A e^(−t/τ) cos(m ω t + φ) from the event on, "
+        "added to the torque in operation.",
+        rows=20, row_name=("Event", "Station", "Multiple"), later=True,
+        columns=(
+            text("Event", "Name of the event; the rows of one name add up."),
+            text("Station", "Where the torque acts: the motor.", kind="station"),
+            number(
+                "Amplitude", "fraction",
+                "A: torque over RatedTorque at the speed of that station, signed, positive in the running "
+                "direction.",
+                us="pu", si="pu", units=("pu", "%"),
+            ),
+            number("Multiple", "ratio", "m: multiple of the line frequency, 0 = no oscillation.", blank="0"),
+            number("Phase", "angle", "φ: phase of the cosine at the event.", blank="0"),
+            number("Time constant", "time", "τ: time constant of the decay.", blank="it does not decay"),
+        ),
+    ),
+    table(
         "Materials", sheet="Fatigue", caption="Materials",
         help="Strength of the shaft materials.",
         rows=5, row_name=("Material",), short_caption=True,

@@ -30,6 +30,9 @@ from addin.contract.sources import (
     CURVES,
     DAMPING,
     EQUATION_OF_MOTION,
+    EVENT,
+    EVENT_METHOD,
+    EVENT_RESPONSE,
     EXCITATION,
     EXPONENTIAL,
     FATIGUE,
@@ -740,6 +743,77 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 "docs/nomenclature.md, reversal margin",
                 of_row=("TorqueReversals.Minimum torque", "TorqueReversals.Transmitted torque"),
                 formula=live.REVERSAL_MARGIN_CHECK, format=shown.TWO_DECIMALS,
+            ),
+        ),
+    ),
+    table(
+        "EventPeaks", sheet="Events", caption="Peaks of events in operation",
+        help="Extremes from the event on, the torques of operation included, at own speed; stress nominal without SCF.",
+        row_name=("Event", "Element"), changes_shown=("Maximum", "Minimum"), of_the_start=True, rank=7,
+        later=True,
+        columns=(
+            text("Event", "Name of the event.", trace=named("EventTorque.Event")),
+            text("Element", "Element.", kind="element", trace=named("Elements.Element")),
+            number(
+                "Maximum", "torque", "Largest torque.", f"{EVENT_RESPONSE}; {PEAK}", EVENT_METHOD,
+                us="lbf*ft", of_case=EVENT, format=shown.SIGNED, error=ReportedError.EVENTS,
+            ),
+            number(
+                "Minimum", "torque", "Smallest torque.", f"{EVENT_RESPONSE}; {PEAK}", EVENT_METHOD,
+                us="lbf*ft", of_case=EVENT, format=shown.SIGNED, error=ReportedError.EVENTS,
+            ),
+            number(
+                "Time", "time", "When the larger of the two magnitudes occurs, from the event on.",
+                "Instant of the larger extreme", EVENT_METHOD,
+                of_row=("EventPeaks.Maximum", "EventPeaks.Minimum"), of_case=EVENT, pane=Pane.MINOR,
+            ),
+            number(
+                "Times rated", "ratio", "Larger magnitude over RatedTorque, both at motor speed.",
+                "larger extreme × speed ratio / RatedTorque", LABEL,
+                of_row=("EventPeaks.Maximum", "EventPeaks.Minimum"),
+                of_case=("RatedTorque", "RatedPower", "Stations.Speed ratio"), format=shown.TWO_DECIMALS,
+                error=ReportedError.EVENTS,
+            ),
+            number(
+                "Peak stress", "pressure", "Nominal shear stress of the larger magnitude, without SCF.",
+                f"{STRESS} of the larger extreme; nominal, without SCF", STRENGTH,
+                of_row=("EventPeaks.Maximum", "EventPeaks.Minimum", *SECTION), error=ReportedError.EVENTS,
+            ),
+            number(
+                "Damage", "count", "Miner sum of one such event; multiply by the events in a life.",
+                f"Σ nᵢ/Nᵢ over the rainflow cycles of SCF · {STRESS}; amplitude = half range, mean ignored",
+                FIGURE_3, of_case=(*EVENT, *FATIGUE), format=shown.DAMAGE, error=ReportedError.EVENT_DAMAGE,
+            ),
+            number(
+                "Damage error", "fraction", "Estimated relative error of the damage.",
+                "As the error of the allowable starts", "docs/method.md, Errors of a start",
+                of_row=("EventPeaks.Damage",), of_case=("TolerancePeak",), format=shown.ERROR,
+                error=ReportedError.ESTIMATE, pane=Pane.WORKBOOK,
+            ),
+            number(
+                "Limit", "torque", "Least of Peak torque limit and the torque of shear yield.",
+                "Peak torque limit; the torque whose nominal stress is Yield / 2 (maximum shear theory); the lower one",
+                STRENGTH, us="lbf*ft",
+                of_row=("Elements.Peak torque limit", "Elements.Material", *SECTION), of_case=("Materials.Yield",),
+            ),
+            verdict(
+                "Verdict", "pass, pass within its error, incomplete, fail, or not judged.",
+                "pass where the larger extreme with its error is within the limit; incomplete where something without a "
+                "bound is left out; not judged without a limit, or where the event was not calculated",
+                EVENT_METHOD, of_row=("EventPeaks.Maximum", "EventPeaks.Minimum", "EventPeaks.Limit"),
+            ),
+            number(
+                "Error", "fraction", "Estimated error of maximum and minimum, relative to the larger.",
+                "Change of both extremes from spacing h to h/2 (the samples are exact), with what comes after the end, a "
+                "bound on fast modes and the error from the pieces of distributed shafts",
+                EVENT_METHOD, of_case=("TolerancePeak",), format=shown.ERROR,
+                error=ReportedError.ESTIMATE, pane=Pane.MINOR,
+            ),
+            number(
+                "Left out", "fraction", "Bound on the relative change by what is left out; blank: none is known.",
+                "0; no bound where teeth would separate and backlash is forced off, or MaximumTime ends the event early",
+                EVENT_METHOD, of_case=("EffectChoices.Choice", "MaximumTime", *CLEARANCES),
+                format=shown.ERROR, error=ReportedError.ESTIMATE, pane=Pane.MINOR,
             ),
         ),
     ),

@@ -116,6 +116,13 @@ _BY_GROUP: Mapping[str, tuple[Field, ...]] = {
             "settles ends earlier.",
             blank="600 s, or to the end of TorqueTime",
         ),
+        choice(
+            "InitialState",
+            tuple(choices.InitialState),
+            "Where torques of table TorqueTime begin: rest, with the start; running, as an event in operation "
+            "(sheet Events), added to the torques of the train at synchronous speed.",
+            blank="rest",
+        ),
         number("StartsRequired", "count", "Starts the train must survive."),
         number(
             "StartsFactor",

@@ -87,6 +87,17 @@ FACT_LINES: tuple[tuple[str, str, str, str, str, float], ...] = (
         15.0,
     ),
     (
+        "Events",
+        "B4",
+        "N4",
+        _said(
+            'IF(COUNTIF(EventPeaks[Event],"?*")=0,"No event in operation: table EventTorque on sheet Excitation '
+            'is blank.","")'
+        ),
+        "note",
+        15.0,
+    ),
+    (
         "Starts",
         "B4",
         "I4",
@@ -164,11 +175,10 @@ SHEETS: tuple[Sheet, ...] = (
     Sheet(
         "Excitation",
         "input",
-        {"A": 1.5, "B": 30, "C": 10, "D": 22, "E": 13, "F": 22, "G": 14, "H:J": 18},
-        {"Excitations": "B5"},
-        freeze="A8",
+        {"A": 1.5, "B": 30, "C": 14, "D": 22, "E": 13, "F": 22, "G": 14, "H:J": 18},
+        {"Excitations": "B5", "EventTorque": "B24"},
         intro="Excitations in continuous operation. Leave the table blank for the defaults: 1× and "
-              "2× of every shaft speed, 1× and 2× line frequency.",
+              "2× of every shaft speed, 1× and 2× line frequency. Below: torques of faults in operation.",
     ),
     Sheet(
         "Frequencies",
@@ -252,6 +262,16 @@ SHEETS: tuple[Sheet, ...] = (
         header_rows=7,
         intro="Fatigue damage of one start by rainflow count and Miner's rule; allowable starts "
         "are 1 / damage. Amplitude = half range times SCF; mean stress is ignored.",
+    ),
+    Sheet(
+        "Events",
+        "result",
+        {"A": 1.5, "B": 24, "C": 22, "D:E": 12, "F:H": 10, "I:J": 11, "K": 12, "L": 20, "M:N": 10},
+        {"EventPeaks": "B5"},
+        freeze="A8",
+        header_rows=7,
+        intro="Faults in operation: torques of table EventTorque (sheet Excitation) upon the train that runs at "
+        "synchronous speed under its running loads. They count as no starts.",
     ),
     Sheet(
         "Effects",

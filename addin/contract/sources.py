@@ -151,6 +151,7 @@ MOTOR = (
 )
 EVENTS = (
     "TorqueTime.Torque",
+    "InitialState",
     "PulsationPhase",
     "ShockAmplitude",
     "ShockTimeConstant",
@@ -168,6 +169,28 @@ EVENTS = (
 CLEARANCES = ("Meshes.Backlash", "Meshes.Angular backlash", "ContactLaw")
 MODAL = (*TRAIN, *LATERAL)
 START = (*MODAL, *DAMPING, *LINE, *MOTOR, *EVENTS, *CLEARANCES, "EffectChoices.Choice")
+#: What an event in operation depends on.
+EVENT = (
+    *MODAL,
+    *DAMPING,
+    *LINE,
+    "EventTorque.Station",
+    "EventTorque.Amplitude",
+    "EventTorque.Multiple",
+    "EventTorque.Phase",
+    "EventTorque.Time constant",
+    "TorqueTime.Torque",
+    "InitialState",
+    "Stations.Running load",
+    "LoadTorque.Torque",
+    "RatedTorque",
+    "RatedPower",
+    "MaximumTime",
+    "TolerancePeak",
+    "Meshes.Backlash",
+    "Meshes.Angular backlash",
+    "EffectChoices.Choice",
+)
 SPEEDS = ("MinimumSpeed", "MaximumSpeed", "Stations.Speed ratio", *LINE)
 EXCITATION = ("Excitations.Order", "Excitations.Of station", "Excitations.Frequency")
 SECTION = ("Elements.Stress diameter", "Elements.Stress bore")
@@ -198,6 +221,8 @@ PEAK = (
     "their time derivatives"
 )
 STRESS = "τ = 16 T D / (π (D⁴ − d⁴))"
+EVENT_RESPONSE = "torque in operation + response to Σ A e^(−t/τ) cos(m ω t + φ), exact at the samples: M θ̈ + C θ̇ + K θ = T(t)"
+EVENT_METHOD = "docs/method.md, Events in operation"
 EQUATION_OF_MOTION = "q̈ + 2ζω q̇ + ω² q = Φᵀ T(t, θ, ω); torque of an element = k · twist"
 
 

@@ -60,7 +60,9 @@ from engine.errors import Problem
 
 #: Names this product has beyond the contract; a workbook without them, and without a value beside their label,
 #: reads as blank there.
-_OPTIONAL = frozenset({"RainflowResidue", "Gear type", "ContactLaw", "DampingRange"})
+_OPTIONAL = frozenset(
+    {"RainflowResidue", "Gear type", "ContactLaw", "DampingRange", "InitialState"}
+)
 
 
 #: What a defined name of cells stands for: a sheet, in quotes where need be, and cells.
@@ -388,6 +390,8 @@ class _Reading:
         self._silence_missing_columns(spec)
 
     def _note_missing_table(self, spec: TableSpec, table: Table | None) -> None:
+        if table is None and spec.later:
+            return
         if table is not None:
             message = "the table has no header row. Switch it on (Table Design > Header Row)."
         else:

@@ -84,6 +84,7 @@ def build_document(
         starting.start(subject),
         starting.reversals(subject),
         starting.fatigue(subject),
+        *((operation.events(subject),) if calculation.results.events else ()),
         *((studies.studies(subject, recorded),) if recorded else ()),
         closing.effects(subject),
         closing.accuracy(subject),

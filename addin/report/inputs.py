@@ -186,6 +186,7 @@ def _torques(subject: Subject) -> Section:
         ("MotorTorque", "no motor torque"),
         ("LoadTorque", "no load torque"),
         ("TorqueTime", "no prescribed torque against time"),
+        ("EventTorque", "no torque of an event in operation"),
     ):
         table = _table(subject, name)
         if table is None:

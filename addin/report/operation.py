@@ -8,6 +8,7 @@ from typing import Any
 
 from addin.report.document import Column, Paragraph, Section, Table, section
 from addin.report.equations import by
+from addin.report.layout import folded
 from addin.report.numbers import clean, significant
 from addin.report.subject import Subject
 from addin.report.tables import FULL, left_out, with_column
@@ -157,3 +158,17 @@ def _chosen_steady(rows: Sequence[Row]) -> list[Row]:
 
 def _size(row: Row) -> float:
     return math.inf if row.get("torque") is None else float(row["torque"])
+
+
+def events(subject: Subject) -> Section:
+    """Faults in operation: peaks of every element, and what was not calculated."""
+    notes = [
+        Paragraph(clean(event.note)) for event in subject.calculation.results.events if event.note
+    ]
+    rows = [row for row in subject.rows("EventPeaks") if "maximum" in row]
+    note = (
+        "Torques from the event on, those of operation included, at the element's own speed; stress nominal. Events "
+        "are not counted as starts."
+    )
+    peaks = folded(subject.table("EventPeaks", note=note, rows=rows)) if rows else ()
+    return section("Events in operation", *notes, *peaks)

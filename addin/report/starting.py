@@ -84,9 +84,10 @@ def _conditions(subject: Subject) -> Section:
         if name in effects:
             sentence = "simulated" if effects[name] else f"not simulated: {why[name]}"
             facts.append((words, sentence))
-    stations = ", ".join(sorted({clean(row.station or "") for row in case.torque_time}))
-    prescribed = "not part of this start; their torque can be prescribed in table TorqueTime"
-    if case.torque_time:
+    tabled = case.torque_time_from_rest
+    stations = ", ".join(sorted({clean(row.station or "") for row in tabled}))
+    prescribed = "not part of this start; in operation they are events (table EventTorque)"
+    if tabled:
         prescribed = f"torques prescribed against time act at {stations} (table TorqueTime)"
     succession = (
         "each start from rest; residual vibration, temperature and starts per hour are not "

@@ -1,6 +1,6 @@
 """The error that this version reports for a result, in the unit in which it is shown.
 
-Only results of the start carry an estimated error, and frequencies where shafts were cut into
+Only results of the start and of events carry an estimated error, and frequencies where shafts were cut into
 segments. All others are exact to rounding, and nothing is allowed for them.
 """
 
@@ -26,6 +26,10 @@ class Allowances:
     def __init__(self, results: Results) -> None:
         self._frequency = results.frequency_error if results.segments else None
         self._starts = {name: error for name, error in results.starts_error if error is not None}
+        self._events = {e.name: e.response.estimated_error for e in results.events if e.response}
+        self._damage = {
+            (e.name, shaft): error for e in results.events for shaft, error in e.damage_errors
+        }
         self._peaks: float | None = None
         start = results.start
         if start is not None:
@@ -78,6 +82,10 @@ class Allowances:
             return max(self._starts.values(), default=None)
         if error is ReportedError.FREQUENCIES:
             return self._frequency
+        if error is ReportedError.EVENTS:
+            return self._events.get(str(row.get("Event")))
+        if error is ReportedError.EVENT_DAMAGE:
+            return self._damage.get((str(row.get("Event")), str(row.get("Element"))))
         if error is ReportedError.WORDS:
             return self.of_words()
         return 1.0  # another version may estimate an error otherwise, up to its size

@@ -33,14 +33,15 @@ def missing_tables(workbook: Workbook) -> Iterator[Finding]:
     Yields
     ------
     Finding
-        One a table. Templates of earlier versions lack tables of `WORKBOOK_TABLES`: these are
-        missed only where their headers still stand in cells.
+        One a table. Templates of earlier versions lack tables of `WORKBOOK_TABLES` and those that came later:
+        these are missed only where their headers still stand in cells.
     """
+    earlier = not any(spec.name in workbook.tables for spec in INPUT_TABLES if spec.later)
     for spec in (*RESULT_TABLES, *WORKBOOK_TABLES):
         if spec.name in workbook.tables:
             continue
         at = _as_cells(workbook, spec)
-        if at is None and spec in WORKBOOK_TABLES:
+        if at is None and (spec in WORKBOOK_TABLES or (spec.later and earlier)):
             continue
         sentence = f"the workbook has no table {spec.name}: its results were removed"
         if at is not None:

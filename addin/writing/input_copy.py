@@ -16,7 +16,6 @@ from addin.contract.input_copy import (
     CHECK_COLUMNS,
     CHECKS,
     COMPARED_SCALARS,
-    COPY_TABLES,
     FULL_SPEED,
     OF_THE_RESULTS,
     UNIT_COLUMNS,
@@ -31,6 +30,7 @@ from addin.contract.input_copy import (
     is_renamed,
     is_speed,
     may_be_speed,
+    missing_copies,
     quantity_of,
     unit_rows,
 )
@@ -70,7 +70,7 @@ def input_copy(
     list of TableData
         None for a workbook of an earlier version, which has no place for them.
     """
-    if any(name not in read.workbook.tables for name, _ in COPY_TABLES):
+    if missing_copies(read.workbook.tables):
         return []
     return list(_Copy(read, digest, units or {}).tables())
 
@@ -108,8 +108,13 @@ class _Copy:
             for number, (quantity, unit, scale) in enumerate(UNIT_ROWS, 1)
         ]
         yield TableData(UNITS, rows, UNIT_COLUMNS)
-        for spec in INPUT_TABLES:
+        for spec in self.input_tables:
             yield TableData(copy_name(spec.name), self._rows(spec), copy_columns(spec))
+
+    @property
+    def input_tables(self) -> tuple[TableSpec, ...]:
+        """Input tables that the workbook has; one of an earlier version lacks those that came since."""
+        return tuple(s for s in INPUT_TABLES if s.name in self.read.locations.tables)
 
     # ---- numbers in SI -------------------------------------------------------------------------
 
@@ -170,7 +175,7 @@ class _Copy:
                 live = _reference(*self.read.locations.scalars[field.name])
                 yield self._check(_Input(field, SCALAR_TABLE, field.name, live, row))
                 row += 1
-        for spec in INPUT_TABLES:
+        for spec in self.input_tables:
             table = self.read.locations.tables[spec.name]
             for field in compared_columns(spec):
                 at = self.read.locations.columns.get((spec.name, field.name))

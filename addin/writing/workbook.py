@@ -60,6 +60,7 @@ _OPTIONAL = frozenset(table.name for table in fields.WORKBOOK_TABLES) | {
     "ChartPullIn",
     "ChartEvents",
     "ChartAccuracy",
+    *(table.name for table in fields.RESULT_TABLES if table.later),
 }
 #: What the rows of a plain recalculation are, below `NO_STUDY`.
 ANALYSES = (

@@ -12,5 +12,7 @@ module                responsibility
                       forces
 `event_start`         starts with clearances, lateral motion of gears, field application and
                       trip: the event runs
+`operating_events`    events in operation: a fault, or any torque that comes upon a train that runs at
+                      synchronous speed
 ====================  ============================================================================
 """

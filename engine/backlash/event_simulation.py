@@ -8,8 +8,8 @@ the steps themselves, two samples at an event, one before and one after it.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -47,6 +47,8 @@ class EventModel(Machines):
     sampled: float  #: Angular frequency that the base step samples. [rad/s]
     limited: bool  #: True: contact damping never exceeds the spring force.
     visible: float = 0.0  #: Ringing above this share of an answer is followed. [1]
+    #: Decaying harmonic torques, as fields of the loop's ``drive_t``. [SI]
+    tones: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def damper_force(self) -> Ints:
@@ -263,7 +265,9 @@ class _Simulation:
                 "flanks_t", gap=gap, stiffness=stiffness, damping=damping, scale=scale,
                 limited=model.limited, contact=self.contact,
             ),
-            drive_struct(model.curves, model.motors, model.loads, model.timed, self.electrical),
+            drive_struct(
+                model.curves, model.motors, model.loads, model.timed, self.electrical, model.tones
+            ),
             struct(
                 "state_t", q=self.q, v=self.v, phase=self.phase, force=self.force, force_rate=self.rate
             ),

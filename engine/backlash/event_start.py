@@ -43,7 +43,8 @@ from engine.model.motor import motors_of, voltage_factor
 from engine.model.rigid_runup import RigidRunup, rigid_runup
 from engine.model.train import Flank, Train
 from engine.numerics.distinct import distinct
-from engine.numerics.same_bits import interp, square
+from engine.numerics.same_bits import interp, product, square
+from engine.start.decaying_harmonics import DecayingHarmonic, as_the_loop_takes_them
 from engine.start.event_results import PullIn, Repeatability, prediction_interval
 from engine.start.outcome import StartOutcome, outcome_of, run_length
 from engine.start.peaks import JudgedRun, judge_run
@@ -60,8 +61,9 @@ from engine.start.start_model import (
     machine_arrays,
     start_model,
 )
-from engine.start.time_response import prescribed_torques
+from engine.start.time_response import PrescribedTorque, held, prescribed_torques
 from engine.start.trajectory import SingleRun
+from engine.stepping.contact_loop import DRIVE, FREE
 
 
 def clearances_of(train: Train) -> tuple[Flank, ...]:
@@ -115,6 +117,16 @@ LONGEST_SLIP_CYCLE = 20.0
 LOOK_EVERY = 0.5
 
 
+@dataclass(frozen=True)
+class EventTorques:
+    """Torques that a train without motors and loads is followed under."""
+
+    torques: Sequence[PrescribedTorque]  #: Linear between the rows of tables. [N m]
+    terms: Sequence[DecayingHarmonic] = ()  #: Decaying harmonics. [N m]
+    #: Stations and torques that hold the train in equilibrium before and during it. [index, N m]
+    before: Sequence[tuple[int, float]] = ()
+
+
 @dataclass(frozen=True, eq=False)
 class _Run(SingleRun):
     """One simulation, with its events."""
@@ -135,11 +147,12 @@ def run_event_start(
     modal: ModalTrain,
     effects: StartEffects,
     linear: Start | None = None,
+    event: EventTorques | None = None,
 ) -> Start:
-    """Calculate a start with clearances, lateral motion, field application or trip.
+    """Calculate a start with clearances, lateral motion, field application or trip, or an event in operation.
 
     `modal` has all teeth in contact. The linear start of the same case gives the scale of each torque; it
-    is calculated if it is not given. Raises `ModelError` if the train cannot turn or has no motor, or an
+    is calculated if it is not given, that of an event always is. Raises `ModelError` if the train cannot turn or has no motor, or an
     effect lacks its data.
     """
     train = modal.train
@@ -148,7 +161,7 @@ def run_event_start(
     elif linear is None:
         linear = run_prescribed(case, modal)
     tolerance = case.tolerance_peak or DEFAULT_TOLERANCE_PEAK
-    setup = _set_up(case, modal, effects, linear, tolerance)
+    setup = _set_up(case, modal, effects, linear, tolerance, event)
     model, step = setup.model, setup.step
     most_work = HOPELESS_WORK if linear.gave_up else MOST_WORK
 
@@ -325,7 +338,9 @@ def run_again(
 def _simulated(setup: _Setup, step: float, tolerance: float, most: float) -> _Run:
     # what is not followed shrinks with the step, so that the change from h to h/2 shows it
     seen = replace(setup.model, visible=VISIBLE * tolerance * square(step / setup.step))
-    run = simulate_events(seen, step, setup.script, settled=setup.settled, most_work=most)
+    run = simulate_events(
+        seen, step, setup.script, setup.initial, settled=setup.settled, most_work=most
+    )
     single = SingleRun.until(run.trajectory, float(run.trajectory.time[-1]))
     return _Run(**vars(single), events=replace(run, trajectory=single.trajectory))
 
@@ -341,13 +356,20 @@ class _Setup:
     drops_modes: bool
     settled: Settled | None
     uncoupled_dampers: tuple[str, ...]
+    initial: tuple[Floats, Floats] | None = None
 
 
 def _set_up(
-    case: CaseData, modal: ModalTrain, effects: StartEffects, linear: Start, tolerance: float
+    case: CaseData,
+    modal: ModalTrain,
+    effects: StartEffects,
+    linear: Start,
+    tolerance: float,
+    event: EventTorques | None = None,
 ) -> _Setup:
     if linear.runup is None:
-        return _prescribed(case, modal, effects, linear)
+        torques = event or EventTorques(prescribed_torques(case, modal.train))
+        return _prescribed(case, modal, effects, linear, torques)
     return _start(case, modal, effects, linear, tolerance)
 
 
@@ -392,11 +414,13 @@ def _start(
     return _Setup(model, script, step, plain.truncation, drops, judge, plain.uncoupled_dampers)
 
 
-def _prescribed(case: CaseData, modal: ModalTrain, effects: StartEffects, linear: Start) -> _Setup:
+def _prescribed(
+    case: CaseData, modal: ModalTrain, effects: StartEffects, linear: Start, event: EventTorques
+) -> _Setup:
     """Prescribed torques alone: every mode that may be is kept, and followed where it rings."""
     train = modal.train
-    torques = prescribed_torques(case, train)
-    stations = sorted({p.station for p in torques})
+    torques = [*event.torques, *(held(station, torque) for station, torque in event.before)]
+    stations = sorted({p.station for p in torques} | {t.station for t in event.terms})
     keep = allowed_modes(modal.modes, effects)
     basis = _basis(case, modal, effects, keep)
     rows = np.flatnonzero(train.viscous > 0.0)
@@ -415,10 +439,27 @@ def _prescribed(case: CaseData, modal: ModalTrain, effects: StartEffects, linear
         **machine_arrays(case, (), (), torques, stations),
         sampled=COARSEST_EVENT_ANGLE / step,
         limited=effects.contact_law == ContactLaw.LIMITED,
+        tones=as_the_loop_takes_them(event.terms, stations),
     )
     script = EventSchedule(maximum_time=linear.outcome.time, keep_all=keeps_history(case))
     drops = not bool(np.all(keep))
-    return _Setup(model, script, step, np.zeros(len(pieces.output_element)), drops, None, ())
+    force = np.zeros(places.n_forces)
+    for station, torque in event.before:
+        force[stations.index(station)] += torque
+    return _Setup(
+        model, script, step, np.zeros(len(pieces.output_element)), drops, None, (),
+        _twisted_by(pieces, force) if event.before else None,
+    )  # fmt: skip
+
+
+def _twisted_by(pieces: ContactSystems, force: Floats) -> tuple[Floats, Floats]:
+    """The train in equilibrium under constant torques, its drive flanks loaded, in the common basis."""
+    n_flanks = len(pieces.basis.flanks)
+    closed = pieces.pieces[pieces.index_of([DRIVE] * n_flanks + [FREE] * n_flanks)]
+    elastic = closed.stiffness > 0.0
+    pushed = product(closed.reach[:, : len(force)], force)
+    twist = np.where(elastic, pushed / np.where(elastic, closed.stiffness, 1.0), 0.0)
+    return np.asarray(product(closed.turn, twist)), np.zeros(len(twist))
 
 
 def _script(
@@ -534,8 +575,14 @@ def _changed(model: EventModel, times: int) -> EventModel:
     factor = 1.0 + times * TINY
     knots, cubics, counts = model.curves
     force, time, torque, rows = model.timed
+    tones = dict(model.tones)
+    if tones:
+        tones["tone_size"] = tones["tone_size"] * factor
     return replace(
-        model, curves=(knots, cubics * factor, counts), timed=(force, time, torque * factor, rows)
+        model,
+        curves=(knots, cubics * factor, counts),
+        timed=(force, time, torque * factor, rows),
+        tones=tones,
     )
 
 

@@ -60,6 +60,13 @@ class Method(StrEnum):
     NEWMARK = "newmark"
 
 
+class InitialState(StrEnum):
+    """Where the train is when torques against time begin: untwisted, or twisted by the running loads."""
+
+    REST = "rest"
+    RUNNING = "running"
+
+
 class HistoryFile(StrEnum):
     """What every sample of a start is kept in."""
 

@@ -16,6 +16,10 @@ from dataclasses import dataclass, fields
 from functools import cache
 from typing import Any
 
+from engine.case.choices import InitialState
+
+#: Name of the event in operation that table `TorqueTime` is where `InitialState` is ``running``.
+TABLED_EVENT = "TorqueTime"
 #: The word in From or To that means a fixed end or the ground.
 GROUND = "ground"
 
@@ -149,6 +153,19 @@ class TorqueTimeRow:
 
 
 @dataclass(frozen=True)
+class EventTorqueRow:
+    """One row of `EventTorque`: a term A e^(−t/τ) cos(m ω t + φ) of an event in operation."""
+
+    event: str | None = None  #: Event; its rows add up.
+    station: str | None = None  #: Where it acts.
+    #: A over the rated torque at the speed of that station, in the running direction. [1]
+    amplitude: float | None = None
+    multiple: float | None = None  #: m, multiple of the line frequency; blank or 0 = constant. [1]
+    phase: float | None = None  #: φ; blank = 0. [rad]
+    time_constant: float | None = None  #: τ; blank = it does not decay. [s]
+
+
+@dataclass(frozen=True)
 class MaterialRow:
     """One row of `Materials`."""
 
@@ -202,6 +219,7 @@ TABLES: dict[str, tuple[str, type]] = {
     "MotorTorque": ("motor_torque", MotorTorqueRow),
     "LoadTorque": ("load_torque", LoadTorqueRow),
     "TorqueTime": ("torque_time", TorqueTimeRow),
+    "EventTorque": ("event_torque", EventTorqueRow),
     "Materials": ("materials", MaterialRow),
     "SNPoints": ("sn_points", SNPointRow),
     "Excitations": ("excitations", ExcitationRow),
@@ -266,6 +284,8 @@ class CaseData:
     end_speed: float | None = None
     #: Longest simulated time; blank = 600 s, or the end of `torque_time`. [s]
     maximum_time: float | None = None
+    #: Where the torques of `torque_time` begin: ``rest`` (default), or ``running``, an event in operation.
+    initial_state: str | None = None
     starts_required: float | None = None  #: Starts the shaft must survive. [1]
     #: Allowable starts are divided by it before they are judged; blank = 1. [1]
     starts_factor: float | None = None
@@ -295,6 +315,7 @@ class CaseData:
     motor_torque: tuple[MotorTorqueRow, ...] = ()  #: Likewise. [rows]
     load_torque: tuple[LoadTorqueRow, ...] = ()  #: Likewise. [rows]
     torque_time: tuple[TorqueTimeRow, ...] = ()  #: Likewise. [rows]
+    event_torque: tuple[EventTorqueRow, ...] = ()  #: Likewise. [rows]
     materials: tuple[MaterialRow, ...] = ()  #: Rows of the tables of the same name. [rows]
     sn_points: tuple[SNPointRow, ...] = ()  #: Likewise. [rows]
     excitations: tuple[ExcitationRow, ...] = ()  #: Likewise. [rows]
@@ -317,6 +338,18 @@ class CaseData:
         if power is None and torque and speed:
             power = torque * speed
         return Ratings(frequency, speed, pairs, power, torque)
+
+    @property
+    def torque_time_from_rest(self) -> tuple[TorqueTimeRow, ...]:
+        """Rows of `torque_time` that act in a start, or make one; none where they are an event in operation."""
+        return () if self.initial_state == InitialState.RUNNING else self.torque_time
+
+    @property
+    def event_names(self) -> tuple[str, ...]:
+        """Events in operation, in the order of their tables."""
+        tabled = self.torque_time and not self.torque_time_from_rest
+        names = dict.fromkeys(str(row.event) for row in self.event_torque)
+        return (*names, TABLED_EVENT) if tabled else tuple(names)
 
     @property
     def speed_ratios(self) -> dict[str | None, float]:

@@ -12,7 +12,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 
-from engine.case.choices import ElementKind, SNBasis
+from engine.case.choices import ElementKind, InitialState, SNBasis
 from engine.case.data import CaseData, ElementRow, MaterialRow, MotorTorqueRow, value_of
 from engine.case.usual_range import Implausible, UsualRange, quotient
 
@@ -294,6 +294,25 @@ USUAL: tuple[tuple[UsualRange, Callable[[CaseData], Values]], ...] = (
     ),
     (
         UsualRange(
+            "EventTorque", "Amplitude", 0.0, 15.0, _PER_UNIT, 1.0, "at most 1 to 12",
+            "Check that it is a share of RatedTorque: not of the apparent power, no torque and no per cent.",
+            possible=(0.0, 100.0),
+        ),
+        lambda case: [(row.event, abs(row.amplitude or 0.0)) for row in case.event_torque],
+    ),
+    (
+        UsualRange("EventTorque", "Multiple", 0.0, 4.0, "× line frequency", 1.0, "0, 1 or 2", "It is no frequency."),
+        partial(_column, "event_torque", "Multiple", "Event"),
+    ),
+    (
+        UsualRange(
+            "EventTorque", "Time constant", 1e-3, 5.0, "s", 1.0, "0.01 to 2 s",
+            "Check its unit (milliseconds).",
+        ),
+        partial(_column, "event_torque", "Time constant", "Event"),
+    ),
+    (
+        UsualRange(
             "Excitations", "Frequency", 0.5, 2500.0, "Hz", 1.0, "line frequency and its multiples",
             "Check its unit (Hz or cpm); what rises with speed has an Order.",
         ),
@@ -464,6 +483,11 @@ def _no_effect(case: CaseData) -> Iterator[str]:
         )
     if case.voltage is not None and case.voltage != 1.0 and not case.motor_torque:
         yield "Voltage has no effect without motor curves: prescribed torques are not scaled."
+    if case.initial_state == InitialState.RUNNING and not case.torque_time:
+        yield (
+            "InitialState has no effect while table TorqueTime is empty: a start begins at rest, events of "
+            "EventTorque in operation."
+        )
 
 
 # --- excitations ----------------------------------------------------------------------------------
@@ -581,7 +605,7 @@ def _no_pulsation(case: CaseData) -> Iterator[Implausible]:
 
     With a transient at breaker closing or prescribed torques the motor may be of another kind.
     """
-    if not case.motor_torque or case.shock_amplitude or case.torque_time:
+    if not case.motor_torque or case.shock_amplitude or case.torque_time_from_rest:
         return
     ratios, rated = case.speed_ratios, case.ratings.rated_torque or 0.0
     largest = max(abs(p.pulsating or 0.0) * ratios.get(p.station, 1.0) for p in case.motor_torque)

@@ -30,7 +30,7 @@ def drive_ends(case: CaseData, a: Assembly) -> tuple[Floats, Mask, int]:
 def _drivers(case: CaseData, a: Assembly) -> list[int]:
     """Stations whose prescribed torque drives, on the average of its rows."""
     total: dict[int, float] = {}
-    for p in case.torque_time:
+    for p in case.torque_time_from_rest:
         if p.station in a.index:
             station = a.index[p.station]
             total[station] = total.get(station, 0.0) + float(p.torque or 0.0)

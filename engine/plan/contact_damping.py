@@ -66,16 +66,16 @@ def without_excess_damping(case: CaseData, train: Train, start: Start) -> CaseDa
                 tables.setdefault(station, []).append((time, torque))
     if not tables:
         return None
-    kept = [row for row in case.torque_time if row.station not in tables]
+    kept = [row for row in case.torque_time_from_rest if row.station not in tables]
     changed = [row for s, pairs in tables.items() for row in _rows(case, s, pairs)]
-    return replace(CaseData(**vars(case)), torque_time=(*kept, *changed))
+    return replace(CaseData(**vars(case)), torque_time=(*kept, *changed), initial_state=None)
 
 
 def _rows(
     case: CaseData, station: str | None, pairs: list[tuple[Floats, Floats]]
 ) -> Iterator[TorqueTimeRow]:
     """Torques against time of one station and those that it has already, summed."""
-    own = [row for row in case.torque_time if row.station == station]
+    own = [row for row in case.torque_time_from_rest if row.station == station]
     if own:
         pairs = [*pairs, (np.array([r.time for r in own]), np.array([r.torque for r in own]))]
     begins = [float(t[0]) - JUMP for t, y in pairs if y[0] and t[0] > JUMP]

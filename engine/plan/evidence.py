@@ -140,7 +140,7 @@ def collect_evidence(
     line_omega = 2.0 * math.pi * (ratings.line_frequency or 0.0)
     return Evidence(
         tolerance=_tolerance(case),
-        start=bool(motors) or bool(case.torque_time),
+        start=bool(motors) or bool(case.torque_time_from_rest),
         n_modes=modes.n_modes,
         n_coupled_modes=modes.n_modes if coupled is None else coupled.modes.n_modes,
         first_frequency=float(elastic[0]) if len(elastic) else None,

@@ -75,7 +75,7 @@ def _of_the_start(results: Results) -> Iterator[Implausible]:
             "Check EndSpeed, inertias, speed ratios and torque curves.",
         )
     _, peak = start.largest_peak(case.element_speed_ratios)
-    has_events = results.plans[-1].events or bool(case.torque_time)
+    has_events = results.plans[-1].events or bool(case.torque_time_from_rest)
     if rated and not has_events and peak > LARGEST_PEAK * rated:
         yield Implausible(
             f"peak torque of {peak / rated:.3g} × rated torque",

@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from engine.arrays import Complexes
+from engine.backlash.operating_events import OperatingEvent
 from engine.case.data import CaseData
 from engine.case.result_words import Judgement
 from engine.fatigue.allowable_starts import AllowableStarts
@@ -78,7 +79,7 @@ class AtSpeed:
 
 @dataclass(frozen=True, eq=False)
 class Results(AtSpeed):
-    """Everything one run answers: what `AtSpeed` holds, and the start."""
+    """Everything one run answers: what `AtSpeed` holds, the start, and events in operation."""
 
     start: Start | None  #: The start, or the response to prescribed torques. [SI]
     crossings: tuple[Crossing, ...]  #: Where 2 × slip crosses the modes. [SI]
@@ -90,6 +91,7 @@ class Results(AtSpeed):
     plans: tuple[Plan, ...]
     #: Torque reversals of meshes and geared couplings in the start that is reported. [SI]
     reversals: tuple[Reversal, ...]
+    events: tuple[OperatingEvent, ...] = ()  #: Events in operation. [SI]
     #: Estimated error and time of each analysis, as calculated. [1, s]
     accuracy: tuple[AccuracyRow, ...] = ()
     verdicts: tuple[Verdict, ...] = ()  #: The checks at a glance.

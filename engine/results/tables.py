@@ -7,16 +7,19 @@ fields of a record is that record; any other has a function of its name in small
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 
-from engine.fatigue.stress import shear_stress
+from engine.case.result_words import Judgement
+from engine.fatigue.stress import shear_stress, stress_of_unit_torque
 from engine.numerics.same_bits import product
 from engine.operation.margins import percent_speed
 from engine.results.results import AccuracyRow, AtSpeed, Results
+from engine.results.verdicts import event_verdict, yield_torque
 from engine.start.start_fatigue import is_counted
 
 Row = dict[str, Any]
@@ -34,6 +37,7 @@ def result_tables(results: Results) -> Mapping[str, list[Row]]:
         "StartupCrossings": _startup_crossings(results),
         "TorqueReversals": _torque_reversals(results),
         "AllowableStarts": _allowable_starts(results),
+        "EventPeaks": _event_peaks(results),
         "Effects": _rows(results.plans[-1].decisions),
         "AccuracyCost": accuracy_cost(results.accuracy),
     }
@@ -157,6 +161,49 @@ def _startup_peaks(results: Results) -> list[Row]:
                 "minimum_high": None if p.minimum_range is None else p.minimum_range[1],
             }
         )
+    return rows
+
+
+def _event_peaks(results: Results) -> list[Row]:
+    """One an event and element; blank where the event was not calculated."""
+    case = results.case
+    rated, ratios = case.ratings.rated_torque, case.element_speed_ratios
+    limits, yields = (
+        {str(e.element): e.peak_torque_limit for e in case.elements},
+        yield_torque(case),
+    )
+    unit_stress = {
+        str(e.element): stress_of_unit_torque(e) for e in case.elements if e.stress_diameter
+    }
+    rows: list[Row] = []
+    for event in results.events:
+        if event.response is None:
+            verdict = Judgement.NOT_JUDGED
+            rows += [{"event": event.name, "element": e, "verdict": verdict} for e in limits]
+            continue
+        damage, errors = {s.element: s.damage for s in event.shafts}, dict(event.damage_errors)
+        for p in event.response.peaks:
+            per_torque, strength = yields.get(p.element, (1.0, math.inf))
+            limit = min(limits[p.element] or math.inf, strength / per_torque)
+            rows.append(
+                {
+                    "event": event.name,
+                    "element": p.element,
+                    "maximum": p.maximum,
+                    "minimum": p.minimum,
+                    "time": p.time,
+                    "times_rated": p.size * ratios[p.element] / rated if rated else None,
+                    "peak_stress": unit_stress[p.element] * p.size
+                    if p.element in unit_stress
+                    else None,
+                    "damage": damage.get(p.element),
+                    "damage_error": errors.get(p.element),
+                    "limit": limit if math.isfinite(limit) else None,
+                    "verdict": event_verdict(limit, p),
+                    "error": p.relative_error,
+                    "left_out": event.response.left_out,
+                }
+            )
     return rows
 
 

@@ -9,6 +9,9 @@ from engine.case.effects import EFFECTS
 from engine.plan.plan import Plan
 from engine.results.results import AccuracyRow, Results
 
+#: Name of the analysis of events in operation.
+EVENTS = "events in operation"
+
 
 def _totals(spent: Iterable[tuple[str, float]]) -> dict[str, float]:
     """Wall time of each analysis, its repetitions added up."""
@@ -52,6 +55,10 @@ def accuracy_of(results: Results) -> tuple[AccuracyRow, ...]:
             wanted = case.tolerance_peak or DEFAULT_TOLERANCE_PEAK
             setting = f"{start.method}, tolerance {wanted:.2g}, step {start.step:.3g} s"
             peak = start.estimated_error
+        if name == EVENTS:
+            responses = [e.response for e in results.events if e.response is not None]
+            setting = f"tolerance {case.tolerance_peak or DEFAULT_TOLERANCE_PEAK:.2g}"
+            peak = max((r.estimated_error for r in responses), default=None)
         if name == "fatigue":
             setting = f"tolerance {case.tolerance_starts or DEFAULT_TOLERANCE_STARTS:.2g}"
             starts = max((e for _, e in results.starts_error if e is not None), default=None)

@@ -7,9 +7,11 @@ judged. The first row is the worst of all.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
+from engine.backlash.operating_events import OperatingEvent
 from engine.case.coverage import (
     calls_for_start,
     links,
@@ -67,11 +69,12 @@ def verdicts_of(results: Results) -> tuple[Verdict, ...]:
     if calls_for_start(case):
         checks += [
             _outcome(case, start, results.crossings),
-            *_peak_torque(case, start, _unbounded(results)),
-            *_yield(case, start, _unbounded(results)),
+            *_peak_torque(case, _peaks(start), _unbounded(results)),
+            *_yield(case, _peaks(start), _unbounded(results)),
             *_reversal(case, start, results.reversals, _unbounded(results)),
             *_starts(results),
         ]
+    checks += _events(case, results.events)
     if implausible := implausible_results(results):
         where = "; ".join(one.finding for one in implausible)
         overall = Verdict("Overall", None, None, "text", Judgement.CHECK_INPUTS, where)
@@ -275,15 +278,39 @@ def _missed(crossings: Sequence[Crossing]) -> list[Crossing]:
     return [c for c in crossings if c.percent_speed is not None and c.time is None]
 
 
-def _peaks(start: Start | None) -> dict[str, ElementPeak]:
-    return {} if start is None else {p.element: p for p in start.peaks}
+#: Peaks by event and element; the event of a start is empty. [N m]
+Peaks = Mapping[tuple[str, str], ElementPeak]
 
 
-def _within_range(size: float, limit: float, peak: ElementPeak) -> Judgement:
+def _peaks(start: Start | None, event: str = "") -> dict[tuple[str, str], ElementPeak]:
+    return {} if start is None else {(event, p.element): p for p in start.peaks}
+
+
+def _peak_verdict(size: float, limit: float, peak: ElementPeak) -> Judgement:
     """Whether a peak, in any dimension, keeps its limit up to the unfavourable end of its range."""
     if peak.high is None or peak.size == 0.0:
         return Judgement.FAIL if size > limit else Judgement.PASS
     return _within(size, limit, size * (peak.high / peak.size - 1.0))
+
+
+def event_verdict(limit: float, peak: ElementPeak) -> Judgement:
+    """Verdict on one element in one event in operation.
+
+    Parameters
+    ----------
+    limit : float
+        Least torque that an element is judged by; infinite without one. [N m]
+    peak : ElementPeak
+        Its peak. [N m]
+
+    Returns
+    -------
+    Judgement
+        fail, pass, pass within its error; incomplete without a bound, not judged without a limit.
+    """
+    if math.isinf(limit):
+        return Judgement.NOT_JUDGED
+    return _covered(_peak_verdict(peak.size, limit, peak), "no bound" if peak.high is None else "")
 
 
 def _unbounded(results: Results) -> str:
@@ -299,69 +326,90 @@ def _and(named: str, unbounded: str) -> str:
     return "; ".join(filter(None, (named, unbounded)))
 
 
-def _with_peaks(case: CaseData, start: Start | None, names: Iterable[str]) -> list[str]:
+def _with_peaks(case: CaseData, peaks: Peaks, names: Iterable[str]) -> list[str]:
     """Elements with their peak torque over the rated one where that is known, the largest first."""
-    rated, ratios, peaks = case.ratings.rated_torque, case.element_speed_ratios, _peaks(start)
-    sizes = {name: peaks[name].size * ratios[name] if name in peaks else 0.0 for name in names}
+    rated, ratios = case.ratings.rated_torque, case.element_speed_ratios
+    sizes = dict.fromkeys(names, 0.0)
+    known = {element for _, element in peaks}
+    for (_, element), peak in peaks.items():
+        if element in sizes:
+            sizes[element] = max(sizes[element], peak.size * ratios[element])
     ordered = sorted(sizes, key=lambda name: -sizes[name])
     if not rated:
         return ordered
     return [
-        f"{name}, peak {sizes[name] / rated:.2f} × rated" if name in peaks else name
+        f"{name}, peak {sizes[name] / rated:.2f} × rated" if name in known else name
         for name in ordered
     ]
 
 
-def _peak_torque(case: CaseData, start: Start | None, unbounded: str) -> Iterator[Verdict]:
+def _peak_torque(
+    case: CaseData, peaks: Peaks, unbounded: str, name: str = "Peak torque"
+) -> Iterator[Verdict]:
     """Couplings and meshes, and other elements with a Peak torque limit, against it."""
-    members, peaks = links(case), _peaks(start)
-    limits = {
-        str(e.element): e.peak_torque_limit
-        for e in case.elements
-        if e.peak_torque_limit and e.element in peaks
-    }
-    if not members and not limits:
+    members = links(case)
+    limits = {str(e.element): e.peak_torque_limit for e in case.elements if e.peak_torque_limit}
+    sizes = {key: (p.size, limits[key[1]]) for key, p in peaks.items() if key[1] in limits}
+    if not members and not sizes:
         return
     open_ = without_peak_limit(case)
     coverage = _share(members, open_, "couplings and meshes")
-    named = listed(_with_peaks(case, start, open_))
-    name = "Peak torque"
-    if start is None or not limits:
+    named = listed(_with_peaks(case, peaks, open_))
+    if not sizes:
         yield Verdict(name, None, None, "torque", Judgement.NOT_JUDGED, "", coverage, named)
         return
-    sizes = {e: (peaks[e].size, limit) for e, limit in limits.items()}
     yield _worst_peak(name, "torque", sizes, peaks, coverage, _and(named, unbounded))
 
 
-def _yield(case: CaseData, start: Start | None, unbounded: str) -> Iterator[Verdict]:
-    """Nominal stress of the start against half the tensile yield (maximum shear theory)."""
-    members, peaks = shafts(case), _peaks(start)
+def yield_torque(case: CaseData) -> dict[str, tuple[float, float]]:
+    """Nominal stress of one newton metre, and half the tensile yield (maximum shear theory).
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+
+    Returns
+    -------
+    dict of str to (float, float)
+        By element with a Stress diameter and a Material with Yield. [Pa/(N m), Pa]
+    """
     strength = {m.material: m.yield_ for m in case.materials if m.yield_}
-    judged = {
+    return {
         str(e.element): (stress_of_unit_torque(e), 0.5 * float(strength[e.material] or 0.0))
         for e in case.elements
-        if e.stress_diameter and e.material in strength and e.element in peaks
+        if e.stress_diameter and e.material in strength
     }
-    if not members and not judged:
+
+
+def _yield(
+    case: CaseData, peaks: Peaks, unbounded: str, name: str = "Shear yield in the start"
+) -> Iterator[Verdict]:
+    """Nominal stress against half the tensile yield."""
+    members, judged = shafts(case), yield_torque(case)
+    sizes = {
+        key: (judged[key[1]][0] * p.size, judged[key[1]][1])
+        for key, p in peaks.items()
+        if key[1] in judged
+    }
+    if not members and not sizes:
         return
     open_ = without_yield(case)
     coverage = _share(members, open_, "shafts")
-    named = listed(_with_peaks(case, start, open_))
-    name = "Shear yield in the start"
-    if start is None or not judged:
-        verdict = Judgement.NOT_JUDGED if start is None or open_ else Judgement.PASS
+    named = listed(_with_peaks(case, peaks, open_))
+    if not sizes:
+        verdict = Judgement.NOT_JUDGED if not peaks or open_ else Judgement.PASS
         where = "every shaft is judged by its Peak torque limit" if verdict == "pass" else ""
         yield Verdict(name, None, None, "pressure", verdict, where, coverage, named)
         return
-    sizes = {e: (per_torque * peaks[e].size, most) for e, (per_torque, most) in judged.items()}
     yield _worst_peak(name, "pressure", sizes, peaks, coverage, _and(named, unbounded))
 
 
 def _worst_peak(
     name: str,
     dimension: str,
-    sizes: Mapping[str, tuple[float, float]],
-    peaks: Mapping[str, ElementPeak],
+    sizes: Mapping[tuple[str, str], tuple[float, float]],
+    peaks: Peaks,
     coverage: str,
     named: str,
 ) -> Verdict:
@@ -369,17 +417,37 @@ def _worst_peak(
 
     `sizes` has the peak and its limit of each element, in torque or stress.
     """
-    found = {e: _within_range(size, limit, peaks[e]) for e, (size, limit) in sizes.items()}
+    found = {key: _peak_verdict(*pair, peaks[key]) for key, pair in sizes.items()}
 
-    def badness(e: str) -> tuple[int, float]:
-        size, limit = sizes[e]
-        reach = (peaks[e].high or peaks[e].size) / (peaks[e].size or 1.0)
-        return _badness(found[e], reach * size / limit)
+    def badness(key: tuple[str, str]) -> tuple[int, float]:
+        size, limit = sizes[key]
+        reach = (peaks[key].high or peaks[key].size) / (peaks[key].size or 1.0)
+        return _badness(found[key], reach * size / limit)
 
     worst = max(found, key=badness)
     size, limit = sizes[worst]
     verdict = _covered(found[worst], named)
-    return Verdict(name, size, limit, dimension, verdict, worst, coverage, named)
+    event, element = worst
+    where = f"{element} in {event}" if event else element
+    return Verdict(name, size, limit, dimension, verdict, where, coverage, named)
+
+
+def _events(case: CaseData, events: Sequence[OperatingEvent]) -> Iterator[Verdict]:
+    """Peaks of every event in operation, and the events that were not calculated."""
+    if not events:
+        return
+    missing = [e for e in events if e.response is None]
+    if missing:
+        yield Verdict(
+            "Events in operation", None, None, "text", Judgement.NOT_JUDGED, "",
+            _share(events, missing, "events"), " ".join(e.note for e in missing),
+        )  # fmt: skip
+    if len(missing) == len(events):
+        return
+    peaks = {key: p for e in events for key, p in _peaks(e.response, e.name).items()}
+    unbounded = " ".join(e.note for e in events if e.response and e.response.left_out is None)
+    yield from _peak_torque(case, peaks, unbounded, "Peak torque in events")
+    yield from _yield(case, peaks, unbounded, "Shear yield in events")
 
 
 def _reversal(
@@ -432,7 +500,7 @@ def _starts(results: Results) -> Iterator[Verdict]:
     required = case.starts_required
     open_ = without_sn_points(case)
     coverage = _share(members, open_, "shafts")
-    missing = [listed(_with_peaks(case, start, open_))] if open_ else []
+    missing = [listed(_with_peaks(case, _peaks(start), open_))] if open_ else []
     result: float | str | None = None
     verdict, where = Judgement.NOT_JUDGED, ""
     if start is None or starts is None or not judged:

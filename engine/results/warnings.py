@@ -12,6 +12,7 @@ from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, DEFAULT_TOLERANCE_START
 from engine.case.plausibility import implausible
 from engine.case.result_words import Outcome
 from engine.fatigue.allowable_starts import notes_on_starts
+from engine.model.excitation import transmitted_torque
 from engine.model.motor import motors_of
 from engine.operation.full_speed import full_speed
 from engine.operation.plausible_train import unusual_train
@@ -43,6 +44,7 @@ def warnings_of(results: Results) -> Iterator[str]:
     yield from _start_warnings(results)
     yield from _inaccurate_starts(results)
     yield from _pulling_teeth(results)
+    yield from _event_warnings(results)
 
 
 def _unstable_feedback(results: Results) -> Iterator[str]:
@@ -172,6 +174,28 @@ def _pulling_teeth(results: Results) -> Iterator[str]:
                 "with Backlash blank or 0 its teeth cannot separate in the calculation: they pull on "
                 "the drive flank instead of pushing on the back flank, and the bearing forces have "
                 "the wrong direction. Type its Backlash in table Meshes."
+            )
+
+
+def _event_warnings(results: Results) -> Iterator[str]:
+    """What an event in operation left open."""
+    case = results.case
+    wanted = case.tolerance_peak or DEFAULT_TOLERANCE_PEAK
+    if results.events and not np.any(transmitted_torque(case, results.train).element):
+        yield (
+            "No running load is known, so events in operation begin with an untwisted train. Type Running load "
+            "or LoadTorque."
+        )
+    for event in results.events:
+        if event.note:
+            yield event.note
+        if event.response is None:
+            continue
+        yield from (f"Event '{event.name}': {words}" for words in _run_warnings(event.response))
+        if event.response.estimated_error > wanted and not event.response.is_sensitive:
+            yield (
+                f"The wanted accuracy of the peaks of event '{event.name}' was not reached: estimated error "
+                f"{event.response.estimated_error:.2g}."
             )
 
 

@@ -13,6 +13,7 @@ module            responsibility
                   step, and how
 `torque_outputs`  element torques as linear functions of modal coordinates and applied torques
 `time_response`   any train under prescribed torques, untwisted at the beginning
+`decaying_harmonics`  any train under torques A e^(−t/τ) cos(m ω t + φ), untwisted at the beginning: exact, whatever the step
 `start_model`     a start in arrays: as few modes as the tolerance allows, forces, dampers and
                   curves
 `outcome`         how a start ended: the word, and the sentence with its numbers
@@ -26,7 +27,8 @@ module            responsibility
                   does statically
 `crossings`       where the falling 2 × slip line crosses each mode during the start, and what
                   happens there
-`prescribed`      a case without a motor: the train under the torques of table `TorqueTime` alone
+`prescribed`      the train under prescribed torques alone: those of table `TorqueTime`, or of an
+                  event in operation
 `reversals`       torque reversals: meshes and geared couplings whose torque falls below zero
                   during a start
 `start_fatigue`   from a start to allowable starts: fatigue of the judged shafts, and how sure it

@@ -6,8 +6,9 @@ change falls with the square of their number, so a third of it is the error; see
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -50,26 +51,46 @@ def analysis_for_start(case: CaseData) -> ModalAnalysis:
         shaft with inertia of its own. [SI]
     """
     analysis = analyse(case)
-    if analysis.rough_torsional is None or not (has_start(case) or case.torque_time):
+    if analysis.rough_torsional is None or not (has_start(case) or case.torque_time_from_rest):
         return analysis
     try:
-        return _refined(case, analysis)
+        return refined(case, analysis, partial(_errors, case))
     except ModelError:  # a train that cannot start says so when it is to
         return analysis
 
 
-def _refined(case: CaseData, analysis: ModalAnalysis) -> ModalAnalysis:
+def refined(
+    case: CaseData,
+    analysis: ModalAnalysis,
+    errors_of: Callable[[ModalAnalysis], dict[str, float]],
+) -> ModalAnalysis:
+    """A train in so many pieces that they take no more than their share of the tolerances, if it may have so many.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+    analysis : ModalAnalysis
+        Its train, with shafts in pieces. [SI]
+    errors_of : callable
+        Relative errors of torques from the pieces of an analysis, by element. [1]
+
+    Returns
+    -------
+    ModalAnalysis
+        With these errors. [SI]
+    """
     peak = case.tolerance_peak or DEFAULT_TOLERANCE_PEAK
     starts = case.tolerance_starts or DEFAULT_TOLERANCE_STARTS
     wanted = SHARE * min(peak, starts / max(sn_slope(case), 1.0))
     for _ in range(MOST_REFINEMENTS):
-        errors = _errors(case, analysis)
+        errors = errors_of(analysis)
         analysis = replace(analysis, pieces_error=tuple(errors.items()))
         finer = in_more_pieces(case, analysis, max(errors.values(), default=0.0), wanted)
         if finer is None:
             return analysis
         analysis = finer
-    return replace(analysis, pieces_error=tuple(_errors(case, analysis).items()))
+    return replace(analysis, pieces_error=tuple(errors_of(analysis).items()))
 
 
 def _errors(case: CaseData, analysis: ModalAnalysis) -> dict[str, float]:
@@ -81,6 +102,32 @@ def _errors(case: CaseData, analysis: ModalAnalysis) -> dict[str, float]:
     """
     assert analysis.rough_torsional is not None
     fine, rough = (_simulated(case, m) for m in (analysis.torsional, analysis.rough_torsional))
+    return _compared(case, fine, rough)
+
+
+def pieces_errors(case: CaseData, fine: Start, rough: Start) -> dict[str, float]:
+    """Relative error of the torque of each element, from responses in all pieces and in half as many.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+    fine, rough : Start
+        Responses to prescribed torques, at about `COMPARED_AT`. [SI]
+
+    Returns
+    -------
+    dict of str to float
+        By element. [1]
+    """
+    return _compared(case, _of_response(case, fine), _of_response(case, rough))
+
+
+#: Highest and lowest torque and half the largest range [N m], and damage, of each element.
+_Sizes = dict[str, tuple[Floats, float]]
+
+
+def _compared(case: CaseData, fine: _Sizes, rough: _Sizes) -> dict[str, float]:
     errors = {}
     for name, (values, damage) in fine.items():
         other, other_damage = rough[name]
@@ -94,30 +141,39 @@ def _errors(case: CaseData, analysis: ModalAnalysis) -> dict[str, float]:
     return {name: max(error, least) for name, error in errors.items()}
 
 
-def _simulated(case: CaseData, modal: ModalTrain) -> dict[str, tuple[Floats, float]]:
-    """Highest and lowest torque, half the largest range [N m], and damage, of each element in a linear start."""
+def _simulated(case: CaseData, modal: ModalTrain) -> _Sizes:
+    """A linear start of a case with one train or the other."""
     loose = replace(CaseData(**vars(case)), tolerance_peak=COMPARED_AT)
-    names = modal.train.elements
     if not has_start(case):
-        start = run_prescribed(loose, modal)
-        sections = start.sections
-        histories = {
+        return _of_response(case, run_prescribed(loose, modal))
+    prepared = prepared_start(loose, modal)
+    step = usual_step(COMPARED_AT, prepared.model.pulsation_omega)
+    step = min(step, prepared.model.largest_step)
+    _, run = prepared.to_its_end(step, histories=False)
+    element_of = run.trajectory.output_element
+    histories = {
+        e: [run.turning[i][1] for i in np.flatnonzero(element_of == e)]
+        for e in distinct(element_of[element_of >= 0]).tolist()
+    }
+    return _sizes(case, histories)
+
+
+def _of_response(case: CaseData, start: Start) -> _Sizes:
+    sections = start.sections
+    return _sizes(
+        case,
+        {
             e: [fine[1] for fine, _ in sections.get(e, ())] or [turning[1]]
             for e, turning in start.turning_of_element().items()
-        }
-    else:
-        prepared = prepared_start(loose, modal)
-        step = usual_step(COMPARED_AT, prepared.model.pulsation_omega)
-        step = min(step, prepared.model.largest_step)
-        _, run = prepared.to_its_end(step, histories=False)
-        element_of = run.trajectory.output_element
-        histories = {
-            e: [run.turning[i][1] for i in np.flatnonzero(element_of == e)]
-            for e in distinct(element_of[element_of >= 0]).tolist()
-        }
+        },
+    )
+
+
+def _sizes(case: CaseData, histories: Mapping[int, list[Floats]]) -> _Sizes:
+    """From the torques at the turning points of each section of each element."""
     damage = {e: largest_damage(case, row, histories[e]) for e, row in judged_shafts(case)}
     return {
-        names[e]: (
+        str(case.elements[e].element): (
             np.array(
                 [
                     max(h.max() for h in own),

@@ -268,7 +268,7 @@ def prepared_start(
     assert synchronous is not None
     runup = rigid_runup(train, motors, loads, settings.end_speed)
     longest = LONGEST_START if settings.maximum_time is None else settings.maximum_time
-    tabled = max((float(p.time or 0.0) + 1.0 for p in case.torque_time), default=0.0)
+    tabled = max((float(p.time or 0.0) + 1.0 for p in case.torque_time_from_rest), default=0.0)
     maximum = longest if effects.full_length else min(max(run_length(runup), tabled), longest)
     model = start_model(case, modal, motors, loads, settings.tolerance_peak, maximum, effects)
     return PreparedStart(model, settings, runup, maximum, longest, synchronous, keeps_history(case))

@@ -15,13 +15,13 @@ from typing import Any
 import numpy as np
 
 from engine.arrays import Floats, Ints, Mask
-from engine.case.data import CaseData
+from engine.case.data import CaseData, TorqueTimeRow
 from engine.errors import ModelError
 from engine.model.modes import Modes, modal_damping_matrix
 from engine.model.train import Train
 from engine.numerics.distinct import distinct
 from engine.numerics.same_bits import interp, matrix_exponential, product
-from engine.start.torque_outputs import force_reach, torque_outputs
+from engine.start.torque_outputs import TorqueOutputs, force_reach, torque_outputs
 from engine.stepping import linear_loop as kernels
 
 #: Monomial coefficients of s from values at s = 0, 1/3, 2/3, 1.
@@ -97,12 +97,48 @@ def linear(station: int, times: Floats, torques: Floats) -> PrescribedTorque:
     return PrescribedTorque(station, t, value)
 
 
+def held(station: int, torque: float) -> PrescribedTorque:
+    """Torque that does not change.
+
+    Parameters
+    ----------
+    station : int
+        Station. [index]
+    torque : float
+        Torque in its running direction. [N m]
+
+    Returns
+    -------
+    PrescribedTorque
+        The torque. [N m]
+    """
+    return linear(station, np.zeros(1), np.array([torque]))
+
+
 def prescribed_torques(case: CaseData, train: Train) -> list[PrescribedTorque]:
-    """Table `TorqueTime` as torques, one a station, linear between its rows."""
-    names = list(dict.fromkeys(p.station for p in case.torque_time))
+    """Torques of table `TorqueTime` in a start, one a station."""
+    return tabled_torques(case.torque_time_from_rest, train)
+
+
+def tabled_torques(table: Sequence[TorqueTimeRow], train: Train) -> list[PrescribedTorque]:
+    """Rows of `TorqueTime` as torques, one a station, linear between its rows.
+
+    Parameters
+    ----------
+    table : sequence of TorqueTimeRow
+        Rows, rising in time for each station. [s, N m]
+    train : Train
+        The train. [SI]
+
+    Returns
+    -------
+    list of PrescribedTorque
+        In the order in which the stations come. [N m]
+    """
+    names = list(dict.fromkeys(p.station for p in table))
     torques = []
     for name in names:
-        rows = [p for p in case.torque_time if p.station == name]
+        rows = [p for p in table if p.station == name]
         torques.append(
             linear(
                 train.stations.index(str(name)),
@@ -208,11 +244,117 @@ def time_response(
     if len(t) < 1 or np.any(np.diff(t) <= 0.0):
         raise ModelError("The times of a time response must be in rising order.")
     stations = np.array(sorted({p.station for p in torques}), dtype=np.int64)
-    keep = np.ones(modes.n_modes, dtype=np.bool_) if kept is None else kept
-    all_reach = force_reach(train, modes, stations)
-    reach = all_reach[keep]
     grid = _step_grid(t, torques)
     v = np.zeros(modes.n_modes) if initial_speed is None else initial_speed
+    system = modal_system(train, modes, stations, damping_ratio, kept)
+
+    def forces(part: Floats) -> Floats:
+        return _modal_cubics(torques, stations, system.reach, part)
+
+    out_q, out_v = _integrate(
+        system.omega, system.damping, system.coupled, grid, forces, v[system.keep]
+    )
+    if len(grid) != len(t):
+        pick = np.searchsorted(grid, t)
+        out_q, out_v = out_q[:, pick], out_v[:, pick]
+
+    def applied() -> tuple[Floats, Floats]:
+        force, rate = np.zeros((len(stations), len(t))), np.zeros((len(stations), len(t)))
+        for p in torques:
+            column = int(np.searchsorted(stations, p.station))
+            force[column] += p.value(t, "right")
+            rate[column] += _slope(p, t)
+        return force, rate
+
+    return system.response(t, out_q, out_v, applied)
+
+
+@dataclass(frozen=True, eq=False)
+class ModalSystem:
+    """The equations of a train under torques at some stations, in the modes that are integrated."""
+
+    train: Train  #: The train. [SI]
+    modes: Modes  #: All its modes. [SI]
+    keep: Mask  #: Modes that are integrated; elastic ones left out follow statically. [mask]
+    omega: Floats  #: Natural frequencies of those. [rad/s] Shape (n_kept,).
+    damping: Floats  #: Their damping matrix. [1/s] Shape (n_kept, n_kept).
+    coupled: bool  #: Whether damping couples them.
+    reach: Floats  #: Torques to modes. [rad/√(kg m²)] Shape (n_kept, n_stations).
+    outputs: TorqueOutputs  #: Element torques. [SI]
+
+    def response(
+        self,
+        time: Floats,
+        q: Floats,
+        v: Floats,
+        applied: Callable[[], tuple[Floats, Floats]],
+    ) -> TimeResponse:
+        """What the modes do to stations and elements.
+
+        Parameters
+        ----------
+        time : ndarray, shape (n_times,)
+            Times. [s]
+        q, v : ndarray, shape (n_kept, n_times)
+            Modal positions and velocities then. [rad √(kg m²), rad √(kg m²)/s]
+        applied : callable
+            Torques and their rates, shape (n_stations, n_times); asked for where an element's torque depends on
+            them. [N m, N m/s]
+
+        Returns
+        -------
+        TimeResponse
+            Angles, speeds and element torques. [SI]
+        """
+        train, outputs = self.train, self.outputs
+        torque, torque_rate = product(outputs.position, q), product(outputs.position, v)
+        if np.any(outputs.force) or np.any(outputs.velocity):
+            force, rate = applied()
+            acceleration = product(self.reach, force) - product(self.damping, v)
+            acceleration = acceleration - self.omega[:, None] ** 2 * q
+            torque += product(outputs.velocity, v) + product(outputs.force, force)
+            torque_rate += product(outputs.velocity, acceleration) + product(outputs.force, rate)
+        angle = self.modes.shape[np.ix_(train.node_dof[: train.n_stations], self.keep)]
+        angle = angle * train.node_scale[: train.n_stations, None]
+        return TimeResponse(
+            time,
+            product(angle, q),
+            product(angle, v),
+            torque,
+            torque_rate,
+            outputs.element,
+            self.coupled,
+        )
+
+
+def modal_system(
+    train: Train,
+    modes: Modes,
+    stations: Ints,
+    damping_ratio: Floats | None,
+    kept: Mask | None,
+) -> ModalSystem:
+    """The modal equations of a train under torques at some stations.
+
+    Parameters
+    ----------
+    train : Train
+        The train; its dampers act with their full matrix. [SI]
+    modes : Modes
+        All its modes. [SI]
+    stations : ndarray of int, shape (n_stations,)
+        Where torques act. [indices]
+    damping_ratio : ndarray, shape (n_modes,), or None
+        Stated modal damping, in addition to the train's dampers. [1]
+    kept : ndarray of bool, shape (n_modes,), or None
+        Modes that are integrated; None = all. [mask]
+
+    Returns
+    -------
+    ModalSystem
+        Damping, reach and torques in the modes that are integrated. [SI]
+    """
+    keep = np.ones(modes.n_modes, dtype=np.bool_) if kept is None else kept
     physical = modal_damping_matrix(train, modes)
     matrix = physical
     if damping_ratio is not None:
@@ -220,38 +362,12 @@ def time_response(
     matrix = matrix[np.ix_(keep, keep)]
     off = np.abs(matrix - np.diag(np.diag(matrix)))
     coupled = bool(np.max(off, initial=0.0) > _COUPLED * np.max(np.abs(matrix), initial=0.0))
-    omega = modes.omega[keep]
-
-    def forces(part: Floats) -> Floats:
-        return _modal_cubics(torques, stations, reach, part)
-
-    out_q, out_v = _integrate(omega, matrix, coupled, grid, forces, v[keep])
-    if len(grid) != len(t):
-        pick = np.searchsorted(grid, t)
-        out_q, out_v = out_q[:, pick], out_v[:, pick]
+    reach = force_reach(train, modes, stations)
     outputs = torque_outputs(train, modes, stations, damping=physical)
-    outputs = outputs.of_modes(keep, modes.omega, all_reach)
-    torque, torque_rate = product(outputs.position, out_q), product(outputs.position, out_v)
-    if np.any(outputs.force) or np.any(outputs.velocity):
-        force, rate = np.zeros((len(stations), len(t))), np.zeros((len(stations), len(t)))
-        for p in torques:
-            column = int(np.searchsorted(stations, p.station))
-            force[column] += p.value(t, "right")
-            rate[column] += _slope(p, t)
-        acceleration = product(reach, force) - product(matrix, out_v) - omega[:, None] ** 2 * out_q
-        torque += product(outputs.velocity, out_v) + product(outputs.force, force)
-        torque_rate += product(outputs.velocity, acceleration) + product(outputs.force, rate)
-    angle = modes.shape[np.ix_(train.node_dof[: train.n_stations], keep)]
-    angle = angle * train.node_scale[: train.n_stations, None]
-    return TimeResponse(
-        t,
-        product(angle, out_q),
-        product(angle, out_v),
-        torque,
-        torque_rate,
-        outputs.element,
-        coupled,
-    )
+    return ModalSystem(
+        train, modes, keep, modes.omega[keep], matrix, coupled, reach[keep],
+        outputs.of_modes(keep, modes.omega, reach),
+    )  # fmt: skip
 
 
 def _step_grid(t: Floats, torques: Sequence[PrescribedTorque]) -> Floats:

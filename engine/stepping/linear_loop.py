@@ -7,6 +7,7 @@ lane: what varies by lane then has one more axis, the last one; of curves and ta
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -55,6 +56,7 @@ def drive_struct(
     loads: tuple[Any, Any, Floats, Floats],
     timed: tuple[Any, Floats, Floats, Any],
     electrical: Electrical,
+    tones: Mapping[str, Any] | None = None,
 ) -> Any:
     """Motors, loads and torques against time as the loops take them (``drive_t``).
 
@@ -75,6 +77,8 @@ def drive_struct(
         (infinite = none), rate at which the field rises (infinite = at once), pull-out torque,
         torque over slip speed (nan = the average curve), what is added to the load angle, and 1,
         or 0 once the motor is disconnected. [SI]
+    tones : mapping, optional
+        Fields of the decaying harmonic torques, of the loop with events alone. [SI]
 
     Returns
     -------
@@ -98,7 +102,7 @@ def drive_struct(
         "n_timed": len(timed[0]), "most_timed": timed[1].shape[-1], "timed_force": timed[0],
         "times": timed[1], "torques": timed[2], "timed_count": timed[3],
     }  # fmt: skip
-    return struct("drive_t", **fields, **of_motors)
+    return struct("drive_t", **fields, **of_motors, **(tones or {}))
 
 
 def system_struct(

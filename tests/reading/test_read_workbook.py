@@ -565,6 +565,14 @@ def test_a_workbook_of_an_earlier_version_has_no_contact_law(workbook, read):
     assert found.data.contact_law is None
 
 
+def test_a_workbook_of_an_earlier_version_has_no_events(workbook, read):
+    workbook.without |= {"EventTorque", "InitialState"}
+    found = read(workbook)
+    assert found.problems == ()
+    assert found.data.event_torque == ()
+    assert found.data.initial_state is None
+
+
 def test_endless_text_is_told_shortly(workbook, read):
     workbook.rows["Stations"][1]["Inertia"] = "m" * 32_000
     workbook.units[("Elements", "Stiffness")] = "m" * 32_000

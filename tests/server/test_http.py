@@ -10,7 +10,7 @@ import jsonschema
 import openpyxl
 import pytest
 from servers import inside
-from sheet_ranges import CATALOGUE, SCATTER, TEMPLATES, TUNING, model_arguments, table
+from sheet_ranges import CATALOGUE, SCATTER, TEMPLATES, TUNING, model_arguments, table, with_event
 
 from addin.server import calls as server_calls
 from addin.server.processes import Work
@@ -68,6 +68,7 @@ def every_call(handle):
     found = {name: [handle, *rest] for name, rest in CALLS.items()}
     found["TV_SN_LIFE"][1] = material
     found["TV_MODEL"] = model_arguments()
+    found["TV_EVENTS"] = [registry.call("TV_MODEL", with_event(model_arguments()))[0][0]]
     found["TV_STIFFNESS"] = [200.1, None, 501.7, 79300]
     found["TV_LIFE"] = [[[1e-3, 2e-4]], [[12.0, None]], None, 2]
     found["TV_CONVERT"] = [[[0.1, None], [1e-300, 3.3]], "lbf*in", "N*m"]

@@ -25,6 +25,14 @@ def reported(**fields: Any) -> Allowances:
         "frequency_error": 2e-5,
         "starts_error": (("Shaft", 0.03), ("Other", None)),
         "start": started(None),
+        "events": (
+            SimpleNamespace(
+                name="Fault",
+                response=SimpleNamespace(estimated_error=2e-4),
+                damage_errors=(("Shaft", 0.05),),
+            ),
+            SimpleNamespace(name="Not calculated", response=None, damage_errors=()),
+        ),
     }
     return Allowances(SimpleNamespace(**(given | fields)))  # type: ignore[arg-type]
 
@@ -34,7 +42,7 @@ ROW = {
     "Peak-to-peak stress": 80.0, "Minimum torque": -2000.0, "Margin": 0.5, "Tooth force": 7e4,
     "Force": 9e3, "Mesh minimum torque": -100.0, "Error": 0.04, "Amplitude": 40.0,
     "Damage": 1e-3, "Allowable starts": 1000.0, "Frequency": 50.0, "CPM": 3000.0,
-    "Recontact speed": 0.2,
+    "Recontact speed": 0.2, "Event": "Fault", "Maximum": 900.0,
 }  # fmt: skip
 
 
@@ -55,6 +63,8 @@ ROW = {
         ("AllowableStarts", "Allowable starts", 0.03 * 1000.0),
         ("NaturalFrequencies", "Frequency", 2e-5 * 50.0),
         ("NaturalFrequencies", "CPM", 2e-5 * 3000.0),
+        ("EventPeaks", "Maximum", 2e-4 * 900.0),
+        ("EventPeaks", "Damage", 0.05 * 1e-3),
         ("StartupPeaks", "Error", 0.04),  # an estimate may be estimated otherwise, up to its size
         ("SteadyState", "Maximum torque", None),
         ("SeparationMargins", "Margin", None),

@@ -63,6 +63,13 @@ def model_arguments(name="example_proposed"):
     return [table(book, "Stations"), table(book, "Elements"), case, *rest]
 
 
+def with_event(arguments):
+    """The same with a fault of the motor in table EventTorque."""
+    *before, block = arguments
+    assert TABLES[-1] == "EventTorque"
+    return [*before, [*block[:2], ["Fault", "Motor", -0.2, 1.0, 90.0, 0.1], *block[3:]]]
+
+
 def replace_models(monkeypatch: Any, models: Any) -> None:
     """Let the functions keep their cases in another store."""
     for module in (answers, model):

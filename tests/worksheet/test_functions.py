@@ -9,7 +9,7 @@ import re
 
 import openpyxl
 import pytest
-from sheet_ranges import SAME_CELLS, TEMPLATES, model_arguments, replace_models, table
+from sheet_ranges import SAME_CELLS, TEMPLATES, model_arguments, replace_models, table, with_event
 
 from addin.reading.workbook import read_workbook
 from addin.worksheet.functions.model import TABLES
@@ -55,6 +55,17 @@ def test_the_handle_is_the_digest_of_the_workbook(handle):
     digest = case_digest(read_workbook(TEMPLATES / "example_proposed.xlsx").case())
     assert re.fullmatch(rf"tv:{digest[:16]}\.[0-9a-f]{{16}}-US", handle)
     assert call("TV_MODEL", model_arguments())[0][0] == handle
+
+
+def test_events_are_those_of_their_table(handle):
+    with pytest.raises(FunctionError, match="no event in operation"):
+        call("TV_EVENTS", [handle])
+    changed = call("TV_MODEL", with_event(model_arguments()))[0][0]
+    head, *rows = call("TV_EVENTS", [changed])
+    assert head[:2] == ["Event", "Element"]
+    assert {row[0] for row in rows} == {"Fault"}
+    assert all(row[2] > 0.0 for row in rows)
+    assert call("TV_PEAKS", [changed]) == call("TV_PEAKS", [handle])
 
 
 @pytest.mark.parametrize("name", SAME_CELLS)

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from addin.worksheet.answers import at_speed_tables, shows_table
+from addin.worksheet.answers import at_speed_tables, run_of, shows_table
+from addin.worksheet.registry import FunctionError
 
 #: Place of these functions among all, in lists and in the documentation.
 ORDER = 40
@@ -46,3 +47,12 @@ def tv_bands(tables: Mapping[str, Any]) -> Any:
 def tv_steady(tables: Mapping[str, Any]) -> Any:
     """Forced response at operating speeds, and at resonance where a margin is not kept."""
     return tables["SteadyState"]
+
+
+@shows_table("TV_EVENTS", "EventPeaks", run_of)
+def tv_events(run: Any) -> Any:
+    """Largest and least torque, stress and damage of every element in every event in operation."""
+    rows = run.tables.get("EventPeaks")
+    if not rows:
+        raise FunctionError("The case has no event in operation: fill table EventTorque.", "#N/A")
+    return rows

@@ -9,6 +9,8 @@ module           responsibility
 `scalars`        checks of the scalars of the case: each by itself, and those that contradict each
                  other
 `torques`        checks of torque curves and of the excitations in continuous operation
+`events`         checks of events in operation: table EventTorque, and TorqueTime where the train
+                 runs before it
 `train`          checks of stations, elements and modal damping: names, stiffness, and one open
                  train
 `gears`          checks of gear meshes: numbers, ratios, the line of action, gears on bearings

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 from engine.case.checks.effects import check_effect_choices
+from engine.case.checks.events import check_events
 from engine.case.checks.fatigue import check_materials, check_sn_points
 from engine.case.checks.gears import check_meshes
 from engine.case.checks.problem import first_of_each_cell
@@ -31,6 +32,7 @@ CHECKS: tuple[Callable[[CaseData], Iterator[Problem]], ...] = (
     check_meshes,
     check_mode_damping,
     check_torques,
+    check_events,
     check_materials,
     check_sn_points,
     check_excitations,

@@ -148,10 +148,15 @@ def blank_or_positive(value: float | None) -> bool:
     return value is None or (math.isfinite(value) and value > 0.0)
 
 
+def has_possible_ratings(case: CaseData) -> bool:
+    """Whether none of the numbers that the ratings come from is impossible; else that is reported."""
+    typed = (case.line_frequency, case.synchronous_speed, case.rated_power, case.rated_torque)
+    return all(blank_or_positive(value) for value in typed) and possible_poles(case)
+
+
 def possible_ratings(case: CaseData) -> Ratings:
     """The ratings, all blank while one of the numbers they come from is impossible."""
-    typed = (case.line_frequency, case.synchronous_speed, case.rated_power, case.rated_torque)
-    if all(blank_or_positive(value) for value in typed) and possible_poles(case):
+    if has_possible_ratings(case):
         return case.ratings
     return Ratings(None, None, None, None, None)
 

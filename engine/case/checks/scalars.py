@@ -21,6 +21,7 @@ from engine.case.checks.problem import (
 from engine.case.choices import (
     ContactLaw,
     HistoryFile,
+    InitialState,
     MarginBasis,
     Method,
     RainflowResidue,
@@ -68,6 +69,7 @@ QUANTITIES = (
 CHOICES: dict[str, type[StrEnum]] = {
     "MarginBasis": MarginBasis,
     "StressBasis": StressBasis,
+    "InitialState": InitialState,
     "Method": Method,
     "KeepHistory": HistoryFile,
     "RainflowResidue": RainflowResidue,

@@ -187,6 +187,18 @@ static inline void timed_forces(const drive_t *d, lane_t t, lane_t inside, lane_
         }
 }
 
+/* Decaying harmonic torques of an event in operation. */
+static inline void tone_forces(const drive_t *d, lane_t t, lane_t *force, lane_t *force_rate)
+{
+    for (int64_t k = 0; k < d->n_tones; k++) {
+        const double omega = d->tone_omega[k], decay = d->tone_decay[k], at = AT(t, 0);
+        const double size = d->tone_size[k] * exponential(-decay * at);
+        const sincos_t wave = sin_cos(omega * at + d->tone_phase[k]);
+        AT(force[d->tone_force[k]], 0) += size * wave.cosine;
+        AT(force_rate[d->tone_force[k]], 0) -= size * (omega * wave.sine + decay * wave.cosine);
+    }
+}
+
 /* Every force but those of dampers, and its rate. */
 static inline void machine_forces(const drive_t *d, int64_t n_forces, lane_t t, lane_t inside, const lane_t *phase,
                                   const lane_t *speed, const lane_t *acceleration, held_t *held, lane_t *force,
@@ -196,6 +208,7 @@ static inline void machine_forces(const drive_t *d, int64_t n_forces, lane_t t, 
     motor_forces(d, t, inside, phase, speed, acceleration, held, force, force_rate);
     load_forces(d, speed, acceleration, held + CURVES_OF_MOTOR * d->n_motors, force, force_rate);
     timed_forces(d, t, inside, force, force_rate);
+    tone_forces(d, t, force, force_rate);
 }
 
 static inline void damper_forces(int64_t n, const int64_t *on, const double *viscous, const lane_t *speed,

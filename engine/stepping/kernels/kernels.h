@@ -38,6 +38,10 @@ typedef struct {
     const int64_t *timed_force;                 /* (n_timed) */
     const int64_t *timed_count;                 /* (lanes, n_timed) */
     const double *times, *torques;              /* (lanes, n_timed, most_timed) [s, N m] */
+    int64_t n_tones;                            /* of the loop with events, which has one lane: A e^(−dt) cos(ωt + φ) */
+    const int64_t *tone_force;                  /* (n_tones) */
+    const double *tone_size, *tone_decay;       /* (n_tones) A, d [N m, 1/s] */
+    const double *tone_omega, *tone_phase;      /* (n_tones) ω, φ [rad/s, rad] */
 } drive_t;
 
 /* Modes of one linear system. */

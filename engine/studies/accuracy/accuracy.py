@@ -102,7 +102,7 @@ def accuracy_study(
         on_stage(words)
         yield
 
-    if not has_start(case) and not case.torque_time:
+    if not has_start(case) and not case.torque_time_from_rest:
         return _nothing(case)
     on_stage("start with the effects of the plan")
     analysis = analysis_for_start(case)
@@ -123,7 +123,7 @@ def accuracy_study(
 
 def _nothing(case: CaseData) -> AccuracyStudy:
     """No start, or prescribed torques alone."""
-    if case.torque_time:
+    if case.torque_time_from_rest:
         sentence = (
             "Nothing to study: the response to prescribed torques (TorqueTime) is exact at any "
             "time step. Only separating teeth make it depend on the step: give a clearance, or "

@@ -63,7 +63,7 @@ def tangent_of(plan: DerivativePlan) -> TangentDerivatives | None:
         None where the start has events, or modes exchange places too near. [1]
     """
     case, recipe = plan.case, plan.recipe
-    if plan.reason or recipe.start != LINEAR or case.torque_time:
+    if plan.reason or recipe.start != LINEAR or case.torque_time_from_rest:
         return None
     moving = [p for p in plan.parameters if p[0] != SN_LINE]
     nearby = near_train(case, recipe)

@@ -12,6 +12,7 @@ from engine.case.data import (
     CaseData,
     EffectChoiceRow,
     ElementRow,
+    EventTorqueRow,
     ExcitationRow,
     LoadTorqueRow,
     MaterialRow,
@@ -100,6 +101,18 @@ def more(table, *rows):
     return good(**{table: getattr(good(), table) + rows})
 
 
+def event(**changes):
+    """The good case with an event of one row."""
+    fields = {
+        "event": "fault",
+        "station": "motor",
+        "amplitude": -5.0,
+        "multiple": 1.0,
+        "time_constant": 0.1,
+    }
+    return good(event_torque=(EventTorqueRow(**(fields | changes)),))
+
+
 def places(problems):
     return [(p.table, p.row, p.column) for p in problems]
 
@@ -148,6 +161,13 @@ RIGHT = {
     "constant load": good(load_torque=(LoadTorqueRow("compressor", 1.0, 900.0),)),
     "prescribed torque": more(
         "torque_time", TorqueTimeRow("motor", 0.0, 0.0), TorqueTimeRow("motor", 1.0, -5.0)
+    ),
+    "event in operation": more(
+        "event_torque", EventTorqueRow("fault", "motor", -5.0, 1.0, 1.0, 0.1),
+        EventTorqueRow("fault", "compressor", 0.5),
+    ),
+    "prescribed torque of a running train": good(
+        initial_state="running", torque_time=(TorqueTimeRow("motor", 0.0, 0.0), TorqueTimeRow("motor", 1.0, -5.0)),
     ),
     "two curves row by row in turn": more(
         "motor_torque", MotorTorqueRow("gear", 0.0, 1.0, 0.0), MotorTorqueRow("gear", 1.0, 1.0, 0.0)
@@ -359,6 +379,24 @@ ROWS = [
     (row("load_torque", 2, torque=-5.0), ("LoadTorque", 2, "Torque"), ["opposes the motion"]),
     (row("load_torque", 2, torque=None), ("LoadTorque", 2, "Torque"), ["blank"]),
     (more("torque_time", TorqueTimeRow("motor", 0.0, 1.0)), ("TorqueTime", 1, "Station"), ["two points"]),
+    (event(station="motr"), ("EventTorque", 1, "Station"), ["'motr'", "Did you mean 'motor'?"]),
+    (event(station=None), ("EventTorque", 1, "Station"), ["blank", "a station of table Stations"]),
+    (event(event=None), ("EventTorque", 1, "Event"), ["blank", "rows of one name add up"]),
+    (event(amplitude=None), ("EventTorque", 1, "Amplitude"), ["blank", "over RatedTorque"]),
+    (event(multiple=-1.0), ("EventTorque", 1, "Multiple"), ["found -1", "multiple of the line frequency"]),
+    (event(time_constant=-0.1), ("EventTorque", 1, "Time constant"), ["found -0.1 s", "does not decay"]),
+    (event(time_constant=0.0), ("EventTorque", 1, "Time constant"), ["positive"]),
+    (event(phase=NAN), ("EventTorque", 1, "Phase"), ["found nan"]),
+    (replace(event(), rated_torque=None), ("Case", None, "RatedTorque"), ["blank", "Amplitude is a share of it"]),
+    (replace(event(), line_frequency=None, poles=None, synchronous_speed=188.5, motor_torque=(), load_torque=()),
+     ("Case", None, "LineFrequency"), ["blank", "Multiple is a multiple of it"]),
+    (good(initial_state="turning"), ("Case", None, "InitialState"), ["'turning'", "rest, running"]),
+    (replace(event(event="TorqueTime"), initial_state="running",
+             torque_time=(TorqueTimeRow("motor", 0.0, 0.0), TorqueTimeRow("motor", 1.0, 1.0))),
+     ("EventTorque", 1, "Event"), ["Rename the event"]),
+    (replace(event(), motor_torque=(), elements=(*good().elements, ElementRow("end", "shaft", "compressor",
+                                                                              "ground", 1e5))),
+     ("Elements", 4, "To"), ["does not run"]),
     (more("torque_time", TorqueTimeRow("motor", 1.0, 1.0), TorqueTimeRow("motor", 1.0, 2.0)),
      ("TorqueTime", 2, "Time"), ["above 1 of row 1"]),
     (row("materials", 1, uts=-1.0), ("Materials", 1, "UTS"), ["positive"]),

@@ -1,0 +1,315 @@
+"""Events in operation: a fault, or any torque that comes upon a train that runs at synchronous speed.
+
+Before the event the running loads twist the train and the motor balances them. Its equations are linear, so
+the torques of the running train stay and the response to the torques of the event is added; the motor's torque
+in operation goes on unchanged beside them. Events are those of table `EventTorque`, sums of decaying
+harmonics, and table `TorqueTime` where `InitialState` is ``running``. An event is no start and none is counted.
+
+Where the torque of an element with a clearance may fall to zero, teeth separate: the response is then simulated contact
+by contact, as a start is, from the twisted train.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from engine.backlash.event_start import EventTorques, clearances_of, run_event_start
+from engine.case.choices import ContactLaw, EffectChoice, ElementKind
+from engine.case.data import CaseData, EventTorqueRow
+from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, LONGEST_START, NOTABLE_REVERSAL
+from engine.case.effect import StartEffects
+from engine.case.effects import choice_of
+from engine.fatigue.allowable_starts import ShaftFatigue
+from engine.model.excitation import transmitted_torque
+from engine.model.modal_analysis import ModalAnalysis
+from engine.model.modal_train import ModalTrain
+from engine.model.train import Train
+from engine.numerics.distinct import distinct
+from engine.numerics.same_bits import hypot, log, modulus
+from engine.start.decaying_harmonics import DecayingHarmonic, Tones, harmonic_response
+from engine.start.pieces import COMPARED_AT, pieces_errors, refined, with_pieces_error
+from engine.start.prescribed import (
+    Drive,
+    follow,
+    tabled_drive,
+    visible_modes,
+)
+from engine.start.start import Start, with_left_out
+from engine.start.start_fatigue import starts_of
+from engine.start.start_model import FADED
+from engine.start.time_response import TimeResponse, tabled_torques
+
+#: Largest amplification of a mode when its share of a torque is estimated; no damping is less. [1]
+LARGEST_GAIN = 1e3
+#: An event is followed so long at the least: a constant torque on a rigid train has no time of its own. [s]
+SHORTEST = 0.1
+
+
+@dataclass(frozen=True, eq=False)
+class OperatingEvent:
+    """An event in operation, and what it does."""
+
+    name: str  #: Its name in `EventTorque`.
+    #: Torques from the event on, those of operation included, and speeds over synchronous. None: not
+    #: calculated. [SI]
+    response: Start | None
+    shafts: tuple[ShaftFatigue, ...] = ()  #: Damage of each judged shaft by one such event. [1]
+    #: Of each judged shaft, relative error of its damage; None where it has none. [1]
+    damage_errors: tuple[tuple[str, float | None], ...] = ()
+    #: What a reader must know of it: why it was not calculated, or what was not followed to its end.
+    note: str = ""
+
+    def without_histories(self) -> OperatingEvent:
+        """With peaks and turning points alone: histories are most of the memory, and no table is read from them."""
+        if self.response is None:
+            return self
+        none, response = np.empty((0, 0)), self.response
+        trajectory = replace(response.trajectory, torque=none, torque_rate=none)
+        repeated = response.repeatability and replace(response.repeatability, histories=())
+        return replace(
+            self,
+            response=replace(response, trajectory=trajectory, sections={}, repeatability=repeated),
+        )
+
+
+def operating_events(case: CaseData, analysis: ModalAnalysis) -> tuple[OperatingEvent, ...]:
+    """Every event in operation of a case, in the order of its tables.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+    analysis : ModalAnalysis
+        Its train: gears on bearings move laterally where their data is given. [SI]
+
+    Returns
+    -------
+    tuple of OperatingEvent
+        Empty where there is none. [SI]
+    """
+    return tuple(_event(case, analysis, name) for name in case.event_names)
+
+
+def _event(case: CaseData, analysis: ModalAnalysis, name: str) -> OperatingEvent:
+    tolerance = case.tolerance_peak or DEFAULT_TOLERANCE_PEAK
+    dies_out, why = _length(case, analysis.reported, name, tolerance)
+    longest = case.maximum_time or LONGEST_START
+    if dies_out > longest and case.maximum_time is None:
+        return OperatingEvent(
+            name, None,
+            note=f"Event '{name}' is not calculated: {why}. Type DampingRatio or a Time constant, or "
+            "MaximumTime to say how long it is to be followed.",
+        )  # fmt: skip
+    end = min(dies_out, longest)
+    pieces: dict[str, float] = {}
+    if analysis.rough_reported is not None:
+        analysis = refined(case, analysis, partial(_pieces_errors, case, name, end))
+        pieces = dict(analysis.pieces_error)
+    modal = analysis.reported
+    running = transmitted_torque(case, modal.train).element
+    left = max((1.0 - FADED) * tolerance - max(pieces.values(), default=0.0), 0.5 * tolerance)
+    response = _with_errors(_linear(case, modal, name, end, left), pieces, tolerance)
+    notes = []
+    if names := list(_separating(modal.train, response)):
+        quoted = ", ".join(f"'{element}'" for element in names)
+        if choice_of(case, "backlash") == EffectChoice.OFF:
+            notes.append(
+                f"Event '{name}' brings the torque of {quoted} to zero, but teeth stay together, since backlash is "
+                "forced off."
+            )
+        elif idle := [e for e in names if running[modal.train.elements.index(e)] <= 0.0]:
+            return OperatingEvent(
+                name,
+                None,
+                note=f"Event '{name}' is not calculated: it brings the torque of {quoted} to zero, where teeth "
+                f"separate, and '{idle[0]}' carries no driving torque in operation, so that the flank it begins on is "
+                "unknown. Type Running load in table Stations, or force effect backlash off.",
+            )
+        else:
+            response = _with_clearances(case, modal, name, response)
+            response = _with_errors(response, pieces, tolerance)
+            if response.gave_up:
+                notes.append(
+                    f"Event '{name}' with separating teeth was stopped after {response.outcome.time:.3g} s: it takes too "
+                    "many steps."
+                )
+    if reversing := ", ".join(_reversing(case, response)):
+        notes.append(
+            f"Event '{name}' reverses the torque of {reversing}, but teeth stay together, since no clearance is given. "
+            "Type Backlash or Angular backlash in table Meshes, 0 where there is none."
+        )
+    if dies_out > end:
+        notes.append(f"Event '{name}' is followed to MaximumTime, {end:g} s: {why}.")
+    if notes:
+        response = with_left_out(response, None, tolerance)
+    starts, errors = starts_of(case, response)
+    return OperatingEvent(
+        name, response, () if starts is None else starts.shafts, errors, " ".join(notes)
+    )
+
+
+def _linear(case: CaseData, modal: ModalTrain, name: str, end: float, tolerance: float) -> Start:
+    """The response with teeth that stay together, added to the torques in operation."""
+    running = transmitted_torque(case, modal.train).element
+    return follow(modal, _drive(case, modal, name), end, tolerance, running)
+
+
+def _with_errors(response: Start, pieces: Mapping[str, float], tolerance: float) -> Start:
+    """The response with errors that cover the pieces of shafts and what comes after its end.
+
+    That has faded to a share `FADED` of the tolerance.
+    """
+    response, faded = with_pieces_error(response, pieces, tolerance), FADED * tolerance
+    peaks = tuple(p.with_error(faded * p.size) for p in response.peaks)
+    return replace(response, peaks=peaks, estimated_error=response.estimated_error + faded)
+
+
+def _pieces_errors(
+    case: CaseData, name: str, end: float, analysis: ModalAnalysis
+) -> dict[str, float]:
+    """Relative error of the torque of each element from the pieces of distributed shafts."""
+    assert analysis.rough_reported is not None
+    fine, rough = (
+        _linear(case, modal, name, end, COMPARED_AT)
+        for modal in (analysis.reported, analysis.rough_reported)
+    )
+    return pieces_errors(case, fine, rough)
+
+
+def _reversing(case: CaseData, response: Start) -> Iterator[str]:
+    """Meshes and geared couplings of which no clearance is given and whose torque may reverse."""
+    toothed = {m.element for m in case.meshes}
+    toothed |= {e.element for e in case.elements if e.kind == ElementKind.GEAR_MESH}
+    given = {
+        m.element for m in case.meshes if m.backlash is not None or m.angular_backlash is not None
+    }
+    for p in response.peaks:
+        if p.element in toothed - given and p.extremes[1][0] < -NOTABLE_REVERSAL * p.size:
+            yield f"'{p.element}'"
+
+
+def _separating(train: Train, response: Start) -> Iterator[str]:
+    """Elements with a clearance whose torque may fall to zero."""
+    lowest = {p.element: p.extremes[1][0] for p in response.peaks}
+    for flank in train.flanks:
+        name = train.elements[flank.element]
+        if flank.gap and lowest[name] <= 0.0:
+            yield name
+
+
+def _with_clearances(case: CaseData, modal: ModalTrain, name: str, linear: Start) -> Start:
+    """The response with teeth that separate, from the drive flanks on which the running train has them."""
+    train = modal.train
+    effects = StartEffects(
+        clearances=tuple(train.elements[f.element] for f in clearances_of(train)),
+        contact_law=case.contact_law or ContactLaw.LIMITED,
+    )
+    transmitted = transmitted_torque(case, train)
+    net = transmitted.motor - transmitted.load
+    rows = [row for row in case.event_torque if row.event == name]
+    torques = EventTorques(
+        [] if rows else tabled_torques(case.torque_time, train),
+        [_term(case, train, row) for row in rows],
+        [(i, float(net[i])) for i in np.flatnonzero(net).tolist()],
+    )
+    return run_event_start(case, modal, effects, linear, torques)
+
+
+# --- torques ----------------------------------------------------------------------------------------
+
+
+def _drive(case: CaseData, modal: ModalTrain, name: str) -> Drive:
+    rows = [row for row in case.event_torque if row.event == name]
+    if not rows:
+        return tabled_drive(modal, tabled_torques(case.torque_time, modal.train))
+    terms = [_term(case, modal.train, row) for row in rows]
+    return harmonic_drive(modal, Tones.of(terms))
+
+
+def _term(case: CaseData, train: Train, row: EventTorqueRow) -> DecayingHarmonic:
+    """One row of `EventTorque`: rated torque at the speed of its station is what its amplitude is a share of."""
+    station = train.stations.index(str(row.station))
+    rated = (case.ratings.rated_torque or 0.0) / float(train.speed_ratio[station])
+    line_omega = 2.0 * math.pi * (case.ratings.line_frequency or 0.0)
+    return DecayingHarmonic(
+        station,
+        (row.amplitude or 0.0) * rated,
+        row.phase or 0.0,
+        (row.multiple or 0.0) * line_omega,
+        1.0 / row.time_constant if row.time_constant else 0.0,
+    )
+
+
+def harmonic_drive(modal: ModalTrain, tones: Tones) -> Drive:
+    """Decaying harmonic torques; each mode counts with its amplification.
+
+    Parameters
+    ----------
+    modal : ModalTrain
+        The train. [SI]
+    tones : Tones
+        The torques. [N m]
+
+    Returns
+    -------
+    Drive
+        For `follow`. [SI]
+    """
+    train, modes, damping = modal
+    driven, s = modulus(tones.on_modes(train, modes)), tones.exponent
+    omega = np.where(modes.omega > 0.0, modes.omega, 1.0)[:, None]
+    rate, real, imag = damping.rate[:, None], s.real, s.imag
+    # |1 + (d s + s²) / ω²|, which is one over the amplification
+    apart = hypot(
+        1.0 + (rate * real + real * real - imag * imag) / (omega * omega),
+        (rate * imag + 2.0 * real * imag) / (omega * omega),
+    )
+    gain = 1.0 / np.maximum(apart, 1.0 / LARGEST_GAIN)
+
+    def respond(end: float, count: int, kept: np.ndarray) -> TimeResponse:
+        return harmonic_response(
+            train, modes, tones, end, count, damping_ratio=damping.structural, kept=kept
+        )
+
+    return Drive(
+        tones.stations,
+        (driven * gain).sum(axis=1),
+        (driven * (1.0 + modulus(s) / omega)).sum(axis=1),
+        float(np.max(s.imag, initial=0.0)) / (2.0 * math.pi),
+        respond,
+    )
+
+
+# --- how long ---------------------------------------------------------------------------------------
+
+
+def _length(case: CaseData, modal: ModalTrain, name: str, tolerance: float) -> tuple[float, str]:
+    """Time after which nothing new comes, and what takes longest, in words. [s]
+
+    All that decays, torques and modes, has faded to a share `FADED` of the tolerance by then. Torques that do not
+    decay go on: the longest beat between them is added.
+    """
+    rows = [row for row in case.event_torque if row.event == name]
+    begins = 0.0 if rows else max(float(row.time or 0.0) for row in case.torque_time)
+    rates = [
+        (1.0 / r.time_constant, "a torque that decays slowly") for r in rows if r.time_constant
+    ]
+    train, modes, damping = modal
+    drive = _drive(case, modal, name)
+    visible = visible_modes(train, modes, drive, tolerance) & (modes.omega > 0.0)
+    for i in np.flatnonzero(visible).tolist():
+        words = f"mode {i - modes.n_rigid + 1} ({modes.frequency[i]:.4g} Hz)"
+        rates.append((0.5 * float(damping.rate[i]), words))
+    slowest, what = min(rates, default=(math.inf, ""))
+    if slowest == 0.0:
+        return math.inf, f"{what} has no damping and never dies out"
+    fades = begins - float(log(FADED * tolerance)) / slowest
+    lasting = [r.multiple or 0.0 for r in rows if not r.time_constant]
+    gaps = np.diff(distinct([0.0], lasting)) * (case.ratings.line_frequency or 0.0)
+    beat = 1.0 / float(gaps.min()) if len(gaps) else 0.0
+    return max(fades + beat, SHORTEST), f"{what} dies out after {fades:.3g} s only"

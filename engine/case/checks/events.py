@@ -1,0 +1,87 @@
+"""Checks of events in operation: table EventTorque, and TorqueTime where the train runs before it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from engine.case.checks.problem import (
+    ANY_NUMBER,
+    NOT_NEGATIVE,
+    POSITIVE,
+    SCALARS,
+    STATION_NAME,
+    Limit,
+    each_row,
+    has_possible_ratings,
+)
+from engine.case.choices import ElementKind
+from engine.case.data import GROUND, TABLED_EVENT, CaseData
+from engine.errors import Problem
+
+TABLE = "EventTorque"
+NUMBERS = (
+    Limit("Amplitude", ANY_NUMBER),
+    Limit(
+        "Multiple",
+        NOT_NEGATIVE,
+        "",
+        "It is a multiple of the line frequency, 0 for a torque that does not oscillate; give the "
+        "Amplitude its sign instead.",
+    ),
+    Limit("Phase", ANY_NUMBER, "rad"),
+    Limit("Time constant", POSITIVE, "s", "Leave the cell blank if the torque does not decay."),
+)
+
+
+def check_events(case: CaseData) -> Iterator[Problem]:
+    """Terms of each event, what they are shares and multiples of, and a train that runs."""
+    stations = {s.station for s in case.stations if s.station}
+    for cells, row in each_row(TABLE, case.event_torque):
+        if not row.event:
+            yield cells.blank("Event", "the name of an event", "Name it: rows of one name add up.")
+        elif row.event == TABLED_EVENT and case.torque_time and not case.torque_time_from_rest:
+            allowed = "another name (table TorqueTime is the event of this name)"
+            yield cells.wrong("Event", row.event, allowed, "Rename the event.")
+        yield from cells.name("Station", row.station, stations, STATION_NAME)
+        if row.amplitude is None:
+            yield cells.blank(
+                "Amplitude",
+                "a number",
+                "Type the torque over RatedTorque, with its sign, or clear the whole row.",
+            )
+        yield from cells.numbers(row, NUMBERS)
+    yield from _missing_base(case)
+    if case.event_names:
+        yield from _held_train(case)
+
+
+def _missing_base(case: CaseData) -> Iterator[Problem]:
+    """Rated torque, and line frequency, that the terms are shares and multiples of."""
+    if not has_possible_ratings(case):
+        return
+    if case.event_torque and case.ratings.rated_torque is None:
+        yield SCALARS.blank(
+            "RatedTorque",
+            "given where EventTorque is",
+            "Type RatedTorque or RatedPower: Amplitude is a share of it.",
+        )
+    if any(row.multiple for row in case.event_torque) and case.ratings.line_frequency is None:
+        yield SCALARS.blank(
+            "LineFrequency",
+            "given where EventTorque has a Multiple",
+            "Type LineFrequency: Multiple is a multiple of it.",
+        )
+
+
+def _held_train(case: CaseData) -> Iterator[Problem]:
+    """A train that is held to ground does not run."""
+    for cells, e in each_row("Elements", case.elements):
+        grounded = e.kind == ElementKind.SPRING_TO_GROUND or GROUND in (e.from_, e.to)
+        if grounded and (e.stiffness is None or e.stiffness > 0):
+            yield cells.problem(
+                "From" if e.from_ == GROUND else "To",
+                GROUND,
+                "a station, where an event in operation is given",
+                f"found ground: '{e.element}' holds the train to ground, so it does not run. Clear the "
+                "element, or table EventTorque and InitialState.",
+            )

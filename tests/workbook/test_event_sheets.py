@@ -1,0 +1,115 @@
+"""Events in operation on the sheets: typed, recalculated, verified, cleared; workbooks of earlier versions."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import pytest
+from typer.testing import CliRunner
+
+from addin.cli.app import app
+from addin.reading.case_json import case_to_json
+from addin.verify.file import verify_file
+from addin.verify.structure import missing_tables
+from addin.writing.recalculate import recalculate
+from addin.xlsx import Workbook, open_workbook
+from addin.xlsx.references import cell_name
+from engine.case.data import EventTorqueRow
+from tests.reading.small_workbook import SmallWorkbook
+from tests.trains import geared
+
+FAULT = (
+    EventTorqueRow("Fault", "Motor", -4.0, 1.0, math.radians(90.0), 0.1),
+    EventTorqueRow("Fault", "Motor", -1.0, None, None, 0.1),
+)
+
+
+def shown(workbook: Workbook, name: str) -> list[list[Any]]:
+    """Rows of a table as its cells show them."""
+    table = workbook.tables[name]
+    return [
+        [
+            workbook.shown_value(table.sheet, cell_name(row, column))
+            for column in range(table.ref.left, table.ref.right + 1)
+        ]
+        for row in range(table.data.top, table.data.bottom + 1)
+    ]
+
+
+@pytest.fixture(scope="module")
+def calculated(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A train with an event: case.json, book.xlsx with its results, results.json."""
+    folder = tmp_path_factory.mktemp("event")
+    case = folder / "case.json"
+    case.write_text(json.dumps(case_to_json(geared(event_torque=FAULT))), encoding="utf-8")
+    words = ["new", str(folder / "typed.xlsx"), "--units", "si", "--from", str(case)]
+    result = CliRunner().invoke(app, words)
+    assert result.exit_code == 0, result.output
+    done = recalculate(
+        folder / "typed.xlsx",
+        destination=folder / "book.xlsx",
+        json_file=folder / "results.json",
+    )
+    assert not done.problems
+    return folder
+
+
+def test_events_stand_as_typed(calculated: Path) -> None:
+    first, second, *rest = shown(open_workbook(calculated / "book.xlsx"), "EventTorque")
+    assert first == ["Fault", "Motor", -4.0, 1.0, pytest.approx(math.pi / 2.0), 0.1]
+    assert second[:3] == ["Fault", "Motor", -1.0]
+    assert all(value in (None, "") for row in rest for value in row)
+
+
+def test_the_sheet_shows_what_the_json_has(calculated: Path) -> None:
+    results = json.loads((calculated / "results.json").read_text(encoding="utf-8"))
+    rows = results["event_peaks"]
+    sheet = shown(open_workbook(calculated / "book.xlsx"), "EventPeaks")
+    assert [r[:2] for r in sheet] == [[r["event"], r["element"]] for r in rows]
+    assert [r[2] for r in sheet] == pytest.approx([r["maximum"] for r in rows], rel=1e-12)
+    assert {r["event"] for r in rows} == {"Fault"}
+    checks = {row["check"]: row["verdict"] for row in results["verdicts"]}
+    assert checks["Peak torque in events"] == "not judged"
+
+
+def test_verify_follows_it_and_finds_an_edited_peak(calculated: Path, tmp_path: Path) -> None:
+    book = calculated / "book.xlsx"
+    assert verify_file(book).outcome == "follows"
+    workbook = open_workbook(book)
+    table = workbook.tables["EventPeaks"]
+    cell = cell_name(table.data.top, table.ref.left + 2)
+    workbook.set_cell(table.sheet, cell, 1.0)
+    workbook.save(tmp_path / "edited.xlsx")
+    found = verify_file(tmp_path / "edited.xlsx")
+    assert found.outcome == "does not follow"
+    assert any((f.sheet, f.cell) == ("Events", cell) for f in found.findings)
+
+
+def test_events_that_are_cleared_leave_no_rows(calculated: Path, tmp_path: Path) -> None:
+    workbook = open_workbook(calculated / "book.xlsx")
+    table = workbook.tables["EventTorque"]
+    for row in range(table.data.top, table.data.bottom + 1):
+        for column in range(table.ref.left, table.ref.right + 1):
+            workbook.set_cell(table.sheet, cell_name(row, column), None)
+    workbook.save(tmp_path / "cleared.xlsx")
+    done = recalculate(
+        tmp_path / "cleared.xlsx",
+        destination=tmp_path / "out.xlsx",
+        json_file=tmp_path / "out.json",
+    )
+    assert not done.problems
+    rows = shown(open_workbook(tmp_path / "out.xlsx"), "EventPeaks")
+    assert all(value in (None, "") for row in rows for value in row)
+
+
+def test_a_lost_result_table_is_missed(tmp_path: Path) -> None:
+    """Only a workbook of an earlier version, which has no EventTorque either, may lack it."""
+    made = SmallWorkbook()
+    of_today = open_workbook(made.save(tmp_path / "today.xlsx"))
+    made.without.add("EventTorque")
+    earlier = open_workbook(made.save(tmp_path / "earlier.xlsx"))
+    assert "EventPeaks" in {f.table for f in missing_tables(of_today)}
+    assert "EventPeaks" not in {f.table for f in missing_tables(earlier)}
