@@ -57,6 +57,7 @@ LABELS: tuple[str, ...] = (
     *_numbered(("Event",), EVENTS),
     "Accuracy title",
     "Accuracy axis",
+    "Motor axis",
 )
 
 CHART_TABLES: tuple[ChartTable, ...] = (
@@ -75,6 +76,11 @@ CHART_TABLES: tuple[ChartTable, ...] = (
         "ChartTorque",
         ("Speed", "Average", "Pulsating", "Load", "Accelerating"),
         "Torques [pu of RatedTorque] against speed [% of synchronous], referred to the motor.",
+    ),
+    ChartTable(
+        "ChartMotor",
+        ("Speed", "Average", "Pulsating", "Typed speed", "Typed average", "Typed pulsating"),
+        "Torques of motors with a data sheet against speed [% of synchronous], calculated and typed.",
     ),
     ChartTable("ChartSpeedTime", ("Time", "Speed"), "Motor speed against time."),
     ChartTable("ChartCrossings", ("Time", "Speed"), "Where 2 x slip crosses a mode."),

@@ -80,6 +80,9 @@ DIMENSIONS: Mapping[str, Dimension] = MappingProxyType(
         ),
         "sweep rate": Dimension("Hz/s", "Hz/s", "Hz/s", ("Hz/s",), format="0.000"),
         "power": Dimension("W", "hp", "kW", ("hp", "kW", "MW", "W")),
+        "per unit": Dimension("1", "pu", "pu", ("pu", "%", "ohm")),
+        "voltage": Dimension("V", "V", "V", ("V", "kV")),
+        "apparent power": Dimension("V*A", "kVA", "kVA", ("kVA", "MVA", "VA")),
         "mass": Dimension("kg", "lb", "kg", ("lb", "kg", "t")),
         "linear stiffness": Dimension(
             "N/m", "lbf/in", "N/m", ("lbf/in", "kip/in", "N/m", "N/um", "N/mm")
@@ -241,6 +244,8 @@ class TableSpec:
     #: state, start-up, reversals, starts, then what explains them; None = at the end.
     rank: int | None = None
     filtered: bool = False  #: Shipped with the buttons of a filter.
+    #: Workbooks of earlier versions lack it; nobody misses it there.
+    later: bool = False
     workbook_only: bool = False  #: The JSON has none of it: maps, and numbers behind charts.
 
     @property

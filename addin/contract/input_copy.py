@@ -7,12 +7,18 @@ The formulas are plain ones of Excel 2010: none is volatile, none an array formu
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 
 from addin.contract.field import Field, TableSpec
 from addin.contract.input_tables import INPUT_TABLES
 from addin.contract.scalars import SCALARS
-from addin.contract.units import STATION_SPEED, TRANSMITTED_TORQUE, UnitScale, known_units
+from addin.contract.units import (
+    BASE_IMPEDANCE,
+    STATION_SPEED,
+    TRANSMITTED_TORQUE,
+    UnitScale,
+    known_units,
+)
 from engine.case.data import ADMINISTRATIVE
 
 #: First row of its tables on the sheet, that of the headers.
@@ -66,15 +72,31 @@ COPY_TABLES: tuple[tuple[str, tuple[str, ...]], ...] = (
 )
 
 
+def compared_tables(present: Collection[str]) -> tuple[TableSpec, ...]:
+    """Input tables of a workbook of which a copy is kept: an earlier template lacks the later ones."""
+    return tuple(spec for spec in INPUT_TABLES if spec.name in present or not spec.later)
+
+
+def missing_copies(present: Collection[str]) -> list[str]:
+    """Tables of the copy that a workbook with these tables ought to have, and has not."""
+    names = (CHECKS, UNITS, *(copy_name(spec.name) for spec in compared_tables(present)))
+    return [name for name in names if name not in present]
+
+
 # --- units ----------------------------------------------------------------------------------------
 
 
 def quantity_of(dimension: str, base: str) -> str:
     """Numbers in units of one quantity can be told to be equal.
 
-    A share of the torque transmitted at a station is no torque in N m before the case is calculated.
+    A share of the torque transmitted at a station is no torque in N m before the case is calculated, and
+    what is 1 pu in ohm differs from motor to motor.
     """
-    bases = {TRANSMITTED_TORQUE: "share of the torque transmitted", STATION_SPEED: "station speed"}
+    bases = {
+        TRANSMITTED_TORQUE: "share of the torque transmitted",
+        STATION_SPEED: "station speed",
+        BASE_IMPEDANCE: "impedance",
+    }
     return bases.get(base, dimension)
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
-from addin.contract.input_copy import CHECKS, COPY_TABLES
+from addin.contract.input_copy import CHECKS, missing_copies
 from addin.reading.workbook import WorkbookInput
 from addin.verify.compare import RecordedValue, agreement, plain_value, value_in_words
 from addin.verify.findings import Agreement, Finding
@@ -55,7 +55,7 @@ def compare_input_copy(
 
 def without_copy(workbook: Workbook) -> Iterator[Finding]:
     """A note where the banners have nothing to compare the inputs with, as in templates of 0.1.0."""
-    missing = [name for name, _ in COPY_TABLES if name not in workbook.tables]
+    missing = missing_copies(workbook.tables)
     if missing:
         sentence = (
             f"the workbook has no copy of its inputs (table {missing[0]} is missing), so its banners do not show "

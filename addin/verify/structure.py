@@ -33,14 +33,14 @@ def missing_tables(workbook: Workbook) -> Iterator[Finding]:
     Yields
     ------
     Finding
-        One a table. Templates of earlier versions lack tables of `WORKBOOK_TABLES`: these are
-        missed only where their headers still stand in cells.
+        One a table. Templates of earlier versions lack tables of `WORKBOOK_TABLES` and later ones: these
+        are missed only where their headers still stand in cells.
     """
     for spec in (*RESULT_TABLES, *WORKBOOK_TABLES):
         if spec.name in workbook.tables:
             continue
         at = _as_cells(workbook, spec)
-        if at is None and spec in WORKBOOK_TABLES:
+        if at is None and (spec.later or spec in WORKBOOK_TABLES):
             continue
         sentence = f"the workbook has no table {spec.name}: its results were removed"
         if at is not None:

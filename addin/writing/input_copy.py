@@ -16,7 +16,6 @@ from addin.contract.input_copy import (
     CHECK_COLUMNS,
     CHECKS,
     COMPARED_SCALARS,
-    COPY_TABLES,
     FULL_SPEED,
     OF_THE_RESULTS,
     UNIT_COLUMNS,
@@ -24,6 +23,7 @@ from addin.contract.input_copy import (
     UNITS,
     changed_numbers,
     changed_words,
+    compared_tables,
     compared_columns,
     copy_columns,
     copy_name,
@@ -31,12 +31,14 @@ from addin.contract.input_copy import (
     is_renamed,
     is_speed,
     may_be_speed,
+    missing_copies,
     quantity_of,
     unit_rows,
 )
 from addin.contract.run_facts import RUN_FACTS
-from addin.contract.tables import INPUT_TABLES, SCALAR_TABLE
+from addin.contract.tables import SCALAR_TABLE
 from addin.contract.units import (
+    BASE_IMPEDANCE,
     RATED_TORQUE,
     STATION_SPEED,
     SYNCHRONOUS_SPEED,
@@ -70,7 +72,7 @@ def input_copy(
     list of TableData
         None for a workbook of an earlier version, which has no place for them.
     """
-    if any(name not in read.workbook.tables for name, _ in COPY_TABLES):
+    if missing_copies(read.workbook.tables):
         return []
     return list(_Copy(read, digest, units or {}).tables())
 
@@ -108,7 +110,7 @@ class _Copy:
             for number, (quantity, unit, scale) in enumerate(UNIT_ROWS, 1)
         ]
         yield TableData(UNITS, rows, UNIT_COLUMNS)
-        for spec in INPUT_TABLES:
+        for spec in compared_tables(self.read.workbook.tables):
             yield TableData(copy_name(spec.name), self._rows(spec), copy_columns(spec))
 
     # ---- numbers in SI -------------------------------------------------------------------------
@@ -142,7 +144,11 @@ class _Copy:
         return rows
 
     def _number(self, entry: Entry | None, station: str | None) -> float | None:
-        return self.bases.si(entry, station) if isinstance(entry, Typed) else None
+        if not isinstance(entry, Typed):
+            return None
+        if entry.scale.base == BASE_IMPEDANCE:
+            return entry.scale.to_si(entry.number)
+        return self.bases.si(entry, station)
 
     def _words(self, table: str, field: Field, row: int) -> Any:
         at = self.read.locations.columns.get((table, field.name))
@@ -170,7 +176,7 @@ class _Copy:
                 live = _reference(*self.read.locations.scalars[field.name])
                 yield self._check(_Input(field, SCALAR_TABLE, field.name, live, row))
                 row += 1
-        for spec in INPUT_TABLES:
+        for spec in compared_tables(self.read.workbook.tables):
             table = self.read.locations.tables[spec.name]
             for field in compared_columns(spec):
                 at = self.read.locations.columns.get((spec.name, field.name))

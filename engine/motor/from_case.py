@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -31,6 +32,8 @@ CURVE_ERROR = 1e-6
 FIRST_POINTS, HALVINGS = 33, 15
 #: Half the distance over which slopes are taken: its square and its rounding are both below 1e-9. [1]
 NEARBY = 1e-5
+#: Slips of table `MotorCurves`: every per cent.
+SHOWN_SLIPS = np.linspace(1.0, 0.0, 101)
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,6 +126,36 @@ def motors_from_data(case: CaseData) -> Iterator[MotorFromData]:
             ratings.synchronous_speed * ratios[row.station],
             ratings.line_frequency,
         )
+
+
+def motor_curves(case: CaseData) -> list[dict[str, Any]]:
+    """Rows of table `MotorCurves`: every motor with a data sheet, at rated voltage.
+
+    Parameters
+    ----------
+    case : CaseData
+        Checked. [SI]
+
+    Returns
+    -------
+    list of dict
+        By JSON key, from rest to synchronous speed. [SI]
+    """
+    rows = []
+    for motor in motors_from_data(case):
+        curves = slip_curves(motor.starting, SHOWN_SLIPS)
+        columns = {
+            "slip": SHOWN_SLIPS,
+            "speed": (1.0 - SHOWN_SLIPS) * motor.synchronous_speed,
+            "average": motor.torque_base * curves.average,
+            "pulsating": motor.torque_base * curves.pulsating,
+            "phase": curves.phase,
+            "current": curves.current,
+            "power_factor": curves.power_factor,
+        }
+        values = zip(*(column.tolist() for column in columns.values()), strict=True)
+        rows += [{"station": motor.station} | dict(zip(columns, row, strict=True)) for row in values]
+    return rows
 
 
 def motors_without_curve(case: CaseData) -> dict[str, MotorFromData]:
