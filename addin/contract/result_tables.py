@@ -454,7 +454,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 "Station", "Where the motor acts.", kind="station", trace=named("MotorData.Station"),
             ),
             number("Slip", "ratio", "1 at rest, 0 at synchronous speed.", "1 − speed / synchronous speed",
-                   SLIP, format="0.00"),
+                   SLIP, of_row=("MotorData.Station",), format="0.00"),
             number(
                 "Speed", "speed", "Speed of the station.", "(1 − slip) × synchronous speed of the station",
                 SLIP, of_row=("MotorCurves.Slip", "Stations.Speed ratio"), of_case=LINE,

@@ -253,6 +253,36 @@ def _typed_circuit(row: MotorCircuitRow) -> Circuit:
     )
 
 
+def row_of_circuit(station: str | None, circuit: Circuit) -> MotorCircuitRow:
+    """A circuit as a row of table `MotorCircuit`.
+
+    Parameters
+    ----------
+    station : str or None
+        Where the motor acts. [name]
+    circuit : Circuit
+        With at most two dampers in each axis. [pu]
+
+    Returns
+    -------
+    MotorCircuitRow
+        What it consists of; blank where there is no such winding. [pu]
+    """
+    windings = {} if circuit.field is None else {"f": circuit.field}
+    for axis, dampers in (("kd", circuit.dampers_d), ("kq", circuit.dampers_q)):
+        windings |= zip((axis, f"{axis}_2"), dampers, strict=False)
+    return MotorCircuitRow(
+        station,
+        circuit.stator_resistance,
+        circuit.stator_leakage,
+        circuit.magnetising_d,
+        circuit.magnetising_q,
+        xc=circuit.common_leakage_d or None,
+        **{f"r{name}": winding.resistance for name, winding in windings.items()},
+        **{f"xl{name}": winding.leakage for name, winding in windings.items()},
+    )
+
+
 def _given(value: float | None) -> float:
     if value is None:
         raise InternalError("a data sheet with a blank was not refused")

@@ -45,5 +45,5 @@ def tv_model(stations: Block, elements: Block, case: Block | None, *others: Bloc
             blocks[name] = block
     found = case_of(blocks)
     if found.problems:
-        raise FunctionError(problems_in_words(found))
+        raise FunctionError(problems_in_words(found.problems))
     return MODELS.add(found).handle
