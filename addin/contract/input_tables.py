@@ -172,7 +172,7 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
         ),
     ),
     table(
-        "MotorData", sheet="Motor", caption="Motor data (optional)",
+        "MotorData", sheet="Motor", caption="Motor data",
         help="Data sheet of a motor, per unit of its own apparent power and voltage; its torque curves "
         "follow where MotorTorque has no rows of its station.",
         rows=2, row_name=("Station",), later=True,
@@ -215,7 +215,7 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
         ),
     ),
     table(
-        "MotorCircuit", sheet="Motor", caption="Motor circuit (optional)",
+        "MotorCircuit", sheet="Motor", caption="Motor circuit",
         help="Circuit of a motor of table MotorData, instead of its reactances and time constants.",
         rows=2, row_name=("Station",), later=True,
         columns=(
