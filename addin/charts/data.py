@@ -251,7 +251,9 @@ def _calculated_curves(run: RunView | None) -> dict[str, tuple[list[float], ...]
     found: dict[str, tuple[list[float], ...]] = {}
     for row in _table(run, "MotorCurves"):
         curve = found.setdefault(row["station"], ([], [], []))
-        for column, value in zip(curve, (1.0 - row["slip"], row["average"], row["pulsating"]), strict=True):
+        for column, value in zip(
+            curve, (1.0 - row["slip"], row["average"], row["pulsating"]), strict=True
+        ):
             column.append(value)
     return found
 

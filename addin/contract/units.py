@@ -243,7 +243,7 @@ def known_units(dimension: str) -> dict[str, UnitScale]:
 _SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
 _SIGNS = str.maketrans(
     {"·": "*", "⋅": "*", "×": "*", "•": "*", "∙": "*", "−": "-", "–": "-", "‑": "-", "\u00a0": " "}
-    | {"µ": "u", "μ": "u", "°": "deg", "Ω": "ohm", "Ω": "ohm"}
+    | {"µ": "u", "μ": "u", "°": "deg", "\u2126": "ohm", "\u03a9": "ohm"}
 )
 _NAME = r"[A-Za-z%][A-Za-z_]*"
 _FACTOR = rf"\(*{_NAME}(?:\^\(?-?[1-9]\)?)?\)*"

@@ -457,12 +457,12 @@ def ratios_of(typed: TypedCase) -> dict[str, float | None]:
     return ratios
 
 
-def _base_impedances(
-    typed: TypedCase, rated_power: float | None
-) -> dict[str | None, float | None]:
+def _base_impedances(typed: TypedCase, rated_power: float | None) -> dict[str | None, float | None]:
     """What one per unit is in ohm, of the motor at each station."""
     spec = input_table("MotorData")
-    motors = rows_in_si(spec, MotorDataRow, typed, _NO_BASES, Findings())  # what is in ohm stays blank
+    motors = rows_in_si(
+        spec, MotorDataRow, typed, _NO_BASES, Findings()
+    )  # what is in ohm stays blank
     return {
         motor.station: motor.base_impedance(rated_power)
         for motor in motors

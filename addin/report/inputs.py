@@ -196,7 +196,9 @@ def _torques(subject: Subject) -> Section:
     if motors:
         absent = [words for words in absent if words != "no motor torque"]
         blocks += [piece for table in motors for piece in turned(table)]
-        blocks.append(Paragraph("Torque curves that are not typed follow from the motor data.", "note"))
+        blocks.append(
+            Paragraph("Torque curves that are not typed follow from the motor data.", "note")
+        )
     pictures = subject.pictures.chart("torque"), subject.pictures.chart("motor-curves")
     return section("Torques", *pictures, *blocks, _absent(absent, ", "))
 

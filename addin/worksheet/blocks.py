@@ -149,7 +149,11 @@ def motors_of(
     stations = tuple(StationRow(row.station) for row in motors)
     case = replace(read, motor_data=motors, stations=stations, line_frequency=line_frequency)
     reading.findings.silence(
-        *(("MotorData", k, "Apparent power") for k, row in enumerate(motors, 1) if row.apparent_power is None)
+        *(
+            ("MotorData", k, "Apparent power")
+            for k, row in enumerate(motors, 1)
+            if row.apparent_power is None
+        )
     )
     found = first_of_each_cell(check_motors(case), reading.findings.bad)
     return case, [reading.placed(problem) for problem in (*reading.findings.problems, *found)]

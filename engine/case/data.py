@@ -408,7 +408,8 @@ class CaseData:
     @property
     def motor_stations(self) -> tuple[str | None, ...]:
         """Stations with a motor: those with a typed curve, then those with a data sheet alone."""
-        return tuple(dict.fromkeys(row.station for row in (*self.motor_torque, *self.motor_data)))
+        typed = (point.station for point in self.motor_torque)
+        return tuple(dict.fromkeys((*typed, *(row.station for row in self.motor_data))))
 
     @property
     def speed_ratios(self) -> dict[str | None, float]:

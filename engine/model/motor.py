@@ -84,7 +84,9 @@ def drives_of(motors: Sequence[Motor]) -> tuple[Motor, ...]:
         firsts.append(replace(m, pulsating=curve, phase=phase, parts=None))
         for curve, phase in second:
             seconds.append(
-                Motor(m.station, nothing, curve, m.synchronous_speed, m.pole_pairs, phase, None, True)
+                Motor(
+                    m.station, nothing, curve, m.synchronous_speed, m.pole_pairs, phase, None, True
+                )
             )
     return (*firsts, *seconds)
 
@@ -135,7 +137,9 @@ def motors_of(case: CaseData, train: Train) -> tuple[Motor, ...]:
         else:
             x = np.array([p.speed for p in points], dtype=float)
             average = torque_curve(x, scale * np.array([p.average for p in points], dtype=float))
-            pulsating = torque_curve(x, scale * np.array([p.pulsating for p in points], dtype=float))
+            pulsating = torque_curve(
+                x, scale * np.array([p.pulsating for p in points], dtype=float)
+            )
         pairs = 2.0 * math.pi * ratings.line_frequency / speed
         motors.append(Motor(station, average, pulsating, speed, pairs, phase, parts))
     return tuple(motors)

@@ -6,8 +6,8 @@ Xd' with the field, Xd'' with the damper too. So the windings are found one afte
 and a motor without a field, or with one winding an axis, needs none of its own.
 
 Classical time constants: that of a winding is what it has while the windings before it carry current
-without resistance and those behind it are open (IEC 60034-4; the same relations as in the Modelica Standard
-Library, Electrical.Machines.Utilities.SynchronousMachineData).
+without resistance and those behind it are open: the relations of the Modelica Standard Library,
+Electrical.Machines.Utilities.SynchronousMachineData.
 """
 
 from __future__ import annotations

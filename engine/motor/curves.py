@@ -111,8 +111,7 @@ def slip_curves(circuit: Circuit, slip: Floats) -> SlipCurves:
     backward = 2.0 * slip - 1.0
     if resistance == 0.0:  # it cancels, and would leave 0/0 at half speed
         backward = np.ones_like(slip)
-    turned = 1j * backward
-    share = -times(times(turned, half), inverse(resistance + times(turned, mean)))
+    share = -1j * backward * times(half, inverse(resistance + 1j * backward * mean))
     plus = inverse(resistance + 1j * (mean + times(half, share)))
     minus = times(share, plus)
     flux_plus = times(mean, plus) + times(half, minus)
@@ -127,4 +126,3 @@ def slip_curves(circuit: Circuit, slip: Floats) -> SlipCurves:
         hypot(size, modulus(minus)),
         plus.real / size,
     )
-

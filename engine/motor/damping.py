@@ -2,7 +2,7 @@
 
 The slope of the average torque against speed is right for oscillations that are slow beside the windings'
 own rates. At the natural frequencies of shafts the windings cannot follow, and damping, stiffness and even
-their sign are others (Concordia, Synchronous machines, 1951, chapter on damping torques).
+their sign are others (Concordia, Synchronous machines, 1951).
 
 A rotor that turns steadily with the slip s carries phasors of slip frequency. Its oscillation with ν times
 line frequency moves them, and the line's voltage in its axes, to the frequencies ν ± s; the stator's

@@ -50,7 +50,9 @@ class MotorFromData:
     curves: tuple[TorqueCurve, TorqueCurve, TorqueCurve]
 
 
-def torque_curves(circuit: Circuit, torque_base: float) -> tuple[TorqueCurve, ...]:
+def torque_curves(
+    circuit: Circuit, torque_base: float
+) -> tuple[TorqueCurve, TorqueCurve, TorqueCurve]:
     """Average torque and the two parts of the pulsating torque as curves against speed.
 
     Intervals are halved until the curve meets the formula in their middle: where the torque falls to
@@ -87,8 +89,11 @@ def torque_curves(circuit: Circuit, torque_base: float) -> tuple[TorqueCurve, ..
         coarse = np.sort(np.concatenate([inserted - 1, inserted]))
         if not len(coarse):
             break
-    torques, slopes = torque_base * torques, torque_base * slopes
-    return tuple(curve_with_slopes(speed, *of_one) for of_one in zip(torques, slopes, strict=True))
+    average, sine, cosine = (
+        curve_with_slopes(speed, torque_base * t, torque_base * of_t)
+        for t, of_t in zip(torques, slopes, strict=True)
+    )
+    return average, sine, cosine
 
 
 def _torques(circuit: Circuit, speed: Floats) -> tuple[Floats, Floats]:
@@ -118,7 +123,8 @@ def motors_from_data(case: CaseData) -> Iterator[MotorFromData]:
     ratings, ratios = case.ratings, case.speed_ratios
     circuits = {row.station: row for row in case.motor_circuit}
     for row in case.motor_data:
-        assert ratings.synchronous_speed is not None and ratings.line_frequency is not None
+        assert ratings.synchronous_speed is not None
+        assert ratings.line_frequency is not None
         yield _motor(
             row,
             circuits.get(row.station),
@@ -154,7 +160,9 @@ def motor_curves(case: CaseData) -> list[dict[str, Any]]:
             "power_factor": curves.power_factor,
         }
         values = zip(*(column.tolist() for column in columns.values()), strict=True)
-        rows += [{"station": motor.station} | dict(zip(columns, row, strict=True)) for row in values]
+        rows += [
+            {"station": motor.station} | dict(zip(columns, row, strict=True)) for row in values
+        ]
     return rows
 
 
@@ -230,7 +238,9 @@ def circuit_of(
         steps.insert(0, Step(_given(row.xd_transient), _given(transient), short))
     of_d = rotor_windings(xd, xl, steps, omega)
     of_q = rotor_windings(xq, xl, [Step(xq2, tq2, short)], omega)
-    resistance = row.ra if row.ra is not None else stator_resistance(xd2, xq2, _given(row.ta), omega)
+    resistance = (
+        row.ra if row.ra is not None else stator_resistance(xd2, xq2, _given(row.ta), omega)
+    )
     return Circuit(
         resistance, xl, xd - xl, xq - xl, of_d[0] if has_field else None, of_d[has_field:], of_q
     )

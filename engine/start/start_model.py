@@ -16,7 +16,13 @@ from engine.errors import ModelError
 from engine.model.load import Load
 from engine.model.modal_train import ModalTrain
 from engine.model.modes import Modes
-from engine.model.motor import Motor, drives_of, electrical_arrays, through_synchronism, voltage_factor
+from engine.model.motor import (
+    Motor,
+    drives_of,
+    electrical_arrays,
+    through_synchronism,
+    voltage_factor,
+)
 from engine.model.train import Train
 from engine.numerics.same_bits import log, product, sin, singular_values, total
 from engine.start.settings import NEGLIGIBLE, PLAIN_START

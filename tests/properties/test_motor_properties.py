@@ -20,7 +20,9 @@ def numbers(low, high):
 
 
 def windings(most):
-    return st.lists(st.builds(Winding, numbers(1e-4, 0.3), numbers(0.0, 0.4)), max_size=most).map(tuple)
+    return st.lists(st.builds(Winding, numbers(1e-4, 0.3), numbers(0.0, 0.4)), max_size=most).map(
+        tuple
+    )
 
 
 circuits = st.builds(
@@ -46,7 +48,9 @@ def test_without_stator_resistance_braking_mirrors_driving(circuit):
 @given(circuits, numbers(1e-3, 0.05))
 def test_power_is_balanced(circuit, resistance):
     """What the line gives is what the shaft takes and what every winding heats."""
-    circuit = replace(circuit, stator_resistance=resistance)  # at half speed two equations else are one
+    circuit = replace(
+        circuit, stator_resistance=resistance
+    )  # at half speed two equations else are one
     curves = slip_curves(circuit, SLIPS)
     xd, xq = operational_reactances(circuit, SLIPS)
     turn = 1.0 - SLIPS

@@ -25,7 +25,10 @@ FREQUENCY = Argument(
     "Line frequency", "number", "Line frequency [Hz]; needed where Data has time constants.", True
 )
 CIRCUIT = Argument(
-    "Circuit", "block", "Table MotorCircuit with headers and units, for motors given by their circuit.", True
+    "Circuit",
+    "block",
+    "Table MotorCircuit with headers and units, for motors given by their circuit.",
+    True,
 )
 CIRCUIT_COLUMNS = input_table("MotorCircuit").columns
 CURVES = {
@@ -105,5 +108,3 @@ def tv_motor_curves(
         values = zip(*(column.tolist() for column in columns), strict=True)
         rows += [[station, *row] for row in values]
     return rows
-
-

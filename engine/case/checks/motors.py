@@ -54,7 +54,8 @@ def _times(longest: float, *columns: str) -> tuple[Limit, ...]:
 
 _SHARE = Allowed(lambda v: 0.0 < v <= 1.0, "positive and at most 1 (100 %)")
 _RESISTANCE = Allowed(
-    lambda v: 0.0 <= v <= LARGEST_RESISTANCE, f"zero or positive and at most {LARGEST_RESISTANCE:g} pu"
+    lambda v: 0.0 <= v <= LARGEST_RESISTANCE,
+    f"zero or positive and at most {LARGEST_RESISTANCE:g} pu",
 )
 _LEAKAGE = Allowed(
     lambda v: 0.0 <= v <= LARGEST_LEAKAGE, f"zero or positive and at most {LARGEST_LEAKAGE:g} pu"
@@ -177,7 +178,11 @@ def _sheet(cells: Cells, motor: MotorDataRow) -> Iterator[Problem]:
             motor.ta,
             "given, or Ra instead",
             "the resistance of the stator follows from Ta, or is Ra: "
-            + ("both are given. Clear one of the two." if both else "both are blank. Type one of the two."),
+            + (
+                "both are given. Clear one of the two."
+                if both
+                else "both are blank. Type one of the two."
+            ),
         )
 
 
