@@ -27,7 +27,7 @@ from engine.numerics.same_bits import cos, sin
 from engine.numerics.torque_curve import TorqueCurve, curve_with_slopes
 
 #: A curve is wrong by at most this share of the largest average torque. [1]
-CURVE_ERROR = 1e-6
+CURVE_ERROR = 1e-7
 #: First points, and how often their intervals may be halved: to a millionth of synchronous speed. [count]
 FIRST_POINTS, HALVINGS = 33, 15
 #: Half the distance over which slopes are taken: its square and its rounding are both below 1e-9. [1]

@@ -97,7 +97,7 @@ def test_the_curves_follow_the_formula():
     from_data = next(motors_from_data(case))
     exact = slip_curves(from_data.starting, 1.0 - x)
     base = from_data.torque_base
-    allowed = 1e-6 * base * np.max(np.abs(exact.average))
+    allowed = 1e-7 * base * np.max(np.abs(exact.average))
     assert np.max(np.abs(first.average(x) - base * exact.average)) < allowed
     size = np.hypot(first.pulsating(x), second.pulsating(x))
     assert np.max(np.abs(size - base * exact.pulsating)) < allowed
