@@ -175,7 +175,7 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
         "MotorData", sheet="Motor", caption="Motor data",
         help="Data sheet of a motor, per unit of its own apparent power and voltage; its torque curves "
         "follow where MotorTorque has no rows of its station.",
-        rows=2, row_name=("Station",), later=True,
+        rows=4, row_name=("Station",), later=True,
         columns=(
             text("Station", "Where the motor acts.", kind="station"),
             number(
@@ -217,7 +217,7 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
     table(
         "MotorCircuit", sheet="Motor", caption="Motor circuit",
         help="Circuit of a motor of table MotorData, instead of its reactances and time constants.",
-        rows=2, row_name=("Station",), later=True,
+        rows=4, row_name=("Station",), later=True,
         columns=(
             text("Station", "Station of a row of table MotorData.", kind="station"),
             number("Rs", "per unit", "Resistance of the stator."),
