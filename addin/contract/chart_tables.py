@@ -77,11 +77,6 @@ CHART_TABLES: tuple[ChartTable, ...] = (
         ("Speed", "Average", "Pulsating", "Load", "Accelerating"),
         "Torques [pu of RatedTorque] against speed [% of synchronous], referred to the motor.",
     ),
-    ChartTable(
-        "ChartMotor",
-        ("Speed", "Average", "Pulsating", "Typed speed", "Typed average", "Typed pulsating"),
-        "Torques of motors with a data sheet against speed [% of synchronous], calculated and typed.",
-    ),
     ChartTable("ChartSpeedTime", ("Time", "Speed"), "Motor speed against time."),
     ChartTable("ChartCrossings", ("Time", "Speed"), "Where 2 x slip crosses a mode."),
     ChartTable(
@@ -127,5 +122,10 @@ CHART_TABLES: tuple[ChartTable, ...] = (
         "ChartAccuracy",
         _of_methods(("peak name", "peak time", "peak", "starts name", "starts time", "starts")),
         "Name, processor time in ms and error in % of each method.",
+    ),
+    ChartTable(
+        "ChartMotor",
+        ("Speed", "Average", "Pulsating", "Typed speed", "Typed average", "Typed pulsating"),
+        "Torques of motors with a data sheet against speed [% of synchronous], calculated and typed.",
     ),
 )
