@@ -10,7 +10,7 @@ import jsonschema
 import openpyxl
 import pytest
 from servers import inside
-from sheet_ranges import CATALOGUE, SCATTER, TEMPLATES, TUNING, model_arguments, table
+from sheet_ranges import CATALOGUE, MOTOR, SCATTER, TEMPLATES, TUNING, model_arguments, table
 
 from addin.server import calls as server_calls
 from addin.server.processes import Work
@@ -69,6 +69,8 @@ def every_call(handle):
     found["TV_SN_LIFE"][1] = material
     found["TV_MODEL"] = model_arguments()
     found["TV_STIFFNESS"] = [200.1, None, 501.7, 79300]
+    found["TV_MOTOR_CIRCUIT"] = [MOTOR, 60]
+    found["TV_MOTOR_CURVES"] = [MOTOR, [[1, 0.5], [0.05, None]], 60]
     found["TV_LIFE"] = [[[1e-3, 2e-4]], [[12.0, None]], None, 2]
     found["TV_CONVERT"] = [[[0.1, None], [1e-300, 3.3]], "lbf*in", "N*m"]
     return found
