@@ -232,6 +232,7 @@ def _motor_rows(
     case: CaseData, run: RunView | None, units: ShownUnits, labels: dict[str, Cell]
 ) -> Rows:
     """Torques of each motor with a data sheet, calculated and typed, in the unit of table `MotorCurves`."""
+    labels["Motor title"] = "Motor torque calculated from its data, at rated voltage"
     labels["Motor axis"] = f"Torque [{units.name('MotorCurves', 'Average')}]"
     unit = units.factor("MotorCurves", "Average")
     calculated = _calculated_curves(run)

@@ -57,6 +57,7 @@ LABELS: tuple[str, ...] = (
     *_numbered(("Event",), EVENTS),
     "Accuracy title",
     "Accuracy axis",
+    "Motor title",
     "Motor axis",
 )
 

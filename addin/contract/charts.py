@@ -268,7 +268,7 @@ _SPECS = (
     ),
     # what follows from the data sheets of the motors, beside what is typed of the same motors
     ChartSpec(
-        "motor-curves", "curves", "Motor torque calculated from its data, at rated voltage",
+        "motor-curves", "curves", Label("Motor title", r"Motor torque calculated.*"),
         Axis("Speed [% of synchronous]", least=0, largest=100, number="0", low=True),
         Axis(Label("Motor axis", r"Torque.*"), number="General"),
         (
