@@ -11,6 +11,7 @@ module          responsibility
 `stepping`      one-degree-of-freedom steps and the compiled time loops; nothing of shafts
 `numerics`      singular values, monotone curves, statistics of samples; nothing of shafts
 `case`          what the engineer states, its checks, and the effects a start may call for
+`motor`         a motor from its data sheet: circuit, torques against slip, electrical damping
 `model`         the train as arrays, its modes, and what drives, brakes and shakes it
 `fatigue`       from a stress history to cycles, damage and allowable starts
 `operation`     continuous operation: separation margins, forbidden bands, harmonic response

@@ -75,7 +75,8 @@ def chart_blocks(
     labels: dict[str, Cell] = dict.fromkeys(LABELS, _BLANK_LABEL) if run else _waiting_labels()
     blocks = {
         "ChartTrain": _train_rows(case, labels),
-        "ChartTorque": _torque_rows(case),
+        "ChartTorque": _torque_rows(case, run),
+        "ChartMotor": _motor_rows(case, run, units, labels),
         "ChartSpeedTime": _speed_time_rows(run),
         "ChartCrossings": _crossing_rows(case, run, labels),
         "ChartSN": _sn_rows(case, run, units, labels),
@@ -204,11 +205,11 @@ def _rpm(speed: float) -> float:
 # --- torque curves --------------------------------------------------------------------------------
 
 
-def _torque_rows(case: CaseData) -> Rows:
+def _torque_rows(case: CaseData, run: RunView | None) -> Rows:
     """All motors, all loads and their difference on one grid, referred to the motor, in pu."""
     rated = case.ratings.rated_torque
     ratios = case.speed_ratios
-    motor = _curves(case.motor_torque, ("average", "pulsating"))
+    motor = _calculated_curves(run) | _curves(case.motor_torque, ("average", "pulsating"))
     load = _curves(case.load_torque, ("torque",))
     speeds = sorted({speed for points in (*motor.values(), *load.values()) for speed in points[0]})
     if not rated or not speeds:
@@ -225,6 +226,37 @@ def _torque_rows(case: CaseData) -> Rows:
     average, pulsating, opposing = total(motor, 1), total(motor, 2), total(load, 1)
     columns = (100.0 * grid, average, pulsating, opposing, average - opposing)
     return side_by_side([plain(column) for column in columns])
+
+
+def _motor_rows(
+    case: CaseData, run: RunView | None, units: ShownUnits, labels: dict[str, Cell]
+) -> Rows:
+    """Torques of each motor with a data sheet, calculated and typed, in the unit of table `MotorCurves`."""
+    labels["Motor title"] = "Motor torque calculated from its data, at rated voltage"
+    labels["Motor axis"] = f"Torque [{units.name('MotorCurves', 'Average')}]"
+    unit = units.factor("MotorCurves", "Average")
+    calculated = _calculated_curves(run)
+    typed = _curves(case.motor_torque, ("average", "pulsating"))
+    beside = {station: typed[station] for station in calculated if station in typed}
+    scales = (0.01, unit, unit)
+    columns = [
+        _segments([[(0.0, v / scale) for v in curve[k]] for curve in curves.values()])[1]
+        for curves in (calculated, beside)
+        for k, scale in enumerate(scales)
+    ]
+    return side_by_side(columns) or [[None] * len(columns)]
+
+
+def _calculated_curves(run: RunView | None) -> dict[str, tuple[list[float], ...]]:
+    """Speed, average and pulsating torque of each motor with a data sheet."""
+    found: dict[str, tuple[list[float], ...]] = {}
+    for row in _table(run, "MotorCurves"):
+        curve = found.setdefault(row["station"], ([], [], []))
+        for column, value in zip(
+            curve, (1.0 - row["slip"], row["average"], row["pulsating"]), strict=True
+        ):
+            column.append(value)
+    return found
 
 
 def _curves(rows: Iterable[Any], names: Sequence[str]) -> dict[str, tuple[list[float], ...]]:

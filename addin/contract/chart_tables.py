@@ -57,6 +57,8 @@ LABELS: tuple[str, ...] = (
     *_numbered(("Event",), EVENTS),
     "Accuracy title",
     "Accuracy axis",
+    "Motor title",
+    "Motor axis",
 )
 
 CHART_TABLES: tuple[ChartTable, ...] = (
@@ -121,5 +123,10 @@ CHART_TABLES: tuple[ChartTable, ...] = (
         "ChartAccuracy",
         _of_methods(("peak name", "peak time", "peak", "starts name", "starts time", "starts")),
         "Name, processor time in ms and error in % of each method.",
+    ),
+    ChartTable(
+        "ChartMotor",
+        ("Speed", "Average", "Pulsating", "Typed speed", "Typed average", "Typed pulsating"),
+        "Torques of motors with a data sheet against speed [% of synchronous], calculated and typed.",
     ),
 )

@@ -266,6 +266,20 @@ _SPECS = (
         "load-typed", "LoadTorque", "Load torque as typed (live), each at its own speed",
         "In the unit above the column", ("Torque", "Load", "teal"),
     ),
+    # what follows from the data sheets of the motors, beside what is typed of the same motors
+    ChartSpec(
+        "motor-curves", "curves", Label("Motor title", r"Motor torque calculated.*"),
+        Axis("Speed [% of synchronous]", least=0, largest=100, number="0", low=True),
+        Axis(Label("Motor axis", r"Torque.*"), number="General"),
+        (
+            _curve("ChartMotor", "Speed", "Average", "Average", "navy", 2.0),
+            _curve("ChartMotor", "Speed", "Pulsating", "Pulsating (zero-to-peak)", "rust", 1.75),
+            Series("ChartMotor", "Typed speed", "Typed average", "Average, typed", "navy", 1.25, "dash"),
+            Series("ChartMotor", "Typed speed", "Typed pulsating", "Pulsating, typed", "rust", 1.25, "dash"),
+        ),
+        legend=True,
+        caption="Motor torque calculated from its data, beside typed curves",
+    ),
     # stress against life, and how often a start (and all starts) reaches a stress
     ChartSpec(
         "sn", "curves", Label("S-N title", r"S-N line.*"),

@@ -80,6 +80,9 @@ DIMENSIONS: Mapping[str, Dimension] = MappingProxyType(
         ),
         "sweep rate": Dimension("Hz/s", "Hz/s", "Hz/s", ("Hz/s",), format="0.000"),
         "power": Dimension("W", "hp", "kW", ("hp", "kW", "MW", "W")),
+        "per unit": Dimension("1", "pu", "pu", ("pu", "%", "ohm")),
+        "voltage": Dimension("V", "V", "V", ("V", "kV")),
+        "apparent power": Dimension("VA", "kVA", "kVA", ("kVA", "MVA", "VA")),
         "mass": Dimension("kg", "lb", "kg", ("lb", "kg", "t")),
         "linear stiffness": Dimension(
             "N/m", "lbf/in", "N/m", ("lbf/in", "kip/in", "N/m", "N/um", "N/mm")

@@ -7,12 +7,18 @@ The formulas are plain ones of Excel 2010: none is volatile, none an array formu
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterator
+from collections.abc import Collection, Iterator
 
 from addin.contract.field import Field, TableSpec
 from addin.contract.input_tables import INPUT_TABLES
 from addin.contract.scalars import SCALARS
-from addin.contract.units import STATION_SPEED, TRANSMITTED_TORQUE, UnitScale, known_units
+from addin.contract.units import (
+    BASE_IMPEDANCE,
+    STATION_SPEED,
+    TRANSMITTED_TORQUE,
+    UnitScale,
+    known_units,
+)
 from engine.case.data import ADMINISTRATIVE
 
 #: First row of its tables on the sheet, that of the headers.
@@ -66,14 +72,15 @@ COPY_TABLES: tuple[tuple[str, tuple[str, ...]], ...] = (
 )
 
 
-def missing_copies(tables: Container[str]) -> list[str]:
-    """Tables of the sheet that are not among those of a workbook.
+def compared_tables(present: Collection[str]) -> tuple[TableSpec, ...]:
+    """Input tables of a workbook of which a copy is kept: an earlier template lacks the later ones."""
+    return tuple(spec for spec in INPUT_TABLES if spec.name in present or not spec.later)
 
-    Of an input table that came later, and that the workbook of an earlier version does not have, no copy is
-    missed.
-    """
-    earlier = {copy_name(s.name) for s in INPUT_TABLES if s.later and s.name not in tables}
-    return [name for name, _ in COPY_TABLES if name not in tables and name not in earlier]
+
+def missing_copies(present: Collection[str]) -> list[str]:
+    """Tables of the copy that a workbook with these tables ought to have, and has not."""
+    names = (CHECKS, UNITS, *(copy_name(spec.name) for spec in compared_tables(present)))
+    return [name for name in names if name not in present]
 
 
 # --- units ----------------------------------------------------------------------------------------
@@ -82,9 +89,14 @@ def missing_copies(tables: Container[str]) -> list[str]:
 def quantity_of(dimension: str, base: str) -> str:
     """Numbers in units of one quantity can be told to be equal.
 
-    A share of the torque transmitted at a station is no torque in N m before the case is calculated.
+    A share of the torque transmitted at a station is no torque in N m before the case is calculated, and
+    what is 1 pu in ohm differs from motor to motor.
     """
-    bases = {TRANSMITTED_TORQUE: "share of the torque transmitted", STATION_SPEED: "station speed"}
+    bases = {
+        TRANSMITTED_TORQUE: "share of the torque transmitted",
+        STATION_SPEED: "station speed",
+        BASE_IMPEDANCE: "impedance",
+    }
     return bases.get(base, dimension)
 
 

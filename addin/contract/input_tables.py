@@ -3,7 +3,14 @@
 from __future__ import annotations
 
 from addin.contract.field import Field, TableSpec, choice, integer, number, sentence, table, text
-from engine.case.choices import BelowEndurance, EffectChoice, ElementKind, GearType, SNBasis
+from engine.case.choices import (
+    BelowEndurance,
+    EffectChoice,
+    ElementKind,
+    FieldCircuit,
+    GearType,
+    SNBasis,
+)
 from engine.case.effects import EFFECTS
 
 _CURVE_SPEED = "Speed in % of the station's synchronous speed, in rising order for each station."
@@ -162,6 +169,73 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
                 "Pulsating", "torque", "Pulsating torque at twice slip frequency, zero-to-peak.",
                 us="%", si="%",
             ),
+        ),
+    ),
+    table(
+        "MotorData", sheet="Motor", caption="Motor data",
+        help="Data sheet of a motor, per unit of its own apparent power and voltage; its torque curves "
+        "follow where MotorTorque has no rows of its station.",
+        rows=4, row_name=("Station",), later=True,
+        columns=(
+            text("Station", "Where the motor acts.", kind="station"),
+            number(
+                "Apparent power", "apparent power", "Rated apparent power: what is per unit refers to it.",
+                blank="RatedPower / (Power factor × Efficiency)",
+            ),
+            number("Voltage", "voltage", "Rated voltage, line to line; needed for data in ohm."),
+            number("Power factor", "ratio", "Power factor at rated power; needed without Apparent power."),
+            number("Efficiency", "ratio", "Efficiency at rated power; needed without Apparent power."),
+            number("Xd", "per unit", "Synchronous reactance Xd, axis of the poles."),
+            number("Xq", "per unit", "Synchronous reactance Xq, between the poles."),
+            number("Xd transient", "per unit", "Transient reactance Xd'.", blank="no field winding"),
+            number("Xd subtransient", "per unit", "Subtransient reactance Xd''."),
+            number("Xq subtransient", "per unit", "Subtransient reactance Xq''."),
+            number("Xl", "per unit", "Leakage reactance of the stator."),
+            number("Td0 transient", "time", "Time constant Td0' with the stator open."),
+            number("Td0 subtransient", "time", "Time constant Td0'' with the stator open."),
+            number("Tq0 subtransient", "time", "Time constant Tq0'' with the stator open."),
+            number("Td transient", "time", "Td' with the stator short-circuited, instead of Td0'."),
+            number("Td subtransient", "time", "Td'' with the stator short-circuited, instead of Td0''."),
+            number("Tq subtransient", "time", "Tq'' with the stator short-circuited, instead of Tq0''."),
+            number("Ta", "time", "Time constant of the direct current in the stator."),
+            number("Ra", "per unit", "Resistance of the stator, instead of Ta."),
+            number(
+                "Discharge resistance", "ratio",
+                "Resistor across the field in the start, as a multiple of the field's own resistance.",
+                blank="field short-circuited",
+            ),
+            choice(
+                "Field circuit", tuple(FieldCircuit), "Whether the field circuit is closed in the start.",
+                blank="closed",
+            ),
+            number(
+                "Start factor", "ratio",
+                "Factor on the leakages of stator and dampers in the start (saturation).", blank="1",
+            ),
+        ),
+    ),
+    table(
+        "MotorCircuit", sheet="Motor", caption="Motor circuit",
+        help="Circuit of a motor of table MotorData, instead of its reactances and time constants.",
+        rows=4, row_name=("Station",), later=True,
+        columns=(
+            text("Station", "Station of a row of table MotorData.", kind="station"),
+            number("Rs", "per unit", "Resistance of the stator."),
+            number("Xl", "per unit", "Leakage reactance of the stator."),
+            number("Xmd", "per unit", "Magnetising reactance, axis of the poles."),
+            number("Xmq", "per unit", "Magnetising reactance, between the poles."),
+            *(
+                number(f"{letter}{winding}", "per unit", f"{word} of {which}.", blank="no such winding")
+                for winding, which in (
+                    ("f", "the field winding"),
+                    ("kd", "the damper in the axis of the poles"),
+                    ("kq", "the damper between the poles"),
+                    ("kd2", "a second damper in the axis of the poles"),
+                    ("kq2", "a second damper between the poles"),
+                )
+                for letter, word in (("R", "Resistance"), ("Xl", "Leakage reactance"))
+            ),
+            number("Xc", "per unit", "Leakage common to field and dampers (Canay).", blank="0"),
         ),
     ),
     table(

@@ -162,6 +162,16 @@ SHEETS: tuple[Sheet, ...] = (
         "with the row of its lowest speed.",
     ),
     Sheet(
+        "Motor",
+        "input",
+        {"A": 1.5, "B": 18, "C": 12, "D:W": 11},
+        {"MotorData": "B5", "MotorCircuit": "B15", "MotorCurves": "B25"},
+        (ChartAt("motor-curves", "K26", 640, 334),),
+        freeze="A4",
+        intro="Optional: the data sheet of a motor, from which its torque curves are calculated. Where sheet "
+        "Torque has no curve of its station, the start uses them.",
+    ),
+    Sheet(
         "Fatigue",
         "input",
         {"A": 1.5, "B": 18, "C:E": 11, "F": 10, "G": 15, "H": 2, "I": 18, "J:K": 11, "L": 2,

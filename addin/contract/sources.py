@@ -40,6 +40,11 @@ PAPER = Source(
     "F. R. Szenasi, W. W. von Nimitz: Transient analyses of synchronous motor trains. Proc. 7th "
     "Turbomachinery Symposium, Texas A&M University, 1978.",
 )
+CONCORDIA = Source(
+    "Concordia",
+    ", Synchronous machines (1951)",
+    "C. Concordia: Synchronous machines, theory and performance. Wiley, New York, 1951.",
+)
 #: The same as the workbooks name it.
 PAPER_TITLE = "F. R. Szenasi and W. W. von Nimitz, Transient Analyses of Synchronous Motor Trains"
 MIL_STANDARD = Source(
@@ -82,6 +87,7 @@ IMPACT = Source(
 #: As a report numbers them, from 1.
 REFERENCES = (PAPER, MIL_STANDARD, SINGULAR_VALUES, INTEGRATORS, CURVES, RAINFLOW, IMPACT)
 
+CURVES_FROM_DATA = f"{CONCORDIA.cited}; docs/motor.md"
 STEADY = f"{PAPER.cited}, Steady state torsional analysis"
 TRANSIENT = f"{PAPER.cited}, Transient torsional analyses"
 SLIP = f"{TRANSIENT}, equation of the pulsation frequency"
@@ -149,6 +155,23 @@ MOTOR = (
     "RatedTorque",
     "Voltage",
 )
+MOTOR_DATA = (
+    *(
+        f"MotorData.{column}"
+        for column in (
+            "Apparent power", "Xd", "Xq", "Xd transient", "Xd subtransient", "Xq subtransient", "Xl",
+            "Td0 transient", "Td0 subtransient", "Tq0 subtransient", "Td transient", "Td subtransient",
+            "Tq subtransient", "Ta", "Ra", "Discharge resistance", "Field circuit", "Start factor",
+        )
+    ),
+    *(
+        f"MotorCircuit.{column}"
+        for column in (
+            "Rs", "Xl", "Xmd", "Xmq", "Rf", "Xlf", "Rkd", "Xlkd", "Rkq", "Xlkq", "Rkd2", "Xlkd2", "Rkq2",
+            "Xlkq2", "Xc",
+        )
+    ),
+)  # fmt: skip
 EVENTS = (
     "TorqueTime.Torque",
     "InitialState",
@@ -168,7 +191,7 @@ EVENTS = (
 )
 CLEARANCES = ("Meshes.Backlash", "Meshes.Angular backlash", "ContactLaw")
 MODAL = (*TRAIN, *LATERAL)
-START = (*MODAL, *DAMPING, *LINE, *MOTOR, *EVENTS, *CLEARANCES, "EffectChoices.Choice")
+START = (*MODAL, *DAMPING, *LINE, *MOTOR, *MOTOR_DATA, *EVENTS, *CLEARANCES, "EffectChoices.Choice")
 #: What an event in operation depends on.
 EVENT = (
     *MODAL,
@@ -209,6 +232,7 @@ FATIGUE = (
 GROUPS: Mapping[str, tuple[str, ...]] = {
     "the start": START,
     "train": MODAL,
+    "motor data": MOTOR_DATA,
     "damping": DAMPING,
     "fatigue data": FATIGUE,
     "operating speeds": SPEEDS,

@@ -24,6 +24,8 @@ RATED_TORQUE = "rated torque"
 SYNCHRONOUS_SPEED = "synchronous speed"
 STATION_SPEED = "speed of the station at synchronism"
 TRANSMITTED_TORQUE = "torque transmitted at that station"
+#: What a resistance or reactance in ohm is divided by.
+BASE_IMPEDANCE = "Voltage² / Apparent power of the motor"
 
 
 @dataclass(frozen=True)
@@ -32,7 +34,7 @@ class UnitScale:
 
     factor: float  #: SI value of one shown unit. [SI unit per shown unit]
     #: Empty, or what the number has to be multiplied by (`RATED_TORQUE`, `SYNCHRONOUS_SPEED`) or
-    #: divided by (`STATION_SPEED`), or is a share of and stays so (`TRANSMITTED_TORQUE`).
+    #: divided by (`STATION_SPEED`, `BASE_IMPEDANCE`), or is a share of and stays so (`TRANSMITTED_TORQUE`).
     base: str = ""
 
     def to_si(self, number: float) -> float:
@@ -180,6 +182,9 @@ USUAL: dict[str, dict[str, float]] = {
     "angular acceleration": {"rpm/s": _RPM, "rad/s^2": 1.0},
     "sweep rate": {"Hz/s": 1.0},
     "power": {"hp": 550.0 * _LBF * _FT, "kW": 1e3, "MW": 1e6, "W": 1.0},
+    "per unit": _PLAIN,
+    "voltage": {"V": 1.0, "kV": 1e3},
+    "apparent power": {"kVA": 1e3, "MVA": 1e6, "VA": 1.0},
     "mass": {"lb": _LB, "kg": 1.0, "t": 1e3},
     "linear stiffness": {
         "lbf/in": _LBF / _IN,
@@ -199,6 +204,7 @@ RELATIVE: dict[str, dict[str, UnitScale]] = {
     "ratio": {"pu": UnitScale(1.0)},
     "fraction": {"pu": UnitScale(1.0)},
     "speed fraction": {"pu": UnitScale(1.0)},
+    "per unit": {"pu": UnitScale(1.0), "ohm": UnitScale(1.0, BASE_IMPEDANCE)},
     "torque": {"pu": UnitScale(1.0, RATED_TORQUE), "%": UnitScale(0.01, RATED_TORQUE)},
     "excitation torque": {
         "pu": UnitScale(1.0, RATED_TORQUE),
@@ -237,7 +243,7 @@ def known_units(dimension: str) -> dict[str, UnitScale]:
 _SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
 _SIGNS = str.maketrans(
     {"·": "*", "⋅": "*", "×": "*", "•": "*", "∙": "*", "−": "-", "–": "-", "‑": "-", "\u00a0": " "}
-    | {"µ": "u", "μ": "u", "°": "deg"}
+    | {"µ": "u", "μ": "u", "°": "deg", "\u2126": "ohm", "\u03a9": "ohm"}
 )
 _NAME = r"[A-Za-z%][A-Za-z_]*"
 _FACTOR = rf"\(*{_NAME}(?:\^\(?-?[1-9]\)?)?\)*"
@@ -416,6 +422,7 @@ def _wanted(dimension: str) -> str:
         "fraction": "a ratio or percentage",
         "speed fraction": "speed",
         "running speed": "speed",
+        "per unit": "a reactance or resistance",
         "excitation torque": "torque",
         "pressure": "stress or modulus",
     }

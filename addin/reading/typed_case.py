@@ -20,8 +20,10 @@ from addin.contract.tables import (
     STUDY_INPUT_TABLES,
     Field,
     TableSpec,
+    input_table,
 )
 from addin.contract.units import (
+    BASE_IMPEDANCE,
     RATED_TORQUE,
     STATION_SPEED,
     SYNCHRONOUS_SPEED,
@@ -30,7 +32,8 @@ from addin.contract.units import (
 )
 from engine.case.case import Case
 from engine.case.checks.find_problems import find_problems
-from engine.case.data import GROUND, TABLES, CaseData, Ratings
+from engine.case.checks.problem import blank_or_positive
+from engine.case.data import GROUND, TABLES, CaseData, MotorDataRow, Ratings
 from engine.case.study_inputs import StudyInputs
 from engine.errors import Problem, Quoted
 
@@ -315,6 +318,8 @@ class PerUnitBases:
     rated_torque: float | None  #: Of `Ratings`. [N m]
     synchronous_speed: float | None  #: Of the reference shaft. [rad/s]
     ratios: Mapping[str, float | None]  #: Speed ratio of each station. [1]
+    #: Impedance that is 1 per unit of the motor at each station. [ohm]
+    impedances: Mapping[str | None, float | None] = field(default_factory=dict)
 
     def si(self, typed: Typed, station: str | None) -> float | None:
         """A typed number in SI, None if its base is not known.
@@ -336,6 +341,9 @@ class PerUnitBases:
             return number
         if typed.scale.base == RATED_TORQUE:
             return None if self.rated_torque is None else number * self.rated_torque
+        if typed.scale.base == BASE_IMPEDANCE:
+            base = self.impedances.get(station)
+            return number / base if base else None
         if self.synchronous_speed is None:
             return None
         if typed.scale.base == SYNCHRONOUS_SPEED:
@@ -360,6 +368,11 @@ _SOURCES = {
         ("SynchronousSpeed", "LineFrequency", "Poles"),
         "relative to synchronous speed, which is unknown. Type SynchronousSpeed, or "
         "LineFrequency and Poles",
+    ),
+    BASE_IMPEDANCE: (
+        (),
+        "in ohm, but the rated voltage or apparent power of the motor is unknown. Type Voltage and "
+        "Apparent power in its row of table MotorData, or give it in pu or %",
     ),
     STATION_SPEED: (
         ("SynchronousSpeed", "LineFrequency", "Poles"),
@@ -392,7 +405,12 @@ def to_case_data(typed: TypedCase, findings: Findings) -> CaseData:
     scalars = _scalars(absolute, _NO_BASES, findings)
     ratings = CaseData(**scalars).ratings  # type: ignore[arg-type]
     _refuse_circular(typed, findings)
-    bases = PerUnitBases(ratings.rated_torque, ratings.synchronous_speed, ratios_of(typed))
+    bases = PerUnitBases(
+        ratings.rated_torque,
+        ratings.synchronous_speed,
+        ratios_of(typed),
+        _base_impedances(typed, ratings.rated_power),
+    )
     relative = {n: e for n, e in typed.scalars.items() if n not in absolute and n != "RatedTorque"}
     scalars |= _scalars(relative, bases, findings)
     _silence_followers(ratings, findings)
@@ -437,6 +455,19 @@ def ratios_of(typed: TypedCase) -> dict[str, float | None]:
         if isinstance(name, str):
             ratios[name] = ratio.scale.to_si(ratio.number) if isinstance(ratio, Typed) else 1.0
     return ratios
+
+
+def _base_impedances(typed: TypedCase, rated_power: float | None) -> dict[str | None, float | None]:
+    """What one per unit is in ohm, of the motor at each station."""
+    spec = input_table("MotorData")
+    motors = rows_in_si(
+        spec, MotorDataRow, typed, _NO_BASES, Findings()
+    )  # what is in ohm stays blank
+    return {
+        motor.station: motor.base_impedance(rated_power)
+        for motor in motors
+        if all(map(blank_or_positive, (motor.apparent_power, motor.voltage)))
+    }
 
 
 def _scalars(

@@ -398,6 +398,8 @@ class _Reading:
             known = {other.name.casefold() for other in INPUT_TABLES}
             others = [name for name in self.workbook.tables if name.casefold() not in known]
             meant = nearest(spec.name, others, 0.75)
+            if spec.later and not meant:
+                return
             hint = f" Table '{meant}' is similar; rename it." if meant else ""
             message = (
                 f"the workbook has no table of this name.{hint} Restore the table name (Table Design "

@@ -193,8 +193,15 @@ def _torques(subject: Subject) -> Section:
             absent.append(without)
         else:
             blocks += folded(_shortened(table))
-    picture = subject.pictures.chart("torque")
-    return section("Torques", picture, *blocks, _absent(absent, ", "))
+    motors = [table for name in ("MotorData", "MotorCircuit") if (table := _table(subject, name))]
+    if motors:
+        absent = [words for words in absent if words != "no motor torque"]
+        blocks += [piece for table in motors for piece in turned(table)]
+        blocks.append(
+            Paragraph("Torque curves that are not typed follow from the motor data.", "note")
+        )
+    pictures = subject.pictures.chart("torque"), subject.pictures.chart("motor-curves")
+    return section("Torques", *pictures, *blocks, _absent(absent, ", "))
 
 
 #: Rows of a torque curve shown at its beginning and at its end, where it is very long.

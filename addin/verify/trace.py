@@ -31,7 +31,17 @@ _TABLE_AND_COLUMN = re.compile(r"(\w+)(?:[.\[]\s*(.+?)\s*\]?)?")
 _LISTED = 3
 #: Tables of which a row belongs to one element, station, material or mode.
 _OF_ONE = frozenset(
-    {"Stations", "Elements", "Meshes", "ModeDamping", "Materials", "SNPoints", "EffectChoices"}
+    {
+        "Stations",
+        "Elements",
+        "Meshes",
+        "ModeDamping",
+        "MotorData",
+        "MotorCircuit",
+        "Materials",
+        "SNPoints",
+        "EffectChoices",
+    }
 )
 #: What every torque and frequency of the train depends on, row by row.
 _OF_THE_TRAIN = frozenset((*START, *MODAL, *DAMPING))

@@ -6,7 +6,7 @@ the sheet and the address it came from, so a place is table, row and column.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from addin.contract.problems import CellProblem, first_of, nearest
@@ -38,6 +38,9 @@ from addin.reading.typed_case import (
 )
 from addin.worksheet.registry import Block, Cell, FunctionError
 from engine.case.case import Case
+from engine.case.checks.motors import check_motors
+from engine.case.checks.problem import first_of_each_cell
+from engine.case.data import CaseData, StationRow
 from engine.case.study_inputs import StudyInputs
 from engine.errors import Problem
 
@@ -111,20 +114,65 @@ def study_inputs_of(
     return replace(inputs, units=units), tuple(reading.findings.problems)
 
 
-def problems_in_words(found: CaseInput) -> str:
+def motors_of(
+    data: Block, circuit: Block | None, line_frequency: float | None
+) -> tuple[CaseData, list[CellProblem]]:
+    """Read data sheets of motors from ranges, without a train; per unit needs no apparent power then.
+
+    Parameters
+    ----------
+    data, circuit : rows of cells
+        Tables MotorData and MotorCircuit. [as typed]
+    line_frequency : float or None
+        Line frequency. [Hz]
+
+    Returns
+    -------
+    case : CaseData
+        With nothing but the motors; a motor without a station is called by its row. [SI]
+    problems : list of CellProblem
+        Everything wrong with them; rows are counted below the headers.
+
+    Raises
+    ------
+    FunctionError
+        If a range is no such table at all.
+    """
+    reading = _Reading()
+    reading.table(input_table("MotorData"), data)
+    if circuit is not None:
+        reading.table(input_table("MotorCircuit"), circuit)
+    read = to_case_data(reading.typed, reading.findings)
+    motors = tuple(
+        replace(row, station=row.station or f"Row {k}") for k, row in enumerate(read.motor_data, 1)
+    )
+    stations = tuple(StationRow(row.station) for row in motors)
+    case = replace(read, motor_data=motors, stations=stations, line_frequency=line_frequency)
+    reading.findings.silence(
+        *(
+            ("MotorData", k, "Apparent power")
+            for k, row in enumerate(motors, 1)
+            if row.apparent_power is None
+        )
+    )
+    found = first_of_each_cell(check_motors(case), reading.findings.bad)
+    return case, [reading.placed(problem) for problem in (*reading.findings.problems, *found)]
+
+
+def problems_in_words(problems: Sequence[CellProblem]) -> str:
     """Everything wrong, for one cell.
 
     Parameters
     ----------
-    found : CaseInput
-        What was read. [SI]
+    problems : sequence of CellProblem
+        What is wrong. [sentences]
 
     Returns
     -------
     str
         Sentences, the first `MOST_TOLD` of them; empty if nothing is wrong.
     """
-    return " ".join(first_of([problem.message for problem in found.problems], MOST_TOLD))
+    return " ".join(first_of([problem.message for problem in problems], MOST_TOLD))
 
 
 class _Reading:
@@ -349,29 +397,28 @@ class _Reading:
         for table in INPUT_TABLES:
             self.typed.tables.setdefault(table.name, [])
         data = to_case_data(self.typed, self.findings)
-        problems = []
-        for problem in all_problems(data, self.findings):
-            typed = in_typed_units(problem, self.typed)
-            rows = self.rows.get(problem.table, [])
-            row = problem.row
-            if row is not None and row <= len(rows):
-                row = rows[row - 1]
-            where = [problem.table if problem.table != SCALAR_TABLE else "Case"]
-            where += [f"row {row}"] if row is not None else []
-            where += [problem.column] if problem.column else []
-            typed = replace(typed, row=row)
-            problems.append(
-                CellProblem(
-                    "",
-                    typed.table,
-                    typed.row,
-                    typed.column,
-                    typed.found,
-                    typed.allowed,
-                    f"{', '.join(where)}: {typed.message}",
-                )
-            )
-        return CaseInput(data=data, problems=tuple(problems), warnings=(), typed=self.typed)
+        problems = tuple(map(self.placed, all_problems(data, self.findings)))
+        return CaseInput(data=data, problems=problems, warnings=(), typed=self.typed)
+
+    def placed(self, problem: Problem) -> CellProblem:
+        """A problem with its row as it is counted in the range."""
+        typed = in_typed_units(problem, self.typed)
+        rows = self.rows.get(problem.table, [])
+        row = problem.row
+        if row is not None and row <= len(rows):
+            row = rows[row - 1]
+        where = [problem.table if problem.table != SCALAR_TABLE else "Case"]
+        where += [f"row {row}"] if row is not None else []
+        where += [problem.column] if problem.column else []
+        return CellProblem(
+            "",
+            typed.table,
+            row,
+            typed.column,
+            typed.found,
+            typed.allowed,
+            f"{', '.join(where)}: {typed.message}",
+        )
 
 
 def _text(cell: Cell) -> str:

@@ -24,6 +24,7 @@ from addin.contract.input_copy import (
     changed_numbers,
     changed_words,
     compared_columns,
+    compared_tables,
     copy_columns,
     copy_name,
     factor_now,
@@ -35,8 +36,9 @@ from addin.contract.input_copy import (
     unit_rows,
 )
 from addin.contract.run_facts import RUN_FACTS
-from addin.contract.tables import INPUT_TABLES, SCALAR_TABLE
+from addin.contract.tables import SCALAR_TABLE
 from addin.contract.units import (
+    BASE_IMPEDANCE,
     RATED_TORQUE,
     STATION_SPEED,
     SYNCHRONOUS_SPEED,
@@ -108,13 +110,8 @@ class _Copy:
             for number, (quantity, unit, scale) in enumerate(UNIT_ROWS, 1)
         ]
         yield TableData(UNITS, rows, UNIT_COLUMNS)
-        for spec in self.input_tables:
+        for spec in compared_tables(self.read.workbook.tables):
             yield TableData(copy_name(spec.name), self._rows(spec), copy_columns(spec))
-
-    @property
-    def input_tables(self) -> tuple[TableSpec, ...]:
-        """Input tables that the workbook has; one of an earlier version lacks those that came since."""
-        return tuple(s for s in INPUT_TABLES if s.name in self.read.locations.tables)
 
     # ---- numbers in SI -------------------------------------------------------------------------
 
@@ -147,7 +144,11 @@ class _Copy:
         return rows
 
     def _number(self, entry: Entry | None, station: str | None) -> float | None:
-        return self.bases.si(entry, station) if isinstance(entry, Typed) else None
+        if not isinstance(entry, Typed):
+            return None
+        if entry.scale.base == BASE_IMPEDANCE:
+            return entry.scale.to_si(entry.number)
+        return self.bases.si(entry, station)
 
     def _words(self, table: str, field: Field, row: int) -> Any:
         at = self.read.locations.columns.get((table, field.name))
@@ -175,7 +176,7 @@ class _Copy:
                 live = _reference(*self.read.locations.scalars[field.name])
                 yield self._check(_Input(field, SCALAR_TABLE, field.name, live, row))
                 row += 1
-        for spec in self.input_tables:
+        for spec in compared_tables(self.read.workbook.tables):
             table = self.read.locations.tables[spec.name]
             for field in compared_columns(spec):
                 at = self.read.locations.columns.get((spec.name, field.name))

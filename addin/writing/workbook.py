@@ -53,7 +53,9 @@ _RPM = math.pi / 30.0
 #: How a file says yes and no.
 _ON, _OFF = ("1", "true"), ("0", "false")
 #: Tables that workbooks made by earlier versions lack; nobody misses them there.
-_OPTIONAL = frozenset(table.name for table in fields.WORKBOOK_TABLES) | {
+_OPTIONAL = frozenset(
+    t.name for t in fields.EVERY_TABLE if t.later or t in fields.WORKBOOK_TABLES
+) | {
     "ChartReversal",
     "ChartBlow",
     "ChartForces",
@@ -61,6 +63,7 @@ _OPTIONAL = frozenset(table.name for table in fields.WORKBOOK_TABLES) | {
     "ChartEvents",
     "ChartAccuracy",
     *(table.name for table in fields.RESULT_TABLES if table.later),
+    "ChartMotor",
 }
 #: What the rows of a plain recalculation are, below `NO_STUDY`.
 ANALYSES = (

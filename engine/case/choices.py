@@ -102,3 +102,10 @@ class GearType(StrEnum):
 
     EXTERNAL = "external"
     INTERNAL = "internal"
+
+
+class FieldCircuit(StrEnum):
+    """What the field winding of a motor is connected to while it starts."""
+
+    CLOSED = "closed"
+    OPEN = "open"

@@ -59,7 +59,7 @@ def without_sn_points(case: CaseData) -> list[str]:
 def calls_for_start(case: CaseData) -> bool:
     """Whether a start is to be judged: torques are given, or the train has a synchronous motor."""
     is_synchronous = case.ratings.line_frequency and case.ratings.synchronous_speed
-    return bool(case.motor_torque or case.torque_time_from_rest or is_synchronous)
+    return bool(case.motor_stations or case.torque_time_from_rest or is_synchronous)
 
 
 def listed(names: Sequence[str]) -> str:

@@ -135,6 +135,89 @@ class MotorTorqueRow:
 
 
 @dataclass(frozen=True)
+class MotorDataRow:
+    """One row of `MotorData`: the data sheet of a motor, from which its torque curves follow.
+
+    Reactances and resistances are per unit of the motor's own apparent power and voltage.
+    """
+
+    station: str | None = None  #: Where the motor acts.
+    #: Rated apparent power, the base of all that is per unit; blank = from `RatedPower`. [V A]
+    apparent_power: float | None = None
+    voltage: float | None = None  #: Rated voltage, line to line: the base of what is in ohm. [V]
+    power_factor: float | None = None  #: At rated power. [1]
+    efficiency: float | None = None  #: At rated power. [1]
+    xd: float | None = None  #: Synchronous reactances of the two axes. [1]
+    xq: float | None = None  #: Likewise. [1]
+    xd_transient: float | None = None  #: Xd'; blank = no field winding. [1]
+    xd_subtransient: float | None = None  #: Xd''. [1]
+    xq_subtransient: float | None = None  #: Xq''. [1]
+    xl: float | None = None  #: Leakage reactance of the stator. [1]
+    td_0_transient: float | None = None  #: Time constants with the stator open. [s]
+    td_0_subtransient: float | None = None  #: Likewise. [s]
+    tq_0_subtransient: float | None = None  #: Likewise. [s]
+    td_transient: float | None = None  #: Instead of these, with the stator short-circuited. [s]
+    td_subtransient: float | None = None  #: Likewise. [s]
+    tq_subtransient: float | None = None  #: Likewise. [s]
+    ta: float | None = None  #: Time constant of the direct current in the stator. [s]
+    ra: float | None = None  #: Instead of it, resistance of the stator. [1]
+    #: Resistance across the field in the start, over that of the field; blank = short-circuited. [1]
+    discharge_resistance: float | None = None
+    field_circuit: str | None = None  #: ``closed`` (default) or ``open`` in the start.
+    start_factor: float | None = None  #: On leakages of stator and dampers in the start. [1]
+
+    def base_power(self, rated_power: float | None) -> float | None:
+        """Apparent power that is 1 per unit. [V A]
+
+        Parameters
+        ----------
+        rated_power : float or None
+            Rated power of the case. [W]
+        """
+        if self.apparent_power is not None:
+            return self.apparent_power
+        if rated_power and self.power_factor and self.efficiency:
+            return rated_power / (self.power_factor * self.efficiency)
+        return None
+
+    def base_impedance(self, rated_power: float | None) -> float | None:
+        """Impedance that is 1 per unit. [ohm]
+
+        Parameters
+        ----------
+        rated_power : float or None
+            Rated power of the case. [W]
+        """
+        power = self.base_power(rated_power)
+        return self.voltage * self.voltage / power if self.voltage and power else None
+
+
+@dataclass(frozen=True)
+class MotorCircuitRow:
+    """One row of `MotorCircuit`: the circuit of a motor, instead of its reactances.
+
+    Everything is per unit of the apparent power and voltage of its row of `MotorData`.
+    """
+
+    station: str | None = None  #: Where the motor acts.
+    rs: float | None = None  #: Resistance of the stator. [1]
+    xl: float | None = None  #: Leakage reactance of the stator. [1]
+    xmd: float | None = None  #: Magnetising reactances of the two axes. [1]
+    xmq: float | None = None  #: Likewise. [1]
+    rf: float | None = None  #: Field winding, resistance and leakage; blank = none. [1]
+    xlf: float | None = None  #: Likewise. [1]
+    rkd: float | None = None  #: Damper of the axis of the poles; blank = none. [1]
+    xlkd: float | None = None  #: Likewise. [1]
+    rkq: float | None = None  #: Damper of the axis between the poles; blank = none. [1]
+    xlkq: float | None = None  #: Likewise. [1]
+    rkd_2: float | None = None  #: Second damper (cage) of each axis; blank = none. [1]
+    xlkd_2: float | None = None  #: Likewise. [1]
+    rkq_2: float | None = None  #: Likewise. [1]
+    xlkq_2: float | None = None  #: Likewise. [1]
+    xc: float | None = None  #: Leakage that field and dampers have in common; blank = 0. [1]
+
+
+@dataclass(frozen=True)
 class LoadTorqueRow:
     """One row of `LoadTorque`."""
 
@@ -217,6 +300,8 @@ TABLES: dict[str, tuple[str, type]] = {
     "Meshes": ("meshes", MeshRow),
     "ModeDamping": ("mode_damping", ModeDampingRow),
     "MotorTorque": ("motor_torque", MotorTorqueRow),
+    "MotorData": ("motor_data", MotorDataRow),
+    "MotorCircuit": ("motor_circuit", MotorCircuitRow),
     "LoadTorque": ("load_torque", LoadTorqueRow),
     "TorqueTime": ("torque_time", TorqueTimeRow),
     "EventTorque": ("event_torque", EventTorqueRow),
@@ -313,6 +398,8 @@ class CaseData:
     meshes: tuple[MeshRow, ...] = ()  #: Likewise. [rows]
     mode_damping: tuple[ModeDampingRow, ...] = ()  #: Likewise. [rows]
     motor_torque: tuple[MotorTorqueRow, ...] = ()  #: Likewise. [rows]
+    motor_data: tuple[MotorDataRow, ...] = ()  #: Likewise. [rows]
+    motor_circuit: tuple[MotorCircuitRow, ...] = ()  #: Likewise. [rows]
     load_torque: tuple[LoadTorqueRow, ...] = ()  #: Likewise. [rows]
     torque_time: tuple[TorqueTimeRow, ...] = ()  #: Likewise. [rows]
     event_torque: tuple[EventTorqueRow, ...] = ()  #: Likewise. [rows]
@@ -350,6 +437,12 @@ class CaseData:
         tabled = self.torque_time and not self.torque_time_from_rest
         names = dict.fromkeys(str(row.event) for row in self.event_torque)
         return (*names, TABLED_EVENT) if tabled else tuple(names)
+
+    @property
+    def motor_stations(self) -> tuple[str | None, ...]:
+        """Stations with a motor: those with a typed curve, then those with a data sheet alone."""
+        typed = (point.station for point in self.motor_torque)
+        return tuple(dict.fromkeys((*typed, *(row.station for row in self.motor_data))))
 
     @property
     def speed_ratios(self) -> dict[str | None, float]:

@@ -82,7 +82,7 @@ def _has_torque(case: CaseData) -> bool:
 
 def _start(case: CaseData) -> Iterator[str]:
     """The start, reversals and the number of starts."""
-    if not case.motor_torque and not case.torque_time_from_rest:
+    if not case.motor_stations and not case.torque_time_from_rest:
         yield (
             "No start: tables MotorTorque and TorqueTime are empty, so there are no start-up peaks, "
             "no torque reversals and no allowable starts."

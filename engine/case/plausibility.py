@@ -361,7 +361,7 @@ def _rigidity(e: ElementRow) -> float:
 
 def _gear_ratios(case: CaseData) -> Iterator[str]:
     """Gears of equal speed: the Speed ratio behind them is blank."""
-    if not case.motor_torque:
+    if not case.motor_stations:
         return
     ratios, radii = case.speed_ratios, {m.element for m in case.meshes if m.pitch_radius_drive}
     for e in case.elements:
@@ -453,7 +453,7 @@ def _damping(case: CaseData) -> Iterator[str]:
             for m in case.meshes
         )
     )
-    if not case.damping_ratio and not source and case.motor_torque:
+    if not case.damping_ratio and not source and case.motor_stations:
         yield (
             "No damping is stated: only the sweep rate limits resonances in the start. Geared "
             "trains usually have a DampingRatio of 1 % to 3 %."
@@ -481,7 +481,7 @@ def _no_effect(case: CaseData) -> Iterator[str]:
             f"Case, Voltage: {100 * case.voltage:.3g} % leaves {100 * case.voltage**2:.3g} % of the "
             f"motor torque. {_SIGN}"
         )
-    if case.voltage is not None and case.voltage != 1.0 and not case.motor_torque:
+    if case.voltage is not None and case.voltage != 1.0 and not case.motor_stations:
         yield "Voltage has no effect without motor curves: prescribed torques are not scaled."
     if case.initial_state == InitialState.RUNNING and not case.torque_time:
         yield (
@@ -518,7 +518,7 @@ def _excitations(case: CaseData) -> Iterator[str]:
             ratio: (name, ratio) for name, ratio in reversed(ratios.items())
         }.values()
     }
-    if line and case.motor_torque:
+    if line and case.motor_stations:
         wanted["2 × line frequency"] = 2.0 * line
     open_ = [
         f"{name} ({hertz:.4g} Hz)"
@@ -553,7 +553,7 @@ def _curves(case: CaseData) -> Iterator[str]:
     yield from _weak_motors(case)
     yield from _shapes(case)
     driven = {p.station for p in case.load_torque}
-    if case.motor_torque and not driven:
+    if case.motor_stations and not driven:
         yield "There is no LoadTorque: the start runs without load."
     for s in case.stations:
         if s.running_load and driven and s.station not in driven:
@@ -605,7 +605,12 @@ def _no_pulsation(case: CaseData) -> Iterator[Implausible]:
 
     With a transient at breaker closing or prescribed torques the motor may be of another kind.
     """
-    if not case.motor_torque or case.shock_amplitude or case.torque_time_from_rest:
+    if (
+        not case.motor_torque
+        or case.motor_data
+        or case.shock_amplitude
+        or case.torque_time_from_rest
+    ):
         return
     ratios, rated = case.speed_ratios, case.ratings.rated_torque or 0.0
     largest = max(abs(p.pulsating or 0.0) * ratios.get(p.station, 1.0) for p in case.motor_torque)

@@ -24,6 +24,7 @@ from engine.arrays import Floats
 from engine.case.choices import ElementKind
 from engine.case.data import CaseData
 from engine.model.train import Train
+from engine.motor.from_case import motors_without_curve
 from engine.numerics.same_bits import product
 
 #: The paper's excitation, zero-to-peak, over the transmitted torque. [1]
@@ -257,11 +258,14 @@ def _motor_shares(case: CaseData, train: Train, warnings: list[str]) -> Floats:
     for point in case.motor_torque:
         i = train.stations.index(str(point.station))
         share[i] = max(share[i], abs(point.average or 0.0) * float(train.speed_ratio[i]))
+    for name, motor in motors_without_curve(case).items():
+        i = train.stations.index(name)
+        share[i] = float(np.max(np.abs(motor.curves[0].cubic[:, 0]))) * float(train.speed_ratio[i])
     if share.sum() > 0.0:
         return np.asarray(share / share.sum())
     first = train.stations[0]
-    if case.motor_torque:
-        first = str(case.motor_torque[0].station)
+    if case.motor_stations:
+        first = str(case.motor_stations[0])
     else:
         warnings.append(
             f"There is no MotorTorque: '{first}', the first station, is taken as the motor."

@@ -12,7 +12,8 @@ load angle, half the phase of the pulsation; the pulsation goes on as the salien
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -21,7 +22,8 @@ from engine.case.data import CaseData
 from engine.case.effect import StartEffects
 from engine.errors import ModelError
 from engine.model.train import Train
-from engine.numerics.same_bits import square
+from engine.motor.from_case import motors_without_curve
+from engine.numerics.same_bits import atan2, hypot, square
 from engine.numerics.torque_curve import TorqueCurve, torque_curve
 
 #: Arguments of the compiled loop; see `electrical_arrays`.
@@ -38,7 +40,55 @@ class Motor:
     pulsating: TorqueCurve  #: Likewise. [N m]
     synchronous_speed: float  #: Of its own station. [rad/s]
     pole_pairs: float  #: Line angular frequency over its synchronous speed. [1]
-    phase: float  #: Phase of the pulsation at t = 0. [rad]
+    phase: float  #: Of the pulsating torque at t = 0; with `parts`, twice the load angle. [rad]
+    #: Of a motor from its data sheet: the parts of the pulsation with sin 2δ and cos 2δ, δ the load
+    #: angle, in place of one curve of unchanging phase. [N m]
+    parts: tuple[TorqueCurve, TorqueCurve] | None = None
+    #: Whether it stands for the second part of another motor alone.
+    is_second_part: bool = False
+
+    @property
+    def pulsations(self) -> tuple[tuple[TorqueCurve, float], ...]:
+        """Curves of pulsating torque, each with its phase at t = 0. [N m, rad]"""
+        if self.parts is None:
+            return ((self.pulsating, self.phase),)
+        sine, cosine = self.parts
+        return ((sine, self.phase), (cosine, self.phase + 0.5 * math.pi))
+
+    @property
+    def curves(self) -> tuple[TorqueCurve, ...]:
+        """Average torque and every curve of the pulsation. [N m]"""
+        return (self.average, *(curve for curve, _ in self.pulsations))
+
+
+def drives_of(motors: Sequence[Motor]) -> tuple[Motor, ...]:
+    """Motors as the compiled loop takes them: one pulsation each.
+
+    The second part of a pulsation is a motor of its own there, without average torque, behind all
+    others, so that the first is always a whole motor.
+
+    Parameters
+    ----------
+    motors : sequence of Motor
+        Motors. [SI]
+
+    Returns
+    -------
+    tuple of Motor
+        Motors with one pulsation. [SI]
+    """
+    firsts, seconds = [], []
+    nothing = TorqueCurve(np.zeros(1), np.zeros((1, 4)))
+    for m in motors:
+        (curve, phase), *second = m.pulsations
+        firsts.append(replace(m, pulsating=curve, phase=phase, parts=None))
+        for curve, phase in second:
+            seconds.append(
+                Motor(
+                    m.station, nothing, curve, m.synchronous_speed, m.pole_pairs, phase, None, True
+                )
+            )
+    return (*firsts, *seconds)
 
 
 def motors_of(case: CaseData, train: Train) -> tuple[Motor, ...]:
@@ -62,8 +112,7 @@ def motors_of(case: CaseData, train: Train) -> tuple[Motor, ...]:
         If the line frequency or the synchronous speed is unknown.
     """
     ratings = case.ratings
-    names = list(dict.fromkeys(p.station for p in case.motor_torque))
-    if not names:
+    if not case.motor_stations:
         return ()
     if ratings.synchronous_speed is None or ratings.line_frequency is None:
         raise ModelError(
@@ -71,22 +120,28 @@ def motors_of(case: CaseData, train: Train) -> tuple[Motor, ...]:
             "SynchronousSpeed and Poles."
         )
     scale = voltage_factor(case)
+    from_data = motors_without_curve(case)
     motors = []
-    for name in names:
+    for name in case.motor_stations:
         points = [p for p in case.motor_torque if p.station == name]
         station = train.stations.index(str(name))
         speed = ratings.synchronous_speed * float(train.speed_ratio[station])
-        x = np.array([p.speed for p in points], dtype=float)
-        motors.append(
-            Motor(
-                station,
-                torque_curve(x, scale * np.array([p.average for p in points], dtype=float)),
-                torque_curve(x, scale * np.array([p.pulsating for p in points], dtype=float)),
-                speed,
-                2.0 * math.pi * ratings.line_frequency / speed,
-                case.pulsation_phase or 0.0,
+        phase = case.pulsation_phase or 0.0
+        parts = None
+        if name in from_data:
+            average, sine, cosine = (c.scaled(scale) for c in from_data[name].curves)
+            parts = sine, cosine
+            pulsating = torque_curve(sine.knots, hypot(sine.cubic[:, 0], cosine.cubic[:, 0]))
+            # PulsationPhase is that at rest
+            phase -= atan2(float(cosine.cubic[0, 0]), float(sine.cubic[0, 0]))
+        else:
+            x = np.array([p.speed for p in points], dtype=float)
+            average = torque_curve(x, scale * np.array([p.average for p in points], dtype=float))
+            pulsating = torque_curve(
+                x, scale * np.array([p.pulsating for p in points], dtype=float)
             )
-        )
+        pairs = 2.0 * math.pi * ratings.line_frequency / speed
+        motors.append(Motor(station, average, pulsating, speed, pairs, phase, parts))
     return tuple(motors)
 
 
@@ -145,7 +200,8 @@ def electrical_arrays(
     connected : ndarray, shape (n_motors,)
         1, or 0 once the motor has tripped. [1]
     """
-    n, scale = len(motors), voltage_factor(case)
+    whole = np.array([not m.is_second_part for m in motors], dtype=bool)
+    n, scale = len(motors), voltage_factor(case) * whole
     effects = effects or StartEffects()
     shock = case.shock_amplitude if effects.breaker_closing else None
     decay = case.shock_time_constant if effects.breaker_closing else None
@@ -153,13 +209,13 @@ def electrical_arrays(
     pull_out = case.pull_out_torque if effects.pull_in else None
     cage = case.pull_in_damping if effects.pull_in else None
     return (
-        np.full(n, scale * (shock or 0.0)),
+        scale * (shock or 0.0),
         np.full(n, 1.0 / decay if decay else 0.0),
         motors[0].pole_pairs * motors[0].synchronous_speed if motors else 0.0,
         np.full(n, math.inf),
         np.full(n, 1.0 / rise if rise else math.inf),
-        np.full(n, scale * (pull_out or 0.0)),
-        np.full(n, math.nan if cage is None else scale * cage),
+        scale * (pull_out or 0.0),
+        np.where(whole, math.nan if cage is None else scale * cage, math.nan),
         np.zeros(n),
         np.ones(n),
     )

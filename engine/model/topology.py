@@ -17,7 +17,7 @@ from engine.model.train import RigidMesh
 def drive_ends(case: CaseData, a: Assembly) -> tuple[Floats, Mask, int]:
     """Orientation of each element, its driven side, and a station of the reference shaft."""
     sides = driven_side(tuple(a.edges), len(case.stations), len(case.elements))
-    motors = sorted({a.index[m.station] for m in case.motor_torque if m.station in a.index})
+    motors = sorted({a.index[name] for name in case.motor_stations if name in a.index})
     drivers = motors or _drivers(case, a)  # without either, From is the drive end
     orientation = np.ones(len(case.elements))
     if drivers:

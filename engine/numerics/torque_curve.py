@@ -47,6 +47,16 @@ class TorqueCurve:
         library.curve_values(len(self.knots), knots, cubic, x.size, address(x), address(torque))
         return torque
 
+    def scaled(self, factor: float) -> TorqueCurve:
+        """The curve with every torque multiplied by a factor. [N m]
+
+        Parameters
+        ----------
+        factor : float
+            Factor. [1]
+        """
+        return TorqueCurve(self.knots, factor * self.cubic)
+
     @property
     def steepest(self) -> float:
         """Largest change of torque over that of the fraction of synchronous speed. [N m]"""
@@ -79,3 +89,30 @@ def torque_curve(fraction: Floats, torque: Floats) -> TorqueCurve:
     cubic = np.empty((len(x), 4))
     library.curve_through(len(x), address(x), address(y), address(cubic))
     return TorqueCurve(x, cubic)
+
+
+def curve_with_slopes(fraction: Floats, torque: Floats, slope: Floats) -> TorqueCurve:
+    """Curve through points with given slopes there, for a torque that is known as a formula.
+
+    Parameters
+    ----------
+    fraction : ndarray, shape (n,)
+        Fractions of synchronous speed, rising. [1]
+    torque : ndarray, shape (n,)
+        Torque at each. [N m]
+    slope : ndarray, shape (n,)
+        Its derivative with the fraction. [N m]
+
+    Returns
+    -------
+    TorqueCurve
+        The cubic of each interval (Hermite), held constant outside. [N m]
+    """
+    cubic = np.zeros((len(fraction), 4))
+    cubic[:, 0] = torque
+    width = np.diff(fraction)
+    chord = np.diff(torque) / width
+    cubic[:-1, 1] = slope[:-1]
+    cubic[:-1, 2] = (3.0 * chord - 2.0 * slope[:-1] - slope[1:]) / width
+    cubic[:-1, 3] = (slope[:-1] + slope[1:] - 2.0 * chord) / (width * width)
+    return TorqueCurve(np.array(fraction, dtype=np.float64), cubic)

@@ -62,7 +62,7 @@ def full_speed(case: CaseData, train: Train) -> FullSpeed:
         constant = _finite(
             0.5 * float(product(train.inertia, train.dof_ratio**2)) * speed * speed / power
         )
-        motors = {p.station for p in case.motor_torque}
+        motors = set(case.motor_stations)
         typed = total(
             (s.inertia or 0.0) * (s.speed_ratio or 1.0) * (s.speed_ratio or 1.0)
             for s in case.stations

@@ -253,7 +253,7 @@ def _inertia(case: CaseData, facts: FullSpeed) -> Iterator[str]:
             "inertias (J, WR², GD²), the speed ratios and the rated power."
         )
         return
-    motors = list(dict.fromkeys(p.station for p in case.motor_torque))
+    motors = list(case.motor_stations)
     yield from OWN_INERTIA.notes([(motors[0], own)] if motors else [])
 
 

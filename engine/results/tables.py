@@ -16,6 +16,7 @@ import numpy as np
 
 from engine.case.result_words import Judgement
 from engine.fatigue.stress import shear_stress, stress_of_unit_torque
+from engine.motor.from_case import motor_curves
 from engine.numerics.same_bits import product
 from engine.operation.margins import percent_speed
 from engine.results.results import AccuracyRow, AtSpeed, Results
@@ -33,6 +34,7 @@ def result_tables(results: Results) -> Mapping[str, list[Row]]:
     return {
         "Verdicts": _rows(results.verdicts),
         **speed_tables(results),
+        "MotorCurves": motor_curves(results.case),
         "StartupPeaks": _startup_peaks(results),
         "StartupCrossings": _startup_crossings(results),
         "TorqueReversals": _torque_reversals(results),

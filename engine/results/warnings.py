@@ -8,12 +8,14 @@ from collections.abc import Iterator
 import numpy as np
 
 from engine.case.choices import ElementKind, Method
+from engine.case.data import CaseData
 from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, DEFAULT_TOLERANCE_STARTS
 from engine.case.plausibility import implausible
 from engine.case.result_words import Outcome
 from engine.fatigue.allowable_starts import notes_on_starts
 from engine.model.excitation import transmitted_torque
 from engine.model.motor import motors_of
+from engine.motor.from_case import motors_without_curve
 from engine.operation.full_speed import full_speed
 from engine.operation.plausible_train import unusual_train
 from engine.results.implausible_results import (
@@ -37,6 +39,7 @@ def warnings_of(results: Results) -> Iterator[str]:
     yield from implausible(results.case)
     facts = full_speed(results.case, results.train)
     yield from unusual_train(results.case, results.train, facts)
+    yield from _motor_data(results.case)
     yield from results.margins.warnings
     yield from results.steady.warnings
     if not impossible:  # else it is a consequence
@@ -45,6 +48,24 @@ def warnings_of(results: Results) -> Iterator[str]:
     yield from _inaccurate_starts(results)
     yield from _pulling_teeth(results)
     yield from _event_warnings(results)
+
+
+def _motor_data(case: CaseData) -> Iterator[str]:
+    """Which torques a start uses of a motor with a data sheet, and what they leave out."""
+    calculated = motors_without_curve(case)
+    for row in case.motor_data:
+        if row.station not in calculated:
+            yield (
+                f"'{row.station}' has a torque curve and a data sheet: the start uses the curve of table "
+                "MotorTorque. Table MotorCurves shows the calculated one."
+            )
+    for name, motor in calculated.items():
+        if max(len(motor.circuit.dampers_d), len(motor.circuit.dampers_q)) < 2:
+            yield (
+                f"The torques of '{name}' are calculated with at most one damper winding in each axis, which "
+                "does not represent solid poles. Ask the maker for measured curves, or for a circuit with "
+                "two dampers in each axis (table MotorCircuit)."
+            )
 
 
 def _unstable_feedback(results: Results) -> Iterator[str]:

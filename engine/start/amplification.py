@@ -54,11 +54,13 @@ def modal_torque(motors: Sequence[Motor], modal: ModalTrain, mode: int, speed: f
     train, shape = modal.train, modal.modes.shape
     along, across, largest = 0.0, 0.0, 0.0
     for m in motors:
-        torque = float(m.pulsating(speed * train.speed_ratio[m.station] / m.synchronous_speed))
+        x = speed * train.speed_ratio[m.station] / m.synchronous_speed
         at = shape[train.node_dof[m.station]] * train.node_scale[m.station]
-        along += float(at[mode]) * torque * cos(m.phase)
-        across += float(at[mode]) * torque * sin(m.phase)
-        largest += float(np.max(np.abs(at))) * abs(torque)
+        for curve, phase in m.pulsations:
+            torque = float(curve(x))
+            along += float(at[mode]) * torque * cos(phase)
+            across += float(at[mode]) * torque * sin(phase)
+            largest += float(np.max(np.abs(at))) * abs(torque)
     size = float(hypot(along, across))
     return size if size > AT_NODE * largest else 0.0
 

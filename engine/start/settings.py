@@ -33,8 +33,8 @@ def keeps_history(case: CaseData) -> bool:
 
 
 def has_start(case: CaseData) -> bool:
-    """Whether the case describes a start: there is a motor torque curve."""
-    return bool(case.motor_torque)
+    """Whether the case describes a start: there is a motor."""
+    return bool(case.motor_stations)
 
 
 def settings_of(case: CaseData) -> StartSettings:

@@ -16,7 +16,13 @@ from engine.errors import ModelError
 from engine.model.load import Load
 from engine.model.modal_train import ModalTrain
 from engine.model.modes import Modes
-from engine.model.motor import Motor, electrical_arrays, through_synchronism, voltage_factor
+from engine.model.motor import (
+    Motor,
+    drives_of,
+    electrical_arrays,
+    through_synchronism,
+    voltage_factor,
+)
 from engine.model.train import Train
 from engine.numerics.same_bits import log, product, sin, singular_values, total
 from engine.start.settings import NEGLIGIBLE, PLAIN_START
@@ -228,6 +234,7 @@ def machine_arrays(
     counts.
     """
     column = {station: i for i, station in enumerate(stations)}
+    motors = drives_of(motors)
     n = len(motors)
     curves = [curve for m in motors for curve in (m.average, m.pulsating)]
     with_field = np.arange(0, 2 * n, 2)
@@ -260,7 +267,7 @@ def machine_arrays(
             np.array([d.soft_speed for d in loads]),
         ),
         "timed": torque_tables(torques, stations),
-        "electrical": electrical_arrays(tuple(motors), case, effects),
+        "electrical": electrical_arrays(motors, case, effects),
         "phase": np.array([m.phase for m in motors]),
     }
 
@@ -444,11 +451,13 @@ def _force_sizes(
         i = column[m.station]
         largest = float(np.max(np.abs(m.average.cubic[:, 0])))
         pulsating = float(np.max(np.abs(m.pulsating.cubic[:, 0])))
-        initial = abs(float(m.average(0.0)) + float(m.pulsating(0.0)) * sin(m.phase))
+        initial = float(m.average(0.0))
+        for curve, phase in m.pulsations:
+            initial += float(curve(0.0)) * sin(phase)
         switched_off = largest + pulsating + pull_out if effects.aborted_start else 0.0
-        step[i] += max(initial, SWITCHED_SHARE * largest, switched_off)
+        step[i] += max(abs(initial), SWITCHED_SHARE * largest, switched_off)
         smooth[i] += pulsating
-        for curve in (m.average, m.pulsating):
+        for curve in m.curves:
             slope[i] += curve.steepest / m.synchronous_speed
             span[i] += curve.range
         if shock is not None:  # begins with the slope of A sin ωt, then varies no faster than that

@@ -8,7 +8,7 @@ import struct
 
 import pytest
 from flat_sheets import Formula, write_sheets
-from sheet_ranges import CATALOGUE, SCATTER, TUNING, model_arguments
+from sheet_ranges import CATALOGUE, MOTOR, SCATTER, TUNING, model_arguments
 from xls_cells import read_cells
 
 from addin.libreoffice.names import programmatic_name
@@ -48,6 +48,8 @@ ALONE = {
         ("200.1;30.3;500.7;79300;[.Z1]", [200.1, 30.3, 500.7, 79300.0]),
         ('8.1;;20.3;11500000;"US"', [8.1, None, 20.3, 11.5e6, "US"]),
     ],
+    "TV_MOTOR_CIRCUIT": [("[.AD13:.AO15];60", [MOTOR, 60.0])],
+    "TV_MOTOR_CURVES": [("[.AD13:.AO15];0.05;60", [MOTOR, 0.05, 60.0])],
     "TV_LIFE": [("0.001;12;30;2", [0.001, 12.0, 30.0, 2.0])],
     "TV_CONVERT": [('0.1;"lbf*in";"N*m"', [0.1, "lbf*in", "N*m"])],
 }
@@ -124,7 +126,7 @@ def calculated(calc, expected, tmp_path_factory):
         (1, 25): 100.1,
         (1, 27): 31000.7,
     }
-    for top, block in ((0, TUNING), (3, CATALOGUE), (8, SCATTER)):
+    for top, block in ((0, TUNING), (3, CATALOGUE), (8, SCATTER), (12, MOTOR)):
         for i, row in enumerate(block):
             results |= {(top + i, 29 + j): v for j, v in enumerate(row) if v is not None}
     for at, (formula, rows) in expected[1].items():

@@ -10,7 +10,16 @@ import jsonschema
 import openpyxl
 import pytest
 from servers import inside
-from sheet_ranges import CATALOGUE, SCATTER, TEMPLATES, TUNING, model_arguments, table, with_event
+from sheet_ranges import (
+    CATALOGUE,
+    MOTOR,
+    SCATTER,
+    TEMPLATES,
+    TUNING,
+    model_arguments,
+    table,
+    with_event,
+)
 
 from addin.server import calls as server_calls
 from addin.server.processes import Work
@@ -70,6 +79,8 @@ def every_call(handle):
     found["TV_MODEL"] = model_arguments()
     found["TV_EVENTS"] = [registry.call("TV_MODEL", with_event(model_arguments()))[0][0]]
     found["TV_STIFFNESS"] = [200.1, None, 501.7, 79300]
+    found["TV_MOTOR_CIRCUIT"] = [MOTOR, 60]
+    found["TV_MOTOR_CURVES"] = [MOTOR, [[1, 0.5], [0.05, None]], 60]
     found["TV_LIFE"] = [[[1e-3, 2e-4]], [[12.0, None]], None, 2]
     found["TV_CONVERT"] = [[[0.1, None], [1e-300, 3.3]], "lbf*in", "N*m"]
     return found

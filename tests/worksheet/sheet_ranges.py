@@ -33,6 +33,15 @@ CATALOGUE = [
     ["LS coupling", "softer", None, 150000000.0, 130.0],
 ]
 SCATTER = [[None, None, "%"], ["Quantity", "Distribution", "Spread"], ["stiffness", "normal", 5.0]]
+#: Data sheet of a motor.
+MOTOR = [
+    [None, "kVA", *["pu"] * 6, *["s"] * 4],
+    [
+        "Station", "Apparent power", "Xd", "Xq", "Xd transient", "Xd subtransient", "Xq subtransient", "Xl",
+        "Td0 transient", "Td0 subtransient", "Tq0 subtransient", "Ta",
+    ],
+    ["Motor", 1000.0, 1.3, 0.9, 0.35, 0.22, 0.26, 0.12, 3.0, 0.035, 0.12, 0.05],
+]  # fmt: skip
 
 
 @cache

@@ -11,6 +11,7 @@ module         responsibility
                uses up
 `model`        the model: tables of a sheet → a checked case and its handle
 `modes`        natural frequencies, mode shapes and energies
+`motors`       motors from their data sheets: the circuit, and torques and current against slip
 `running`      continuous operation: separation margins, forbidden bands, steady state
 `shafts`       stiffness of a shaft from its sizes
 `starting`     the start: speed, peaks, histories and torque reversals

@@ -8,6 +8,7 @@ module           responsibility
 `fatigue`        checks of materials and their S-N points
 `scalars`        checks of the scalars of the case: each by itself, and those that contradict each
                  other
+`motors`         checks of the data sheets and circuits of motors
 `torques`        checks of torque curves and of the excitations in continuous operation
 `events`         checks of events in operation: table EventTorque, and TorqueTime where the train
                  runs before it

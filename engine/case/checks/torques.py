@@ -109,24 +109,29 @@ def check_torques(case: CaseData) -> Iterator[Problem]:
     if not possible_poles(case):
         return
     ratings = case.ratings
-    if case.motor_torque and ratings.synchronous_speed is None:
+    if case.motor_stations and ratings.synchronous_speed is None:
         yield SCALARS.problem(
             "SynchronousSpeed",
             None,
-            "given where MotorTorque is",
-            "torque curves are given, but neither SynchronousSpeed nor LineFrequency with Poles, "
+            f"given where {_motor_table(case)} is",
+            f"{'torque curves are' if case.motor_torque else 'a data sheet of a motor is'} given, but neither SynchronousSpeed nor LineFrequency with Poles, "
             "so that the speed scale of the curves is unknown. Type two of LineFrequency, "
             "SynchronousSpeed and Poles.",
         )
-    elif case.motor_torque and ratings.line_frequency is None:
+    elif case.motor_stations and ratings.line_frequency is None:
         yield SCALARS.problem(
             "LineFrequency",
             None,
-            "given where MotorTorque is",
+            f"given where {_motor_table(case)} is",
             "a motor is given, but no LineFrequency (or Poles): the slip frequency is unknown. "
             "Type LineFrequency.",
         )
     yield from _pole_pairs(case)
+
+
+def _motor_table(case: CaseData) -> str:
+    """The table that says that there is a motor."""
+    return "MotorTorque" if case.motor_torque else "MotorData"
 
 
 def _pole_pairs(case: CaseData) -> Iterator[Problem]:
@@ -134,7 +139,7 @@ def _pole_pairs(case: CaseData) -> Iterator[Problem]:
     line, synchronous = case.ratings.line_frequency, case.ratings.synchronous_speed
     if not line or not synchronous:
         return
-    motors = {p.station for p in case.motor_torque}
+    motors = case.motor_stations
     for cells, s in each_row("Stations", case.stations):
         if s.station not in motors or not s.speed_ratio or s.speed_ratio <= 0.0:
             continue
@@ -149,13 +154,13 @@ def _pole_pairs(case: CaseData) -> Iterator[Problem]:
                 "such that the motor has whole pole pairs",
                 f"found {number_text(s.speed_ratio)} at '{s.station}', which has a motor: at "
                 f"{rpm:.6g} rpm and {line:.6g} Hz it would have {pairs:.4g} pole pairs. Correct the "
-                "ratio, or the station in table MotorTorque.",
+                f"ratio, or the station in table {_motor_table(case)}.",
             )
 
 
 def _motor_place(case: CaseData) -> Iterator[Problem]:
     """A motor on the reference shaft, and a train it can turn."""
-    motors = {p.station for p in case.motor_torque}
+    motors = case.motor_stations
     placed = [place for place in each_row("Stations", case.stations) if place[1].station in motors]
     if placed and all(s.speed_ratio not in (None, 1.0) for _, s in placed):
         cells, s = placed[0]
@@ -175,7 +180,7 @@ def _motor_place(case: CaseData) -> Iterator[Problem]:
                 GROUND,
                 "a station, where a motor is to start the train",
                 f"found ground: '{e.element}' holds the train to ground, so its motor (table "
-                "MotorTorque) cannot start it. Clear the element or the motor's rows; a damper "
+                f"{_motor_table(case)}) cannot start it. Clear the element or the motor's rows; a damper "
                 "to ground has Stiffness 0.",
             )
 

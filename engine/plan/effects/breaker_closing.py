@@ -7,7 +7,7 @@ from engine.plan.evidence import Evidence
 
 def finding(case: CaseData, e: Evidence, modelled: tuple[str, ...]) -> Finding:
     """The transient at resonance, over the motor torque at standstill."""
-    if e.shock_share is None and case.shock_amplitude and not case.motor_torque:
+    if e.shock_share is None and case.shock_amplitude and not case.motor_stations:
         return Finding.impossible("No motor curve, so there is no breaker closing.")
     if case.shock_amplitude == 0.0:
         return Finding.impossible("ShockAmplitude is 0.")
@@ -16,7 +16,7 @@ def finding(case: CaseData, e: Evidence, modelled: tuple[str, ...]) -> Finding:
             "ShockAmplitude and ShockTimeConstant are not given: the transient is unknown.", None
         )
     wanted = e.shock_share > e.tolerance
-    several = len({p.station for p in case.motor_torque}) > 1
+    several = len(case.motor_stations) > 1
     compared = "least motor torque" if several else "motor torque"
     why = (
         f"At resonance the transient{'s' if several else ''} could add at most "

@@ -1,0 +1,110 @@
+"""Motors from their data sheets: the circuit, and torques and current against slip, in per unit."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from addin.contract.tables import input_table
+from addin.worksheet.answers import Rows
+from addin.worksheet.blocks import motors_of, problems_in_words
+from addin.worksheet.registry import Argument, Block, FunctionError, registered
+from engine.motor.circuit import Circuit
+from engine.motor.curves import slip_curves
+from engine.motor.from_case import SHOWN_SLIPS, as_it_starts, circuit_of, row_of_circuit
+
+#: Place of these functions among all, in lists and in the documentation.
+ORDER = 32
+#: Slips of one answer.
+MOST_SLIPS = 10_000
+
+DATA = Argument("Data", "block", "Table MotorData with headers and units.")
+FREQUENCY = Argument(
+    "Line frequency", "number", "Line frequency [Hz]; needed where Data has time constants.", True
+)
+CIRCUIT = Argument(
+    "Circuit",
+    "block",
+    "Table MotorCircuit with headers and units, for motors given by their circuit.",
+    True,
+)
+CIRCUIT_COLUMNS = input_table("MotorCircuit").columns
+CURVES = {
+    "Station": "", "Slip": "", "Speed": "%", "Average": "pu", "Pulsating": "pu", "Phase": "deg", "Current": "pu",
+    "Power factor": "",
+}  # fmt: skip
+
+
+def _motors(
+    data: Block, frequency: float | None, circuit: Block | None
+) -> list[tuple[str, Circuit, Circuit]]:
+    """Station of each motor, its circuit, and the one with which it starts."""
+    case, problems = motors_of(data, circuit, frequency)
+    if problems:
+        raise FunctionError(problems_in_words(problems))
+    circuits = {row.station: row for row in case.motor_circuit}
+    found = []
+    for row in case.motor_data:
+        typed = circuits.get(row.station)
+        if typed is None and (frequency is None or not frequency > 0.0):
+            raise FunctionError(
+                "Line frequency: give it in Hz; resistances follow from time constants with it."
+            )
+        of_motor = circuit_of(row, typed, frequency or math.nan)
+        found.append((str(row.station), of_motor, as_it_starts(of_motor, row)))
+    return found
+
+
+@registered(
+    "TV_MOTOR_CIRCUIT",
+    DATA,
+    FREQUENCY,
+    CIRCUIT,
+    columns=len(CIRCUIT_COLUMNS),
+    example="=TV_MOTOR_CIRCUIT(Motor!B6:W11, 60)",
+)
+def tv_motor_circuit(data: Block, frequency: float | None, circuit: Block | None) -> Rows:
+    """Circuit of each motor from its data sheet, per unit, as table MotorCircuit has it.
+
+    Without discharge resistor and Start factor, which belong to the start.
+    """
+    rows: Rows = [[f"{c.name} [pu]" if c.has_unit else c.name for c in CIRCUIT_COLUMNS]]
+    for station, of_motor, _ in _motors(data, frequency, circuit):
+        row = row_of_circuit(station, of_motor)
+        rows.append([getattr(row, column.attribute) for column in CIRCUIT_COLUMNS])
+    return rows
+
+
+@registered(
+    "TV_MOTOR_CURVES",
+    DATA,
+    Argument("Slips", "numbers", "Slips, 1 at rest and 0 in step; blank = every 0.01.", True),
+    FREQUENCY,
+    CIRCUIT,
+    columns=len(CURVES),
+    example="=TV_MOTOR_CURVES(Motor!B6:W11, , 60)",
+)
+def tv_motor_curves(
+    data: Block, slips: Rows | None, frequency: float | None, circuit: Block | None
+) -> Rows:
+    """Average and pulsating torque, its phase, current and power factor of each motor against slip.
+
+    Per unit of Apparent power / synchronous speed, at rated voltage, with discharge resistor and Start
+    factor. The phase is that of cos(2 s ω t), the voltage lying along the axis of the poles at t = 0.
+    """
+    given = [value for row in slips or () for value in row if value is not None]
+    if len(given) > MOST_SLIPS:
+        raise FunctionError(f"Slips: found {len(given)}; give at most {MOST_SLIPS}.", "#NUM!")
+    slip = np.array(given, dtype=float) if given else SHOWN_SLIPS
+    rows: Rows = [[f"{name} [{unit}]" if unit else name for name, unit in CURVES.items()]]
+    for station, _, starting in _motors(data, frequency, circuit):
+        curves = slip_curves(starting, slip)
+        columns: tuple[Any, ...] = (
+            slip, 100.0 * (1.0 - slip), curves.average, curves.pulsating, curves.phase * (180.0 / math.pi),
+            curves.current, curves.power_factor,
+        )  # fmt: skip
+        values = zip(*(column.tolist() for column in columns), strict=True)
+        rows += [[station, *row] for row in values]
+    return rows

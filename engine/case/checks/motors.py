@@ -1,0 +1,290 @@
+"""Checks of the data sheets and circuits of motors.
+
+The circuit of a data sheet has positive leakages and resistances exactly where the reactances fall from
+winding to winding, Xd > Xd' > Xd'' > Xl and Xq > Xq'' > Xl, so that is what is checked.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from engine.case.checks.problem import (
+    NOT_NEGATIVE,
+    POSITIVE,
+    STATION_NAME,
+    Allowed,
+    Cells,
+    Limit,
+    blank_or_positive,
+    check_names,
+    each_row,
+    number_text,
+    quote_quantity,
+)
+from engine.case.choices import FieldCircuit
+from engine.case.data import CaseData, MotorCircuitRow, MotorDataRow, value_of
+from engine.errors import Problem
+
+#: Reactances of real motors are within, in per unit; beyond, per cent and per unit were mixed up. [1]
+LEAST_REACTANCE = 0.005  #: Leakages are at least 0.03.
+LARGEST_MAGNETISING = 20.0  #: Xd is at most 3; magnetising reactances of induction motors reach 6.
+LARGEST_LEAKAGE = 2.0  #: Transient and subtransient reactances, too, are at most 0.6.
+LARGEST_RESISTANCE = 1.0  #: Of a winding; a second cage may have 0.3.
+#: Time constants of real motors are far below; above, milliseconds were typed. [s]
+LONGEST_TRANSIENT = 60.0  #: Td0' of the largest machines is 15 s.
+LONGEST_SUBTRANSIENT = 4.0  #: Tq0'' of solid poles reaches 1 s.
+
+_PER_CENT = "Per cent and per unit mixed up? Write 18 % or 0.18 pu."
+_MILLISECONDS = "Milliseconds typed as seconds? Write 35 ms or 0.035 s."
+
+
+def _at_most(most: float, unit: str) -> Allowed:
+    return Allowed(lambda v: 0.0 < v <= most, f"positive and at most {most:g} {unit}")
+
+
+def _reactances(most: float, *columns: str) -> tuple[Limit, ...]:
+    words = f"between {LEAST_REACTANCE:g} and {most:g} pu"
+    allowed = Allowed(lambda v: LEAST_REACTANCE <= v <= most, words)
+    return tuple(Limit(column, allowed, "pu", _PER_CENT) for column in columns)
+
+
+def _times(longest: float, *columns: str) -> tuple[Limit, ...]:
+    return tuple(Limit(column, _at_most(longest, "s"), "s", _MILLISECONDS) for column in columns)
+
+
+_SHARE = Allowed(lambda v: 0.0 < v <= 1.0, "positive and at most 1 (100 %)")
+_RESISTANCE = Allowed(
+    lambda v: 0.0 <= v <= LARGEST_RESISTANCE,
+    f"zero or positive and at most {LARGEST_RESISTANCE:g} pu",
+)
+_LEAKAGE = Allowed(
+    lambda v: 0.0 <= v <= LARGEST_LEAKAGE, f"zero or positive and at most {LARGEST_LEAKAGE:g} pu"
+)
+DATA_NUMBERS = (
+    Limit("Apparent power", POSITIVE, "V A"),
+    Limit("Voltage", POSITIVE, "V"),
+    Limit("Power factor", _SHARE),
+    Limit("Efficiency", _SHARE),
+    *_reactances(LARGEST_MAGNETISING, "Xd", "Xq"),
+    *_reactances(LARGEST_LEAKAGE, "Xd transient", "Xd subtransient", "Xq subtransient", "Xl"),
+    *_times(LONGEST_TRANSIENT, "Td0 transient", "Td transient"),
+    *_times(
+        LONGEST_SUBTRANSIENT,
+        "Td0 subtransient", "Tq0 subtransient", "Td subtransient", "Tq subtransient", "Ta",
+    ),
+    Limit("Ra", _RESISTANCE, "pu", _PER_CENT),
+    Limit(
+        "Discharge resistance", NOT_NEGATIVE, "",
+        "It is a multiple of the resistance of the field winding, often 5 to 15.",
+    ),
+    Limit(
+        "Start factor", Allowed(lambda v: 0.0 < v <= 2.0, "positive and at most 2"), "",
+        "It multiplies leakage reactances, usually by 0.7 to 1.",
+    ),
+)  # fmt: skip
+CIRCUIT_NUMBERS = (
+    Limit("Rs", _RESISTANCE, "pu", _PER_CENT),
+    *_reactances(LARGEST_LEAKAGE, "Xl"),
+    *_reactances(LARGEST_MAGNETISING, "Xmd", "Xmq"),
+    *(
+        limit
+        for winding in ("f", "kd", "kq", "kd2", "kq2")
+        for limit in (
+            Limit(f"R{winding}", _at_most(LARGEST_RESISTANCE, "pu"), "pu", _PER_CENT),
+            Limit(f"Xl{winding}", _LEAKAGE, "pu", _PER_CENT),
+        )
+    ),
+    Limit("Xc", _LEAKAGE, "pu", _PER_CENT),
+)
+
+#: Reactances that a data sheet must have.
+REACTANCES = ("Xd", "Xq", "Xd subtransient", "Xq subtransient", "Xl")
+#: Time constants of field, damper of the poles and damper between them: stator open, and short-circuited.
+OPEN_TIMES = ("Td0 transient", "Td0 subtransient", "Tq0 subtransient")
+SHORT_TIMES = ("Td transient", "Td subtransient", "Tq subtransient")
+#: What a circuit in table MotorCircuit stands in place of.
+OF_THE_SHEET = (*REACTANCES, "Xd transient", *OPEN_TIMES, *SHORT_TIMES, "Ta", "Ra")
+#: Reactances of each axis, from the largest to the smallest.
+FALLING = (
+    ("Xd", "Xd transient", "Xd subtransient", "Xl"),
+    ("Xq", "Xq subtransient", "Xl"),
+)
+
+
+def check_motors(case: CaseData) -> Iterator[Problem]:
+    """Data sheets of motors, each with reactances and time constants or with a circuit."""
+    stations = {s.station for s in case.stations if s.station}
+    circuits = {row.station: cells for cells, row in each_row("MotorCircuit", case.motor_circuit)}
+    yield from check_names("MotorData", "Station", [m.station for m in case.motor_data], "a motor")
+    for cells, motor in each_row("MotorData", case.motor_data):
+        if motor.station is not None:
+            yield from cells.name("Station", motor.station, stations, STATION_NAME)
+        yield from cells.numbers(motor, DATA_NUMBERS)
+        yield from cells.choice("Field circuit", motor.field_circuit, FieldCircuit)
+        yield from _base(case, cells, motor)
+        if motor.station in circuits:
+            yield from _nothing_else(cells, motor, circuits[motor.station])
+        else:
+            yield from _sheet(cells, motor)
+        yield from _field_in_the_start(cells, motor)
+    yield from _circuits(case)
+
+
+def _base(case: CaseData, cells: Cells, motor: MotorDataRow) -> Iterator[Problem]:
+    """What one per unit is: the motor's own apparent power, typed or from its rated power."""
+    shared = len(case.motor_data) > 1  # then the rated power is not that of one motor
+    if motor.apparent_power is None and (
+        shared or motor.base_power(case.ratings.rated_power) is None
+    ):
+        yield cells.blank(
+            "Apparent power",
+            "the rated apparent power, to which per unit refers",
+            "Type it in kVA from the name plate"
+            + ("." if shared else ", or RatedPower with Power factor and Efficiency."),
+        )
+
+
+def _nothing_else(cells: Cells, motor: MotorDataRow, circuit: Cells) -> Iterator[Problem]:
+    """A circuit leaves nothing for reactances and time constants to say."""
+    for column in OF_THE_SHEET:
+        value = value_of(motor, column)
+        if value is not None:
+            yield cells.problem(
+                column,
+                value,
+                "blank where table MotorCircuit has the motor",
+                f"found {number_text(value)}, but row {circuit.row} of table MotorCircuit gives the "
+                f"circuit of '{motor.station}'. Clear the reactances and time constants, or that row.",
+            )
+            return
+
+
+def _sheet(cells: Cells, motor: MotorDataRow) -> Iterator[Problem]:
+    """Reactances and time constants that make a circuit."""
+    for column in REACTANCES:
+        if value_of(motor, column) is None:
+            yield cells.blank(
+                column,
+                "a reactance",
+                "Type it from the data sheet, or give the circuit of the motor in table MotorCircuit.",
+            )
+    for columns in FALLING:
+        yield from _falling(cells, motor, columns)
+    yield from _time_constants(cells, motor)
+    if (motor.ta is None) == (motor.ra is None):
+        both = motor.ta is not None
+        yield cells.problem(
+            "Ta",
+            motor.ta,
+            "given, or Ra instead",
+            "the resistance of the stator follows from Ta, or is Ra: "
+            + (
+                "both are given. Clear one of the two."
+                if both
+                else "both are blank. Type one of the two."
+            ),
+        )
+
+
+def _falling(cells: Cells, motor: MotorDataRow, columns: Sequence[str]) -> Iterator[Problem]:
+    """Each further winding makes the reactance smaller, else its leakage would be negative."""
+    values = [(column, value_of(motor, column)) for column in columns]
+    given = [(column, value) for column, value in values if value is not None]
+    if not all(blank_or_positive(value) for _, value in given):
+        return  # reported already
+    for (larger, above), (column, value) in zip(given, given[1:], strict=False):
+        if value >= above:
+            yield cells.wrong(
+                column,
+                value,
+                f"below {larger}, {number_text(above, 'pu')}",
+                "Otherwise a winding would have a negative leakage. Check both numbers, and that they "
+                "are of one motor and in the right columns.",
+                "pu",
+                quote_quantity(above, "pu", (*cells, larger)),
+            )
+
+
+def _time_constants(cells: Cells, motor: MotorDataRow) -> Iterator[Problem]:
+    """One set of time constants, one for each winding, the damper faster than the field."""
+    open_, short = (
+        [column for column in columns if value_of(motor, column) is not None]
+        for columns in (OPEN_TIMES, SHORT_TIMES)
+    )
+    if open_ and short:
+        value = value_of(motor, short[0])
+        yield cells.problem(
+            short[0],
+            value,
+            "blank where a time constant with open stator is given",
+            f"found {number_text(value, 's')}, but {open_[0]} is given, too: there are two sets of time "
+            "constants, with the stator open (Td0) and short-circuited (Td). Clear one set.",
+        )
+        return
+    field, *dampers = SHORT_TIMES if short else OPEN_TIMES
+    for column in dampers:
+        if value_of(motor, column) is None:
+            yield cells.blank(column, "a time constant", "Type it from the data sheet.")
+    slow, fast = value_of(motor, field), value_of(motor, dampers[0])
+    if (slow is None) != (motor.xd_transient is None):
+        missing, present = (field, "Xd transient") if slow is None else ("Xd transient", field)
+        yield cells.blank(
+            missing,
+            f"given where {present} is",
+            f"A field winding has both. Type it, or clear {present} where there is no field winding.",
+        )
+    elif slow is not None and fast is not None and blank_or_positive(slow) and fast >= slow:
+        yield cells.wrong(
+            dampers[0],
+            fast,
+            f"below {field}, {number_text(slow, 's')}",
+            "The damper is faster than the field, as a rule a hundred times. Check units and columns.",
+            "s",
+            quote_quantity(slow, "s", (*cells, field)),
+        )
+
+
+def _field_in_the_start(cells: Cells, motor: MotorDataRow) -> Iterator[Problem]:
+    """An open field has no resistor across it."""
+    if motor.field_circuit == FieldCircuit.OPEN and motor.discharge_resistance is not None:
+        value = motor.discharge_resistance
+        yield cells.wrong(
+            "Discharge resistance",
+            value,
+            "blank where Field circuit is open",
+            "Clear one of the two.",
+        )
+
+
+def _circuits(case: CaseData) -> Iterator[Problem]:
+    """Circuits, each of a motor of table MotorData."""
+    table = "MotorCircuit"
+    motors = {m.station for m in case.motor_data if m.station}
+    yield from check_names(table, "Station", [c.station for c in case.motor_circuit], "a motor")
+    for cells, circuit in each_row(table, case.motor_circuit):
+        if circuit.station is not None and circuit.station not in motors:
+            yield cells.wrong(
+                "Station",
+                circuit.station,
+                "a station of table MotorData",
+                "Give the motor a row there too, with its Apparent power: it is the base of per unit.",
+            )
+        yield from cells.numbers(circuit, CIRCUIT_NUMBERS)
+        for column in ("Rs", "Xl", "Xmd", "Xmq"):
+            if value_of(circuit, column) is None:
+                yield cells.blank(column, "a number", "Type it from the maker's circuit.")
+        yield from _windings(cells, circuit)
+
+
+def _windings(cells: Cells, circuit: MotorCircuitRow) -> Iterator[Problem]:
+    """A winding has a resistance and a leakage."""
+    for winding in ("f", "kd", "kq", "kd2", "kq2"):
+        pair = (f"R{winding}", f"Xl{winding}")
+        resistance, leakage = (value_of(circuit, column) for column in pair)
+        if (resistance is None) != (leakage is None):
+            missing, present = pair if resistance is None else pair[::-1]
+            yield cells.blank(
+                missing,
+                f"given where {present} is",
+                f"Type it, or clear {present} where there is no such winding.",
+            )

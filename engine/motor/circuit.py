@@ -1,0 +1,155 @@
+"""Two-axis circuit of a synchronous or induction motor, and how it follows from a data sheet.
+
+Each axis is the stator leakage, the magnetising reactance, and the windings of the rotor side by side. A
+data sheet lists what is seen from the terminals after more and more windings take part: Xd with none,
+Xd' with the field, Xd'' with the damper too. So the windings are found one after the other by one rule,
+and a motor without a field, or with one winding an axis, needs none of its own.
+
+Classical time constants: that of a winding is what it has while the windings before it carry current
+without resistance and those behind it are open: the relations of the Modelica Standard Library,
+Electrical.Machines.Utilities.SynchronousMachineData.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+
+class Winding(NamedTuple):
+    """One winding of the rotor, referred to the stator."""
+
+    resistance: float  #: [pu]
+    leakage: float  #: Leakage reactance. [pu]
+
+
+class Step(NamedTuple):
+    """What one more winding of an axis changes at the terminals."""
+
+    reactance: float  #: Reactance of the axis as soon as it takes part. [pu]
+    time_constant: float  #: Of the winding. [s]
+    short_circuit: bool = False  #: With the stator short-circuited, not open.
+
+
+@dataclass(frozen=True)
+class Circuit:
+    """Two-axis circuit."""
+
+    stator_resistance: float  #: [pu]
+    stator_leakage: float  #: [pu]
+    magnetising_d: float  #: Magnetising reactance of the axis of the poles. [pu]
+    magnetising_q: float  #: Of the axis between the poles. [pu]
+    field: Winding | None  #: Field winding; None where there is none, or where it is open.
+    dampers_d: tuple[Winding, ...]  #: Damper windings (cages) of the axis of the poles.
+    dampers_q: tuple[Winding, ...]  #: Of the axis between the poles.
+    common_leakage_d: float = 0.0  #: Leakage flux of field and dampers alone (Canay). [pu]
+
+
+def rotor_windings(
+    reactance: float, leakage: float, steps: Sequence[Step], line_omega: float
+) -> tuple[Winding, ...]:
+    """Windings of one axis from what each changes at the terminals.
+
+    Parameters
+    ----------
+    reactance : float
+        Synchronous reactance of the axis. [pu]
+    leakage : float
+        Stator leakage; below the reactance of every step. [pu]
+    steps : sequence of Step
+        One a winding, the slowest first: reactance falling. [pu, s]
+    line_omega : float
+        Angular frequency of the line. [rad/s]
+
+    Returns
+    -------
+    tuple of Winding
+        In the order of the steps. [pu]
+    """
+    windings = []
+    before = reactance
+    for after, time_constant, short_circuit in steps:
+        inner = before - leakage  # what the winding has in parallel
+        own = inner * (after - leakage) / (before - after)
+        open_time = time_constant * before / after if short_circuit else time_constant
+        windings.append(Winding((own + inner) / (line_omega * open_time), own))
+        before = after
+    return tuple(windings)
+
+
+def stator_resistance(
+    subtransient_d: float, subtransient_q: float, armature_time: float, line_omega: float
+) -> float:
+    """Stator resistance from the time constant of the direct current in the stator.
+
+    Parameters
+    ----------
+    subtransient_d, subtransient_q : float
+        Subtransient reactances. [pu]
+    armature_time : float
+        Ta, with the stator short-circuited. [s]
+    line_omega : float
+        Angular frequency of the line. [rad/s]
+
+    Returns
+    -------
+    float
+        Resistance of one phase. [pu]
+    """
+    return 2.0 / ((1.0 / subtransient_d + 1.0 / subtransient_q) * line_omega * armature_time)
+
+
+def starting_circuit(
+    circuit: Circuit, *, discharge: float = 0.0, is_open: bool = False, factor: float = 1.0
+) -> Circuit:
+    """The circuit while the motor starts.
+
+    Parameters
+    ----------
+    circuit : Circuit
+        The motor. [pu]
+    discharge : float
+        Resistance across the field winding, as a multiple of its own. [1]
+    is_open : bool
+        The field circuit is open. [flag]
+    factor : float
+        On the leakages of stator and dampers: large currents saturate the leakage paths. [1]
+
+    Returns
+    -------
+    Circuit
+        With the resistance in the field, and those leakages multiplied. [pu]
+    """
+
+    def saturated(windings: tuple[Winding, ...]) -> tuple[Winding, ...]:
+        return tuple(Winding(w.resistance, factor * w.leakage) for w in windings)
+
+    field = circuit.field
+    if field is not None:
+        closed = Winding((1.0 + discharge) * field.resistance, field.leakage)
+        field = None if is_open else closed
+    return replace(
+        circuit,
+        stator_leakage=factor * circuit.stator_leakage,
+        field=field,
+        dampers_d=saturated(circuit.dampers_d),
+        dampers_q=saturated(circuit.dampers_q),
+    )
+
+
+def line_omega(frequency: float) -> float:
+    """Angular frequency of the line.
+
+    Parameters
+    ----------
+    frequency : float
+        Line frequency. [Hz]
+
+    Returns
+    -------
+    float
+        [rad/s]
+    """
+    return 2.0 * math.pi * frequency

@@ -1,0 +1,322 @@
+"""Rows of `MotorData` and `MotorCircuit` → circuits in per unit, and torque curves in SI."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from engine.arrays import Floats
+from engine.case.choices import FieldCircuit
+from engine.case.data import CaseData, MotorCircuitRow, MotorDataRow
+from engine.errors import InternalError
+from engine.motor.circuit import (
+    Circuit,
+    Step,
+    Winding,
+    line_omega,
+    rotor_windings,
+    starting_circuit,
+    stator_resistance,
+)
+from engine.motor.curves import slip_curves
+from engine.numerics.same_bits import cos, sin
+from engine.numerics.torque_curve import TorqueCurve, curve_with_slopes
+
+#: A curve is wrong by at most this share of the largest average torque. [1]
+CURVE_ERROR = 1e-7
+#: First points, and how often their intervals may be halved: to a millionth of synchronous speed. [count]
+FIRST_POINTS, HALVINGS = 33, 15
+#: Half the distance over which slopes are taken: its square and its rounding are both below 1e-9. [1]
+NEARBY = 1e-5
+#: Slips of table `MotorCurves`: every per cent.
+SHOWN_SLIPS = np.linspace(1.0, 0.0, 101)
+
+
+@dataclass(frozen=True, eq=False)
+class MotorFromData:
+    """A motor whose curves follow from its data sheet."""
+
+    station: str  #: Where it acts.
+    synchronous_speed: float  #: Of its own station. [rad/s]
+    torque_base: float  #: 1 per unit of torque. [N m]
+    circuit: Circuit  #: From the data sheet. [pu]
+    starting: Circuit  #: As it starts: with the discharge resistor and the start factor. [pu]
+    #: Average torque, and the parts of the pulsation with sin 2δ and with cos 2δ, δ the load angle,
+    #: against the fraction of synchronous speed, at rated voltage. [N m]
+    curves: tuple[TorqueCurve, TorqueCurve, TorqueCurve]
+
+
+def torque_curves(
+    circuit: Circuit, torque_base: float
+) -> tuple[TorqueCurve, TorqueCurve, TorqueCurve]:
+    """Average torque and the two parts of the pulsating torque as curves against speed.
+
+    Intervals are halved until the curve meets the formula in their middle: where the torque falls to
+    zero, and about half speed where one of unequal axes with little stator resistance leaves a notch
+    (Görges).
+
+    Parameters
+    ----------
+    circuit : Circuit
+        The motor as it starts. [pu]
+    torque_base : float
+        1 per unit of torque. [N m]
+
+    Returns
+    -------
+    tuple of TorqueCurve
+        Average; pulsation with sin 2δ and with cos 2δ, where δ is the angle by which the rotor's axis q
+        lags the voltage: the load angle. [N m]
+    """
+    speed = np.linspace(0.0, 1.0, FIRST_POINTS)
+    torques, slopes = _torques(circuit, speed)
+    allowed = CURVE_ERROR * float(np.max(np.abs(torques[0])))
+    coarse = np.arange(FIRST_POINTS - 1)
+    for _ in range(HALVINGS):
+        middle = 0.5 * (speed[coarse] + speed[coarse + 1])
+        exact, slope = _torques(circuit, middle)
+        curves = [curve_with_slopes(speed, *of_one) for of_one in zip(torques, slopes, strict=True)]
+        error = [np.abs(curve(middle) - e) for curve, e in zip(curves, exact, strict=True)]
+        wrong = np.max(error, axis=0) > allowed
+        torques = np.insert(torques, coarse + 1, exact, axis=1)
+        slopes = np.insert(slopes, coarse + 1, slope, axis=1)
+        speed = np.insert(speed, coarse + 1, middle)
+        inserted = (coarse + np.arange(1, len(coarse) + 1))[wrong]
+        coarse = np.sort(np.concatenate([inserted - 1, inserted]))
+        if not len(coarse):
+            break
+    average, sine, cosine = (
+        curve_with_slopes(speed, torque_base * t, torque_base * of_t)
+        for t, of_t in zip(torques, slopes, strict=True)
+    )
+    return average, sine, cosine
+
+
+def _torques(circuit: Circuit, speed: Floats) -> tuple[Floats, Floats]:
+    """Average torque and the two parts of the pulsation, and their slopes. [pu] Shape (3, n)."""
+    n = len(speed)
+    slip = 1.0 - speed
+    curves = slip_curves(circuit, np.concatenate([slip, slip - NEARBY, slip + NEARBY]))
+    # Re(P e^{jχ}), the voltage by χ/2 ahead of axis d and so by χ/2 − 90° ahead of axis q
+    sine, cosine = curves.pulsating * sin(curves.phase), -curves.pulsating * cos(curves.phase)
+    torques = np.stack([curves.average, sine, cosine]).reshape(3, 3, n)
+    return torques[:, 0], (torques[:, 1] - torques[:, 2]) / (2.0 * NEARBY)
+
+
+def motors_from_data(case: CaseData) -> Iterator[MotorFromData]:
+    """Every motor with a data sheet, also one whose torque curve is typed.
+
+    Parameters
+    ----------
+    case : CaseData
+        Checked. [SI]
+
+    Yields
+    ------
+    MotorFromData
+        In the order of `MotorData`. [SI]
+    """
+    ratings, ratios = case.ratings, case.speed_ratios
+    circuits = {row.station: row for row in case.motor_circuit}
+    for row in case.motor_data:
+        assert ratings.synchronous_speed is not None
+        assert ratings.line_frequency is not None
+        yield _motor(
+            row,
+            circuits.get(row.station),
+            row.base_power(ratings.rated_power),
+            ratings.synchronous_speed * ratios[row.station],
+            ratings.line_frequency,
+        )
+
+
+def motor_curves(case: CaseData) -> list[dict[str, Any]]:
+    """Rows of table `MotorCurves`: every motor with a data sheet, at rated voltage.
+
+    Parameters
+    ----------
+    case : CaseData
+        Checked. [SI]
+
+    Returns
+    -------
+    list of dict
+        By JSON key, from rest to synchronous speed. [SI]
+    """
+    rows = []
+    for motor in motors_from_data(case):
+        curves = slip_curves(motor.starting, SHOWN_SLIPS)
+        columns = {
+            "slip": SHOWN_SLIPS,
+            "speed": (1.0 - SHOWN_SLIPS) * motor.synchronous_speed,
+            "average": motor.torque_base * curves.average,
+            "pulsating": motor.torque_base * curves.pulsating,
+            "phase": curves.phase,
+            "current": curves.current,
+            "power_factor": curves.power_factor,
+        }
+        values = zip(*(column.tolist() for column in columns.values()), strict=True)
+        rows += [
+            {"station": motor.station} | dict(zip(columns, row, strict=True)) for row in values
+        ]
+    return rows
+
+
+def motors_without_curve(case: CaseData) -> dict[str, MotorFromData]:
+    """Motors of which the start uses the calculated curves: no curve of theirs is typed.
+
+    Parameters
+    ----------
+    case : CaseData
+        Checked. [SI]
+
+    Returns
+    -------
+    dict of str to MotorFromData
+        By station. [SI]
+    """
+    typed = {point.station for point in case.motor_torque}
+    return {m.station: m for m in motors_from_data(case) if m.station not in typed}
+
+
+@lru_cache(maxsize=16)  # a study calculates the curves of its motors once
+def _motor(
+    row: MotorDataRow,
+    circuit_row: MotorCircuitRow | None,
+    base_power: float | None,
+    synchronous_speed: float,
+    line_frequency: float,
+) -> MotorFromData:
+    if base_power is None:
+        raise InternalError(f"motor '{row.station}' without apparent power was not refused")
+    circuit = circuit_of(row, circuit_row, line_frequency)
+    starting = as_it_starts(circuit, row)
+    torque_base = base_power / synchronous_speed
+    curves = torque_curves(starting, torque_base)
+    return MotorFromData(
+        str(row.station), synchronous_speed, torque_base, circuit, starting, curves
+    )
+
+
+def circuit_of(
+    row: MotorDataRow, circuit_row: MotorCircuitRow | None, line_frequency: float
+) -> Circuit:
+    """The circuit of a motor as its data sheet or its maker's circuit states it.
+
+    Parameters
+    ----------
+    row : MotorDataRow
+        The data sheet, checked. [pu, s]
+    circuit_row : MotorCircuitRow or None
+        The maker's circuit, which stands in place of reactances and time constants. [pu]
+    line_frequency : float
+        Line frequency. [Hz]
+
+    Returns
+    -------
+    Circuit
+        Without discharge resistor and start factor. [pu]
+    """
+    if circuit_row is not None:
+        return _typed_circuit(circuit_row)
+    omega = line_omega(line_frequency)
+    short = row.td_subtransient is not None
+    transient, subtransient, across = (
+        (row.td_transient, row.td_subtransient, row.tq_subtransient)
+        if short
+        else (row.td_0_transient, row.td_0_subtransient, row.tq_0_subtransient)
+    )
+    sheet = (row.xd, row.xq, row.xl, row.xd_subtransient, row.xq_subtransient, subtransient, across)
+    xd, xq, xl, xd2, xq2, td2, tq2 = (_given(value) for value in sheet)
+    steps = [Step(xd2, td2, short)]
+    has_field = row.xd_transient is not None
+    if has_field:
+        steps.insert(0, Step(_given(row.xd_transient), _given(transient), short))
+    of_d = rotor_windings(xd, xl, steps, omega)
+    of_q = rotor_windings(xq, xl, [Step(xq2, tq2, short)], omega)
+    resistance = (
+        row.ra if row.ra is not None else stator_resistance(xd2, xq2, _given(row.ta), omega)
+    )
+    return Circuit(
+        resistance, xl, xd - xl, xq - xl, of_d[0] if has_field else None, of_d[has_field:], of_q
+    )
+
+
+def _typed_circuit(row: MotorCircuitRow) -> Circuit:
+    def windings(*pairs: tuple[float | None, float | None]) -> tuple[Winding, ...]:
+        return tuple(Winding(r, _given(x)) for r, x in pairs if r is not None)
+
+    field = windings((row.rf, row.xlf))
+    return Circuit(
+        _given(row.rs),
+        _given(row.xl),
+        _given(row.xmd),
+        _given(row.xmq),
+        field[0] if field else None,
+        windings((row.rkd, row.xlkd), (row.rkd_2, row.xlkd_2)),
+        windings((row.rkq, row.xlkq), (row.rkq_2, row.xlkq_2)),
+        row.xc or 0.0,
+    )
+
+
+def row_of_circuit(station: str | None, circuit: Circuit) -> MotorCircuitRow:
+    """A circuit as a row of table `MotorCircuit`.
+
+    Parameters
+    ----------
+    station : str or None
+        Where the motor acts. [name]
+    circuit : Circuit
+        With at most two dampers in each axis. [pu]
+
+    Returns
+    -------
+    MotorCircuitRow
+        What it consists of; blank where there is no such winding. [pu]
+    """
+    windings = {} if circuit.field is None else {"f": circuit.field}
+    for axis, dampers in (("kd", circuit.dampers_d), ("kq", circuit.dampers_q)):
+        windings |= zip((axis, f"{axis}_2"), dampers, strict=False)
+    return MotorCircuitRow(
+        station,
+        circuit.stator_resistance,
+        circuit.stator_leakage,
+        circuit.magnetising_d,
+        circuit.magnetising_q,
+        xc=circuit.common_leakage_d or None,
+        **{f"r{name}": winding.resistance for name, winding in windings.items()},
+        **{f"xl{name}": winding.leakage for name, winding in windings.items()},
+    )
+
+
+def _given(value: float | None) -> float:
+    if value is None:
+        raise InternalError("a data sheet with a blank was not refused")
+    return value
+
+
+def as_it_starts(circuit: Circuit, row: MotorDataRow) -> Circuit:
+    """The circuit in the start, as its row of `MotorData` says.
+
+    Parameters
+    ----------
+    circuit : Circuit
+        The motor. [pu]
+    row : MotorDataRow
+        Field circuit, discharge resistance and start factor. [1]
+
+    Returns
+    -------
+    Circuit
+        [pu]
+    """
+    return starting_circuit(
+        circuit,
+        discharge=row.discharge_resistance or 0.0,
+        is_open=row.field_circuit == FieldCircuit.OPEN,
+        factor=1.0 if row.start_factor is None else row.start_factor,
+    )

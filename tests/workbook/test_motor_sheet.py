@@ -1,0 +1,164 @@
+"""Sheet Motor: data sheets are read, curves are written, and the start uses them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import openpyxl
+import pytest
+from made_up_run import STAMP
+
+from addin.calculation.calculation import calculate
+from addin.contract.input_copy import copy_name
+from addin.reading.workbook import read_workbook
+from addin.template import build as template
+from addin.template.examples import EXAMPLES
+from addin.verify.file import verify_file
+from addin.writing.recalculate import recalculate
+from addin.writing.workbook import write_results
+from addin.xlsx import open_workbook
+from engine.case.data import case_digest
+from engine.motor.curves import slip_curves
+from engine.motor.from_case import motors_from_data
+from tests.opened import rows_of
+
+MOTOR = {
+    "Station": "Motor", "Apparent power": 12000.0, "Voltage": 13200.0, "Xd": 1.3, "Xq": 0.9,
+    "Xd transient": 0.35, "Xd subtransient": 0.22, "Xq subtransient": 0.26, "Xl": 0.12, "Td0 transient": 3.0,
+    "Td0 subtransient": 35.0, "Tq0 subtransient": 0.12, "Ta": 0.05, "Discharge resistance": 9.0,
+}  # fmt: skip
+IN_MS = {("MotorData", "Td0 subtransient"): "ms"}
+
+
+def built(path: Path, motor=MOTOR, units=IN_MS, typed: bool = True) -> Path:
+    """The proposed example with the data sheet of its motor, and its typed curve or none."""
+    example = EXAMPLES["proposed"]
+    tables = {**example.tables, "MotorData": [motor]}
+    if not typed:
+        tables["MotorTorque"] = []
+    example = replace(example, tables=tables, units={**example.units, **units})
+    return template.build_template(path, "us", example)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("motor")
+
+
+@pytest.fixture(scope="module")
+def written(folder: Path) -> Path:
+    source = built(folder / "data.xlsx", typed=False)
+    recalculate(source, destination=folder / "out.xlsx")
+    return folder / "out.xlsx"
+
+
+def test_the_table_holds_the_curves(written: Path) -> None:
+    rows = rows_of(written, "MotorCurves")
+    motor = next(motors_from_data(read_workbook(written).case()))
+    curves = slip_curves(motor.starting, np.linspace(1.0, 0.0, 101))
+    lbf_ft = 1.3558179483314004
+    assert len(rows) == 101
+    for column, values in (
+        ("Average", motor.torque_base * curves.average / lbf_ft),
+        ("Pulsating", motor.torque_base * curves.pulsating / lbf_ft),
+        ("Phase", np.degrees(curves.phase)),
+        ("Current", curves.current),
+        ("Power factor", curves.power_factor),
+        ("Speed", (1.0 - curves.slip) * 1800.0),
+    ):
+        found = [row[column] for row in rows]
+        assert found == pytest.approx(values.tolist(), rel=1e-9, abs=1e-9), column
+    assert motor.torque_base == pytest.approx(12e6 / (60.0 * np.pi), rel=1e-12)
+
+
+def test_the_start_uses_them(written: Path) -> None:
+    """The average torque at a crossing is that of the curve there."""
+    motor = next(motors_from_data(read_workbook(written).case()))
+    first = rows_of(written, "StartupCrossings")[0]
+    at = slip_curves(motor.starting, np.array([1.0 - first["Percent speed"] / 100.0]))
+    average = motor.torque_base * at.average[0] / 1.3558179483314004
+    assert first["Average torque"] == pytest.approx(
+        average, rel=1e-3
+    )  # read off the grid of the run-up
+    torques = [row for row in rows_of(written, "ChartTorque") if row["Speed"] is not None]
+    assert len(torques) > 101
+    drawn = [row for row in rows_of(written, "ChartMotor") if row["Speed"] is not None]
+    assert len(drawn) == 101
+    assert all(row["Typed average"] is None for row in drawn)
+
+
+def test_the_results_follow_from_the_inputs(written: Path) -> None:
+    assert not [finding for finding in verify_file(written).findings if finding.fails]
+
+
+def test_typed_curves_win_with_a_note(folder: Path) -> None:
+    source = built(folder / "both.xlsx")
+    run = calculate(read_workbook(source).case())
+    plain = calculate(
+        read_workbook(template.build_template(folder / "plain.xlsx", "us", "proposed")).case()
+    )
+    assert run.results.start.peaks == plain.results.start.peaks
+    notes = [
+        note
+        for note in run.results.warnings
+        if note.startswith("'Motor' has a torque curve and a data sheet")
+    ]
+    assert len(notes) == 1
+    assert not [note for note in plain.results.warnings if "data sheet" in note]
+
+
+def test_ohm_and_per_unit_have_one_digest(folder: Path) -> None:
+    base = 13200.0**2 / 12e6
+    reactances = [name for name in MOTOR if name.startswith("X")]
+    in_ohm = MOTOR | {name: MOTOR[name] * base for name in reactances}
+    units = IN_MS | {("MotorData", name): "ohm" for name in reactances}
+    cases = [
+        read_workbook(built(folder / f"{k}.xlsx", *motor)).case()
+        for k, motor in enumerate(((MOTOR, IN_MS), (in_ohm, units)))
+    ]
+    assert case_digest(cases[0]) == case_digest(cases[1])
+
+
+def test_problems_name_the_cell(folder: Path) -> None:
+    wrong = MOTOR | {"Xl": 0.23}
+    (problem,) = read_workbook(built(folder / "wrong.xlsx", wrong)).problems
+    assert (problem.sheet, problem.table, problem.row, problem.column) == (
+        "Motor",
+        "MotorData",
+        1,
+        "Xl",
+    )
+    assert problem.message.endswith("in the right columns.")
+    in_ohm = {name: value for name, value in MOTOR.items() if name != "Voltage"}
+    units = IN_MS | {("MotorData", "Xd"): "ohm"}
+    (problem,) = read_workbook(built(folder / "ohm.xlsx", in_ohm, units)).problems
+    assert (
+        "it is in ohm, but the rated voltage or apparent power of the motor is unknown"
+        in problem.message
+    )
+
+
+def test_a_workbook_of_an_earlier_version_lacks_the_sheet(folder: Path) -> None:
+    """It is read and written as before, its copy of the inputs too."""
+    book = openpyxl.load_workbook(template.build_template(folder / "new.xlsx", "us", "proposed"))
+    del book["Motor"]
+    for sheet in book:
+        for name in [
+            name for name in sheet.tables if "Motor" in name and "MotorTorque" not in name
+        ]:
+            del sheet.tables[name]
+    book.save(folder / "old.xlsx")
+    read = read_workbook(folder / "old.xlsx")
+    assert read.problems == ()
+    assert read.data.motor_data == ()
+    report = write_results(
+        folder / "old.xlsx", folder / "done.xlsx", calculate(read.case()).view, STAMP
+    )
+    assert not report.notes
+    tables = open_workbook(folder / "done.xlsx").tables
+    assert not [
+        name for name in tables if name in ("MotorCurves", "ChartMotor", copy_name("MotorData"))
+    ]
+    assert tables[copy_name("Stations")].data.height > 10
