@@ -11,6 +11,7 @@ import pytest
 from typer.testing import CliRunner
 
 from addin.cli.app import app
+from addin.contract.input_tables import INPUT_TABLES
 from addin.reading.case_json import case_to_json
 from addin.verify.file import verify_file
 from addin.verify.structure import missing_tables
@@ -106,10 +107,10 @@ def test_events_that_are_cleared_leave_no_rows(calculated: Path, tmp_path: Path)
 
 
 def test_a_lost_result_table_is_missed(tmp_path: Path) -> None:
-    """Only a workbook of an earlier version, which has no EventTorque either, may lack it."""
+    """Only a workbook of an earlier version, which has none of the later input tables either, may lack it."""
     made = SmallWorkbook()
     of_today = open_workbook(made.save(tmp_path / "today.xlsx"))
-    made.without.add("EventTorque")
+    made.without.update(spec.name for spec in INPUT_TABLES if spec.later)
     earlier = open_workbook(made.save(tmp_path / "earlier.xlsx"))
     assert "EventPeaks" in {f.table for f in missing_tables(of_today)}
     assert "EventPeaks" not in {f.table for f in missing_tables(earlier)}

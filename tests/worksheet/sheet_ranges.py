@@ -74,9 +74,10 @@ def model_arguments(name="example_proposed"):
 
 def with_event(arguments):
     """The same with a fault of the motor in table EventTorque."""
-    *before, block = arguments
-    assert TABLES[-1] == "EventTorque"
-    return [*before, [*block[:2], ["Fault", "Motor", -0.2, 1.0, 90.0, 0.1], *block[3:]]]
+    at = 1 + TABLES.index("EventTorque")  # sheet Case stands among them
+    block = arguments[at]
+    filled = [*block[:2], ["Fault", "Motor", -0.2, 1.0, 90.0, 0.1], *block[3:]]
+    return [*arguments[:at], filled, *arguments[at + 1 :]]
 
 
 def replace_models(monkeypatch: Any, models: Any) -> None:
