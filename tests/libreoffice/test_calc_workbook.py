@@ -8,7 +8,7 @@ import struct
 
 import pytest
 from flat_sheets import Formula, write_sheets
-from sheet_ranges import CATALOGUE, MOTOR, SCATTER, TUNING, model_arguments
+from sheet_ranges import CATALOGUE, MOTOR, SCATTER, TUNING, model_arguments, with_event
 from xls_cells import read_cells
 
 from addin.libreoffice.names import programmatic_name
@@ -40,6 +40,7 @@ CALLS = {
     "TV_TOLERANCES": [('[.AD9:.AF11];"margins";30', [SCATTER, "margins", 30.0])],
     "TV_SENSITIVITIES": [("", [])],
     "TV_EFFECTS": [("", [])],
+    "TV_EVENTS": [("", [])],
 }
 #: The others: formula after the name, and what the registry gets.
 ALONE = {
@@ -102,7 +103,7 @@ def every_call(handle):
 @pytest.fixture(scope="module")
 def expected():
     """Top-left cell on sheet Results → rows of the registry, with the formula."""
-    handle = call("TV_MODEL", model_arguments())[0][0]
+    handle = call("TV_MODEL", with_event(model_arguments()))[0][0]
     found, top = {}, 2
     for name, formula, raw in every_call(handle):
         rows = call(name, raw)
@@ -115,7 +116,7 @@ def expected():
 def calculated(calc, expected, tmp_path_factory):
     """The cells of the workbook as LibreOffice calculated it."""
     folder = tmp_path_factory.mktemp("workbook")
-    inputs, places = laid_out(model_arguments())
+    inputs, places = laid_out(with_event(model_arguments()))
     broken = [[list(row) for row in block] for block in model_arguments()[:2]]
     column = broken[0][1].index("Inertia")
     broken[0][2][column] = None
@@ -151,7 +152,7 @@ def bits(value):
 
 def test_every_function_is_in_the_workbook(expected):
     written = {formula.split("(")[0] for formula, _ in expected[1].values()}
-    assert written | {"TV_MODEL", "TV_EVENTS"} == set(FUNCTIONS)  # the example has no event
+    assert written | {"TV_MODEL"} == set(FUNCTIONS)
 
 
 def test_every_cell_is_that_of_the_registry_bit_for_bit(expected, calculated):

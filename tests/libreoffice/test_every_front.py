@@ -12,7 +12,7 @@ import openpyxl
 import pytest
 from office_page import cell, launched, load_in_office
 from servers import inside, outside
-from sheet_ranges import SAME_CELLS, TEMPLATES, model_arguments, table
+from sheet_ranges import SAME_CELLS, TEMPLATES, model_arguments, table, with_event
 from test_calc_workbook import calculated, every_call, expected  # noqa: F401  (fixtures)
 from windows_layer import machinery
 
@@ -47,12 +47,12 @@ def comparable(name, rows):
 
 def through_classic(calls):
     with machinery() as excel:
-        made = excel.call("TV_MODEL", *model_arguments())
+        made = excel.call("TV_MODEL", *with_event(model_arguments()))
         return made, [excel.call(name, *raw) for name, raw in calls]
 
 
 def through_http(calls):
-    wanted = [{"name": "TV_MODEL", "arguments": model_arguments()}]
+    wanted = [{"name": "TV_MODEL", "arguments": with_event(model_arguments())}]
     wanted += [{"name": name, "arguments": raw} for name, raw in calls]
     with inside(Settings(workers=1)) as client:
         made = client.post("/api/v1/batch", json={"calls": wanted[:1]}).json()["results"]
@@ -67,7 +67,7 @@ def through_browser(calls):
         browser = launched(playwright)
         page = browser.new_page(base_url=address)
         load_in_office(page)
-        made = cell(page, "TV_MODEL", model_arguments())["value"][0][0]
+        made = cell(page, "TV_MODEL", with_event(model_arguments()))["value"][0][0]
         found = made, [cell(page, name, raw)["value"] for name, raw in calls]
         browser.close()
     return found
@@ -95,8 +95,9 @@ def test_every_function_shows_the_same_bits_through_every_front(
         assert comparable(name, theirs) == comparable(name, mine), ("Calc", name)
     recalculate(TEMPLATES / "example_proposed.xlsx", destination=tmp_path / "done.xlsx")
     book = openpyxl.load_workbook(tmp_path / "done.xlsx", data_only=True)
+    as_shipped = call("TV_MODEL", model_arguments())[0][0]
     for name, where in SAME_CELLS.items():
-        head, *rows = call(name, [handle])
+        head, *rows = call(name, [as_shipped])
         there = table(book, where)
         at = [there[1].index(title.split(" [")[0]) for title in head]
         for mine, row in zip(rows, there[2:], strict=False):

@@ -41,7 +41,7 @@ FULL_SPEEDS = tuple(60.0 * math.pi * 0.1 * (k + 1) for k in range(ROWS))
 SHARES = {
     ("torque", "pu"): 58400.0, ("torque", "%"): 584.0, ("excitation torque", "pu"): 58400.0,
     ("running speed", "%"): 0.6 * math.pi, ("ratio", "1"): 1.0, ("ratio", "%"): 0.01,
-    ("fraction", "1"): 1.0, ("fraction", "%"): 0.01,
+    ("fraction", "1"): 1.0, ("fraction", "%"): 0.01, ("ratio", "pu"): 1.0, ("fraction", "pu"): 1.0,
 }  # fmt: skip
 _PINT = pint.UnitRegistry()
 
@@ -175,9 +175,8 @@ def test_a_unit_exchanged_with_its_values_is_no_change(calculated: Path, calc: A
         if not one.unit:
             continue
         dimension = one.field.dimension
-        is_share = (
-            dimension == "excitation torque"
-        )  # of the torque transmitted: known to a calculation only
+        # of the torque transmitted, or of the base of a motor: known to a calculation only
+        is_share = dimension in ("excitation torque", "per unit")
         then = None if is_share else in_si(dimension, one.shown_unit)
         for unit in dict.fromkeys(
             [*one.field.units, "1" if dimension == "ratio" else one.shown_unit]
