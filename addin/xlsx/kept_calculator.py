@@ -68,6 +68,11 @@ class KeptCalculator:
 
         self._homes = [cell.place for cell in formulas.cells]
         self._settings = _settings(workbook)
+        self._headers = {
+            (table.sheet, Rect(row, table.ref.left, row, table.ref.right)): list(table.columns)
+            for table in formulas.tables
+            if (row := table.header_row) is not None
+        }
         self._values: dict[tuple[str, Rect], list[Constant]] = {
             run: [] for run in _runs(formulas, set(self._homes))
         }
@@ -96,7 +101,11 @@ class KeptCalculator:
         workbook : WorkbookState
             A workbook with the same formulas.
         """
-        if _settings(workbook) != self._settings:
+        # a whole file with a header in a cell that is not that of its table stops the calculator
+        if _settings(workbook) != self._settings or any(
+            workbook.sheet_part(sheet).constants(rect) != names
+            for (sheet, rect), names in self._headers.items()
+        ):
             return None
         for (sheet, rect), before in self._values.items():
             values = workbook.sheet_part(sheet).constants(rect)
