@@ -31,7 +31,7 @@ from engine.model.modal_train import ModalTrain
 from engine.model.train import Train
 from engine.numerics.distinct import distinct
 from engine.numerics.same_bits import hypot, log, modulus
-from engine.start.decaying_harmonics import DecayingHarmonic, Tones, harmonic_response
+from engine.start.decaying_harmonics import DecayingHarmonic, Tones, decaying_response
 from engine.start.pieces import COMPARED_AT, pieces_errors, refined, with_pieces_error
 from engine.start.prescribed import (
     Drive,
@@ -272,7 +272,7 @@ def harmonic_drive(modal: ModalTrain, tones: Tones) -> Drive:
     gain = 1.0 / np.maximum(apart, 1.0 / LARGEST_GAIN)
 
     def respond(end: float, count: int, kept: np.ndarray) -> TimeResponse:
-        return harmonic_response(
+        return decaying_response(
             train, modes, tones, end, count, damping_ratio=damping.structural, kept=kept
         )
 

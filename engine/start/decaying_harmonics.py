@@ -106,7 +106,7 @@ def _generator(exponent: Complexes) -> Floats:
     return np.block([[decay, -omega], [omega, decay]])
 
 
-def harmonic_response(
+def decaying_response(
     train: Train,
     modes: Modes,
     tones: Tones,

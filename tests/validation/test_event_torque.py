@@ -28,7 +28,7 @@ from engine.case.data import (
     TorqueTimeRow,
 )
 from engine.model.modal_analysis import analyse
-from engine.start.decaying_harmonics import DecayingHarmonic, Tones, harmonic_response
+from engine.start.decaying_harmonics import DecayingHarmonic, Tones, decaying_response
 from engine.start.pieces import analysis_for_start
 from engine.start.start import Start
 from tests.trains import prepared
@@ -96,7 +96,7 @@ CASES = {
 def test_two_discs_against_the_closed_form(name: str) -> None:
     ratio, term = CASES[name]
     train, modes, damping = prepared(two_discs(ratio))
-    r = harmonic_response(
+    r = decaying_response(
         train, modes, Tones.of([term]), 2.0, 4001, damping_ratio=damping.structural
     )
     exact = closed_form(term, ratio, r.time)
@@ -108,7 +108,7 @@ def test_the_step_does_not_matter() -> None:
     ratio, term = CASES["line frequency"]
     train, modes, damping = prepared(two_discs(ratio))
     fine, coarse = (
-        harmonic_response(train, modes, Tones.of([term]), 1.0, n, damping_ratio=damping.structural)
+        decaying_response(train, modes, Tones.of([term]), 1.0, n, damping_ratio=damping.structural)
         for n in (5000, 50)
     )
     scale = np.max(np.abs(fine.torque))
