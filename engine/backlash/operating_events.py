@@ -42,7 +42,7 @@ from engine.start.prescribed import (
 from engine.start.start import Start, with_left_out
 from engine.start.start_fatigue import starts_of
 from engine.start.start_model import FADED
-from engine.start.time_response import TimeResponse, tabled_torques
+from engine.start.time_response import PrescribedTorque, TimeResponse, tabled_torques
 
 #: Largest amplification of a mode when its share of a torque is estimated; no damping is less. [1]
 LARGEST_GAIN = 1e3
@@ -211,24 +211,30 @@ def _with_clearances(case: CaseData, modal: ModalTrain, name: str, linear: Start
     )
     transmitted = transmitted_torque(case, train)
     net = transmitted.motor - transmitted.load
-    rows = [row for row in case.event_torque if row.event == name]
-    torques = EventTorques(
-        [] if rows else tabled_torques(case.torque_time, train),
-        [_term(case, train, row) for row in rows],
-        [(i, float(net[i])) for i in np.flatnonzero(net).tolist()],
-    )
-    return run_event_start(case, modal, effects, linear, torques)
+    before = [(i, float(net[i])) for i in np.flatnonzero(net).tolist()]
+    event = EventTorques(*_torques(case, train, name), before)
+    return run_event_start(case, modal, effects, linear, event)
 
 
 # --- torques ----------------------------------------------------------------------------------------
 
 
+def _rows(case: CaseData, name: str) -> list[EventTorqueRow]:
+    """Terms of an event; none of the one that is table `TorqueTime`."""
+    return [row for row in case.event_torque if row.event == name]
+
+
+def _torques(
+    case: CaseData, train: Train, name: str
+) -> tuple[list[PrescribedTorque], list[DecayingHarmonic]]:
+    """Torques of an event: those of a table, or decaying harmonics."""
+    terms = [_term(case, train, row) for row in _rows(case, name)]
+    return [] if terms else tabled_torques(case.torque_time, train), terms
+
+
 def _drive(case: CaseData, modal: ModalTrain, name: str) -> Drive:
-    rows = [row for row in case.event_torque if row.event == name]
-    if not rows:
-        return tabled_drive(modal, tabled_torques(case.torque_time, modal.train))
-    terms = [_term(case, modal.train, row) for row in rows]
-    return harmonic_drive(modal, Tones.of(terms))
+    tabled, terms = _torques(case, modal.train, name)
+    return harmonic_drive(modal, Tones.of(terms)) if terms else tabled_drive(modal, tabled)
 
 
 def _term(case: CaseData, train: Train, row: EventTorqueRow) -> DecayingHarmonic:
@@ -294,7 +300,7 @@ def _length(case: CaseData, modal: ModalTrain, name: str, tolerance: float) -> t
     All that decays, torques and modes, has faded to a share `FADED` of the tolerance by then. Torques that do not
     decay go on: the longest beat between them is added.
     """
-    rows = [row for row in case.event_torque if row.event == name]
+    rows = _rows(case, name)
     begins = 0.0 if rows else max(float(row.time or 0.0) for row in case.torque_time)
     rates = [
         (1.0 / r.time_constant, "a torque that decays slowly") for r in rows if r.time_constant
