@@ -76,8 +76,6 @@ REPEATED_WORK, FEWEST_NUDGES = 50_000_000, 20
 TRUTH_WORK = 120_000_000
 #: The truth is asked for at this share of the tolerance.
 FINER = 0.01
-#: Where the step of the truth is none the finer for it, at a tenth of that, so often at the most.
-MOST_TRUTHS = 4
 #: Effects that are forced on for the truth, where a train has their data.
 ALL_EFFECTS = ("bearings", "coupled damping", "fast modes", "breaker closing", "backlash")
 #: What an earlier record gives to a later one of the same train.
@@ -132,13 +130,16 @@ def record_of(number: int, nudges: int = SENSITIVE_NUDGES, earlier: Record | Non
 def _truth(finer: Case, asked: Results) -> Record:
     """The answers with every effect on, asked for more finely until their step is finer than that of the answer."""
     assert asked.start is not None
-    for _ in range(MOST_TRUTHS):
+    while True:
         began = time.perf_counter()
         truth = _answers(run(_with(finer, ALL_EFFECTS)), time.perf_counter() - began)
-        if truth["stopped"] or truth["step"] <= NO_FINER * asked.start.step:
-            break
-        finer = _finer(finer, 0.1)
-    return truth
+        before, finer = finer, _finer(finer, 0.1)
+        if (
+            truth["stopped"]
+            or truth["step"] <= NO_FINER * asked.start.step
+            or finer.tolerance_peak == before.tolerance_peak
+        ):
+            return truth
 
 
 def _finer(case: Case, share: float) -> Case:
