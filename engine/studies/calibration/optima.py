@@ -348,7 +348,9 @@ def _optima(target: _Target, rows: Sequence[Reading], solution: Solution) -> tup
         z, value = np.concatenate([z, more]), np.concatenate([value, more_value])
         modes = np.concatenate([modes, other[changed]])
     misfit = np.sum(value**2, axis=1)
-    near = np.flatnonzero(misfit < np.min(misfit) + 2.0 * IMPROBABLE_MISFIT)
+    close = misfit < np.min(misfit) + 2.0 * IMPROBABLE_MISFIT
+    close[0] = True  # the first one stays: its modes were followed step by step
+    near = np.flatnonzero(close)
     z, value, modes = _least(target, z[near], modes[near], LONG_SEARCH)
     misfit, jacobian = np.sum(value**2, axis=1), target.at(z, modes)[1]
     found: list[Optimum] = []
@@ -361,17 +363,15 @@ def _optima(target: _Target, rows: Sequence[Reading], solution: Solution) -> tup
             continue  # no optimum, but the kink where two modes meet
         same = (o for o in found if o.mode == mode)
         known = any(np.linalg.norm(J @ (o.z - z[i])) < SAME for o in same)
-        if not known and _as_stated(target, rows, mode, z[i], solution.z):
+        if not known and (near[i] == 0 or _as_stated(target, rows, mode, z[i])):
             found.append(Optimum(z[i], mode, float(misfit[i])))
     return tuple(found)
 
 
-def _as_stated(
-    target: _Target, rows: Sequence[Reading], mode: Sequence[int], z: Floats, first: Floats
-) -> bool:
-    """Whether stated modes are the measured ones: by number, by shape, or as in the first solution."""
+def _as_stated(target: _Target, rows: Sequence[Reading], mode: Sequence[int], z: Floats) -> bool:
+    """Whether stated modes are the measured ones, by number or by shape."""
     stated = [(a, r.mode) for a, r in enumerate(rows) if r.mode is not None]
-    if all(mode[a] == m for a, m in stated) or np.array_equal(z, first):
+    if all(mode[a] == m for a, m in stated):
         return True
     state = target.model.at(z)
     order = match_modes_by_mac(target.model.base.vectors, state.vectors)
