@@ -264,7 +264,7 @@ def _with_all_effects(
         return None, None
     lateral = plan.lateral or "bearings" in names
     model = (analysis.coupled if lateral else None) or analysis.torsional
-    full = calculate_start(case, model, effects_with(plan, evidence, names), None)
+    full = run_event_start(case, model, effects_with(plan, evidence, names))
     return full, change_of_peaks(start.peaks, full.peaks)
 
 

@@ -23,6 +23,7 @@ from engine.plan.evidence import (
 )
 from engine.plan.plan import first_plan, revised_plan, with_times
 from engine.run import PlannedStart, planned_start, run
+from engine.start.peaks import change_of_peaks
 from tests.random_effects import with_bearings, with_dampers, with_judged_shafts
 from tests.random_starts import random_start
 from tests.sample_case import sample_case
@@ -360,6 +361,19 @@ def test_the_field_is_applied_where_the_rigid_train_comes_to_its_slip():
     assert (d.on, d.bound) == (False, 0.0)
     assert d.deciding_number > 0.5
     assert "which is not reached" in d.why
+
+
+def test_what_is_left_out_of_a_start_with_events_is_measured_on_one_with_events():
+    """The start with every effect was one without field: it ended at the slip where the field comes."""
+    shock = {"shock_amplitude": 1e-5, "shock_time_constant": 0.05}
+    case = geared(field_slip=0.05, pull_out_torque=1.5 * RATED, **shock)
+    found, with_shock = planned(case), planned(chosen(case, breaker_closing="on"))
+    assert found.plan.decision("breaker closing").on is False
+    change = change_of_peaks(found.start.peaks, with_shock.start.peaks)
+    assert change > 0.0
+    assert found.plan.decision("breaker closing").bound == pytest.approx(change, rel=1e-3)
+    assert found.full is not None
+    assert found.full.pull_in is not None
 
 
 def test_a_trip_speed_on_the_way_aborts_the_start():
