@@ -17,7 +17,7 @@ from addin.contract.shipped import template_path
 from addin.excel.errors import ExcelError
 from addin.excel.workbook import install
 from addin.template.build import build_template
-from addin.template.examples import Example
+from addin.template.examples import EXAMPLES, Example
 from addin.template.filled import MixedUnits, example_of
 from addin.template.variants import VARIANTS, Variant
 
@@ -29,8 +29,9 @@ def new(
         str | None,
         typer.Option(
             help="A filled example instead of a blank template: proposed or modified (the two "
-            "designs of the paper, Szenasi & von Nimitz 1978), or backlash (proposed, with gear "
-            "clearance, bearings and pull-in)."
+            "designs of the paper, Szenasi & von Nimitz 1978), backlash (proposed, with gear "
+            "clearance, bearings and pull-in), or motor (modified, with the motor's data sheet "
+            "instead of torque curves, and a short circuit)."
         ),
     ] = None,
     variant: Annotated[
@@ -67,7 +68,7 @@ def new(
     `torsionbook new more.xlsx --from train.xlsx --studies`
     """
     if example is not None:
-        check_choice("--example", example, ("proposed", "modified", "backlash"))
+        check_choice("--example", example, tuple(EXAMPLES))
     check_choice("--units", units, ("us", "si"))
     if variant is None:
         variant = "excel" if file.suffix.lower() == ".xlsm" else "files"

@@ -42,6 +42,7 @@ TEMPLATES: Mapping[str, tuple[str, str | None]] = {
     "example_proposed.xlsx": ("us", "proposed"),
     "example_modified.xlsx": ("us", "modified"),
     "example_backlash.xlsx": ("us", "backlash"),
+    "example_motor.xlsx": ("us", "motor"),
 }
 
 #: The same with the sheets of the studies filled.
