@@ -114,7 +114,7 @@ def study_inputs_of(
     return replace(inputs, units=units), tuple(reading.findings.problems)
 
 
-def motors_of(
+def case_of_motors(
     data: Block, circuit: Block | None, line_frequency: float | None
 ) -> tuple[CaseData, list[CellProblem]]:
     """Read data sheets of motors from ranges, without a train; per unit needs no apparent power then.

@@ -9,7 +9,7 @@ import numpy as np
 
 from addin.contract.tables import input_table
 from addin.worksheet.answers import Rows
-from addin.worksheet.blocks import motors_of, problems_in_words
+from addin.worksheet.blocks import case_of_motors, problems_in_words
 from addin.worksheet.registry import Argument, Block, FunctionError, registered
 from engine.motor.circuit import Circuit
 from engine.motor.curves import slip_curves
@@ -41,7 +41,7 @@ def _motors(
     data: Block, frequency: float | None, circuit: Block | None
 ) -> list[tuple[str, Circuit, Circuit]]:
     """Station of each motor, its circuit, and the one with which it starts."""
-    case, problems = motors_of(data, circuit, frequency)
+    case, problems = case_of_motors(data, circuit, frequency)
     if problems:
         raise FunctionError(problems_in_words(problems))
     circuits = {row.station: row for row in case.motor_circuit}
