@@ -236,9 +236,9 @@ def with_measured(plan: Plan, change: float | None, on: bool) -> Plan:
         The same, or one more where they are on. [mixed]
     """
     if change is None:
-        said = "With clearances no bound is known."
+        said = "In a start with events no bound is known."
     else:
-        said = f"With clearances measured, all such effects together: {percent(change)}."
+        said = f"Measured by a start with events and all such effects together: {percent(change)}."
     decisions = tuple(
         replace(d, on=on, bound=None if on else change, why=f"{d.why} {said}")
         if d.effect in plan.left_out and d.bound is not None
