@@ -239,6 +239,17 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
         ),
     ),
     table(
+        "SupplyVoltage", sheet="Motor", caption="Voltage against speed",
+        help="What the line leaves each motor in the start, over the voltage of its torque curves; torques go with its "
+        "square. Scalar Voltage multiplies it.",
+        rows=10, row_name=("Station", "Speed"), short_caption=True, later=True,
+        columns=(
+            text("Station", "Where the motor acts.", kind="station"),
+            number("Speed", "speed fraction", _CURVE_SPEED),
+            number("Voltage", "fraction", "Voltage at this speed."),
+        ),
+    ),
+    table(
         "LoadTorque", sheet="Torque", caption="Load torque",
         help="Torque of the driven machines against speed.",
         rows=40, row_name=("Station", "Speed"), short_caption=True,

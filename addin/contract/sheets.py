@@ -165,7 +165,7 @@ SHEETS: tuple[Sheet, ...] = (
         "Motor",
         "input",
         {"A": 1.5, "B": 18, "C": 12, "D:W": 11},
-        {"MotorData": "B5", "MotorCircuit": "B15", "MotorCurves": "B25"},
+        {"MotorData": "B5", "MotorCircuit": "B15", "MotorCurves": "B25", "SupplyVoltage": "K46"},
         (ChartAt("motor-curves", "K26", 640, 334),),
         freeze="A4",
         intro="Optional: the data sheet of a motor, from which its torque curves are calculated. Where sheet "

@@ -149,6 +149,8 @@ MOTOR = (
     "MotorTorque.Speed",
     "MotorTorque.Average",
     "MotorTorque.Pulsating",
+    "SupplyVoltage.Speed",
+    "SupplyVoltage.Voltage",
     "LoadTorque.Speed",
     "LoadTorque.Torque",
     "RatedPower",

@@ -39,7 +39,7 @@ from engine.errors import ModelError
 from engine.model.load import loads_of
 from engine.model.modal_train import ModalTrain
 from engine.model.modes import stated_damping
-from engine.model.motor import motors_of, voltage_factor
+from engine.model.motor import Motor, motors_of
 from engine.model.rigid_runup import RigidRunup, rigid_runup
 from engine.model.train import Flank, Train
 from engine.numerics.distinct import distinct
@@ -407,7 +407,7 @@ def _start(
     step = COARSEST_EVENT_ANGLE * math.sqrt(math.sqrt(share)) / plain.pulsation_omega
     if linear.method == Method.EXPONENTIAL:  # Newmark's steps are shorter than these runs need
         step = min(linear.step * 2.0 ** (linear.halvings + 1), step)
-    judge: Settled | None = _settled_judge(case, waited, motors[0].pole_pairs, synchronous)
+    judge: Settled | None = _settled_judge(case, waited, motors[0], synchronous)
     if effects.full_length and case.maximum_time:
         judge = None  # asked to go on to MaximumTime although the train has settled
     drops = not bool(np.all(plain.keep))
@@ -757,16 +757,13 @@ def pull_in_outcome(pull_in: PullIn, end: float, speed: float, synchronous: floa
     )
 
 
-def _settled_judge(
-    case: CaseData, runup: RigidRunup, pole_pairs: float, synchronous: float
-) -> Settled:
+def _settled_judge(case: CaseData, runup: RigidRunup, motor: Motor, synchronous: float) -> Settled:
     """Whether a motor with its field on has settled, in step or surely out of it."""
-    scale = voltage_factor(case)
     period = swing_frequency_linear(
-        scale * (case.pull_out_torque or 0.0),
+        motor.in_step * (case.pull_out_torque or 0.0),
         max(float(runup.load[-1]), 0.0),
         runup.inertia,
-        pole_pairs,
+        motor.pole_pairs,
         float(runup.pulsating[-1]),
     )
     rise = 3.0 * (case.field_time_constant or 0.0)

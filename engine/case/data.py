@@ -135,6 +135,15 @@ class MotorTorqueRow:
 
 
 @dataclass(frozen=True)
+class SupplyVoltageRow:
+    """One row of `SupplyVoltage`: what the line leaves a motor while it draws its starting current."""
+
+    station: str | None = None  #: Where the motor acts.
+    speed: float | None = None  #: Fraction of that station's synchronous speed. [1]
+    voltage: float | None = None  #: Voltage over that of the torque curves. [1]
+
+
+@dataclass(frozen=True)
 class MotorDataRow:
     """One row of `MotorData`: the data sheet of a motor, from which its torque curves follow.
 
@@ -302,6 +311,7 @@ TABLES: dict[str, tuple[str, type]] = {
     "MotorTorque": ("motor_torque", MotorTorqueRow),
     "MotorData": ("motor_data", MotorDataRow),
     "MotorCircuit": ("motor_circuit", MotorCircuitRow),
+    "SupplyVoltage": ("supply_voltage", SupplyVoltageRow),
     "LoadTorque": ("load_torque", LoadTorqueRow),
     "TorqueTime": ("torque_time", TorqueTimeRow),
     "EventTorque": ("event_torque", EventTorqueRow),
@@ -400,6 +410,7 @@ class CaseData:
     motor_torque: tuple[MotorTorqueRow, ...] = ()  #: Likewise. [rows]
     motor_data: tuple[MotorDataRow, ...] = ()  #: Likewise. [rows]
     motor_circuit: tuple[MotorCircuitRow, ...] = ()  #: Likewise. [rows]
+    supply_voltage: tuple[SupplyVoltageRow, ...] = ()  #: Likewise. [rows]
     load_torque: tuple[LoadTorqueRow, ...] = ()  #: Likewise. [rows]
     torque_time: tuple[TorqueTimeRow, ...] = ()  #: Likewise. [rows]
     event_torque: tuple[EventTorqueRow, ...] = ()  #: Likewise. [rows]

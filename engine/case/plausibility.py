@@ -481,6 +481,12 @@ def _no_effect(case: CaseData) -> Iterator[str]:
             f"Case, Voltage: {100 * case.voltage:.3g} % leaves {100 * case.voltage**2:.3g} % of the "
             f"motor torque. {_SIGN}"
         )
+    lowest = min((row.voltage for row in case.supply_voltage if row.voltage), default=1.0)
+    if lowest < LOWEST_VOLTAGE:
+        yield (
+            f"SupplyVoltage, Voltage: {100 * lowest:.3g} % leaves {100 * lowest**2:.3g} % of the "
+            f"motor torque. {_SIGN}"
+        )
     if case.voltage is not None and case.voltage != 1.0 and not case.motor_stations:
         yield "Voltage has no effect without motor curves: prescribed torques are not scaled."
     if case.initial_state == InitialState.RUNNING and not case.torque_time:

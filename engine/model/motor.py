@@ -18,13 +18,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from engine.arrays import Floats
-from engine.case.data import CaseData
+from engine.case.data import CaseData, SupplyVoltageRow
 from engine.case.effect import StartEffects
 from engine.errors import ModelError
 from engine.model.train import Train
-from engine.motor.from_case import motors_without_curve
+from engine.motor.from_case import CURVE_ERROR, motors_without_curve
 from engine.numerics.same_bits import atan2, hypot, square
-from engine.numerics.torque_curve import TorqueCurve, torque_curve
+from engine.numerics.torque_curve import TorqueCurve, fitted_curves, torque_curve
 
 #: Arguments of the compiled loop; see `electrical_arrays`.
 Electrical = tuple[Floats, Floats, float, Floats, Floats, Floats, Floats, Floats, Floats]
@@ -46,6 +46,8 @@ class Motor:
     parts: tuple[TorqueCurve, TorqueCurve] | None = None
     #: Whether it stands for the second part of another motor alone.
     is_second_part: bool = False
+    at_rest: float = 1.0  #: What torques stated at full voltage are multiplied by at rest. [1]
+    in_step: float = 1.0  #: Likewise at synchronous speed. [1]
 
     @property
     def pulsations(self) -> tuple[tuple[TorqueCurve, float], ...]:
@@ -141,8 +143,43 @@ def motors_of(case: CaseData, train: Train) -> tuple[Motor, ...]:
                 x, scale * np.array([p.pulsating for p in points], dtype=float)
             )
         pairs = 2.0 * math.pi * ratings.line_frequency / speed
-        motors.append(Motor(station, average, pulsating, speed, pairs, phase, parts))
+        motor = Motor(
+            station, average, pulsating, speed, pairs, phase, parts, at_rest=scale, in_step=scale
+        )
+        supplied = [row for row in case.supply_voltage if row.station == name]
+        motors.append(_on_supply(motor, supplied) if supplied else motor)
     return tuple(motors)
+
+
+def _on_supply(motor: Motor, supplied: Sequence[SupplyVoltageRow]) -> Motor:
+    """A motor whose voltage changes with its speed; its torques go with the square."""
+    x, v = (np.array([getattr(row, n) for row in supplied], float) for n in ("speed", "voltage"))
+    voltage = torque_curve(x, v)
+    curves = motor.curves
+    knots = np.unique(np.concatenate([curve.knots for curve in (voltage, *curves)]))
+    largest = max(float(np.max(np.abs(curve.cubic[:, 0]))) for curve in curves)
+
+    def exact(fraction: Floats, within: Floats) -> tuple[Floats, Floats]:
+        v, of_v = voltage.piece(fraction, within)
+        parts = [curve.piece(fraction, within) for curve in curves]
+        return (
+            np.stack([torque * (v * v) for torque, _ in parts]),
+            np.stack([slope * (v * v) + torque * (2.0 * v * of_v) for torque, slope in parts]),
+        )
+
+    average, *parts = fitted_curves(exact, knots, CURVE_ERROR * largest)
+    start, end = (motor.at_rest * square(float(voltage(at))) for at in (0.0, 1.0))
+    pulsating = parts[0]
+    if motor.parts is not None:
+        pulsating = torque_curve(pulsating.knots, hypot(*(part.cubic[:, 0] for part in parts)))
+    return replace(
+        motor,
+        average=average,
+        pulsating=pulsating,
+        parts=None if motor.parts is None else (parts[0], parts[1]),
+        at_rest=start,
+        in_step=end,
+    )
 
 
 def voltage_factor(case: CaseData) -> float:
@@ -156,7 +193,7 @@ def voltage_factor(case: CaseData) -> float:
     Returns
     -------
     float
-        Voltage, over that of the curves, squared. [1]
+        Voltage, over that of the curves, squared; the drop of table `SupplyVoltage` comes on top. [1]
     """
     return square(1.0 if case.voltage is None else case.voltage)
 
@@ -168,7 +205,8 @@ def electrical_arrays(
 
     Field application and a trip are events of the run: here no motor has its field on yet and all
     are connected. With several motors each has the stated transient, pull-out torque and damping,
-    at its own shaft. All of them scale with the square of the voltage, like the curves.
+    at its own shaft. All of them scale with the square of the voltage, like the curves: the transient with
+    that at rest, the others with that in step.
 
     Parameters
     ----------
@@ -200,8 +238,9 @@ def electrical_arrays(
     connected : ndarray, shape (n_motors,)
         1, or 0 once the motor has tripped. [1]
     """
-    whole = np.array([not m.is_second_part for m in motors], dtype=bool)
-    n, scale = len(motors), voltage_factor(case) * whole
+    n, whole = len(motors), np.array([not m.is_second_part for m in motors], dtype=bool)
+    at_rest = whole * np.array([m.at_rest for m in motors])
+    in_step = whole * np.array([m.in_step for m in motors])
     effects = effects or StartEffects()
     shock = case.shock_amplitude if effects.breaker_closing else None
     decay = case.shock_time_constant if effects.breaker_closing else None
@@ -209,13 +248,13 @@ def electrical_arrays(
     pull_out = case.pull_out_torque if effects.pull_in else None
     cage = case.pull_in_damping if effects.pull_in else None
     return (
-        scale * (shock or 0.0),
+        at_rest * (shock or 0.0),
         np.full(n, 1.0 / decay if decay else 0.0),
         motors[0].pole_pairs * motors[0].synchronous_speed if motors else 0.0,
         np.full(n, math.inf),
         np.full(n, 1.0 / rise if rise else math.inf),
-        scale * (pull_out or 0.0),
-        np.where(whole, math.nan if cage is None else scale * cage, math.nan),
+        in_step * (pull_out or 0.0),
+        np.where(whole, math.nan if cage is None else in_step * cage, math.nan),
         np.zeros(n),
         np.ones(n),
     )

@@ -24,12 +24,12 @@ from engine.motor.circuit import (
 )
 from engine.motor.curves import slip_curves
 from engine.numerics.same_bits import cos, sin
-from engine.numerics.torque_curve import TorqueCurve, curve_with_slopes
+from engine.numerics.torque_curve import TorqueCurve, fitted_curves
 
 #: A curve is wrong by at most this share of the largest average torque. [1]
 CURVE_ERROR = 1e-7
-#: First points, and how often their intervals may be halved: to a millionth of synchronous speed. [count]
-FIRST_POINTS, HALVINGS = 33, 15
+#: First points. [count]
+FIRST_POINTS = 33
 #: Half the distance over which slopes are taken: its square and its rounding are both below 1e-9. [1]
 NEARBY = 1e-5
 #: Slips of table `MotorCurves`: every per cent.
@@ -72,28 +72,10 @@ def torque_curves(
         Average; pulsation with sin 2δ and with cos 2δ, where δ is the angle by which the rotor's axis q
         lags the voltage: the load angle. [N m]
     """
-    speed = np.linspace(0.0, 1.0, FIRST_POINTS)
-    torques, slopes = _torques(circuit, speed)
-    allowed = CURVE_ERROR * float(np.max(np.abs(torques[0])))
-    coarse = np.arange(FIRST_POINTS - 1)
-    for _ in range(HALVINGS):
-        middle = 0.5 * (speed[coarse] + speed[coarse + 1])
-        exact, slope = _torques(circuit, middle)
-        curves = [curve_with_slopes(speed, *of_one) for of_one in zip(torques, slopes, strict=True)]
-        error = [np.abs(curve(middle) - e) for curve, e in zip(curves, exact, strict=True)]
-        wrong = np.max(error, axis=0) > allowed
-        torques = np.insert(torques, coarse + 1, exact, axis=1)
-        slopes = np.insert(slopes, coarse + 1, slope, axis=1)
-        speed = np.insert(speed, coarse + 1, middle)
-        inserted = (coarse + np.arange(1, len(coarse) + 1))[wrong]
-        coarse = np.sort(np.concatenate([inserted - 1, inserted]))
-        if not len(coarse):
-            break
-    average, sine, cosine = (
-        curve_with_slopes(speed, torque_base * t, torque_base * of_t)
-        for t, of_t in zip(torques, slopes, strict=True)
-    )
-    return average, sine, cosine
+    knots = np.linspace(0.0, 1.0, FIRST_POINTS)
+    allowed = CURVE_ERROR * float(np.max(np.abs(_torques(circuit, knots)[0][0])))
+    average, sine, cosine = fitted_curves(lambda x, _: _torques(circuit, x), knots, allowed)
+    return average.scaled(torque_base), sine.scaled(torque_base), cosine.scaled(torque_base)
 
 
 def _torques(circuit: Circuit, speed: Floats) -> tuple[Floats, Floats]:

@@ -16,7 +16,7 @@ from engine.case.effects import choice_of
 from engine.model.load import loads_of
 from engine.model.modal_train import ModalTrain
 from engine.model.modes import Modes
-from engine.model.motor import Motor, motors_of, voltage_factor
+from engine.model.motor import Motor, motors_of
 from engine.model.rigid_runup import RigidRunup, rigid_runup
 from engine.model.train import Train
 from engine.numerics.same_bits import product, total
@@ -185,8 +185,8 @@ def _shock_share(case: CaseData, line_omega: float, motors: Sequence[Motor]) -> 
     """
     if not case.shock_amplitude or not case.shock_time_constant or not motors:
         return None
-    amplitude = voltage_factor(case) * abs(case.shock_amplitude)
-    shock = total(amplitude * m.synchronous_speed for m in motors)
+    amplitude = abs(case.shock_amplitude)
+    shock = total(m.at_rest * amplitude * m.synchronous_speed for m in motors)
     drive = min(
         (float(m.average(0.0)) + float(m.pulsating(0.0))) * m.synchronous_speed for m in motors
     )

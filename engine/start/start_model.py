@@ -21,7 +21,6 @@ from engine.model.motor import (
     drives_of,
     electrical_arrays,
     through_synchronism,
-    voltage_factor,
 )
 from engine.model.train import Train
 from engine.numerics.same_bits import log, product, sin, singular_values, total
@@ -408,7 +407,7 @@ def usual_step(tolerance: float, fastest: float) -> float:
 class _Shock:
     """The transient at breaker closing."""
 
-    amplitude: float
+    amplitude: float  # at full voltage
     rate: float
 
 
@@ -416,7 +415,7 @@ def _shock(case: CaseData, effects: StartEffects) -> _Shock | None:
     """Transient at breaker closing, if it is simulated and stated."""
     if not (effects.breaker_closing and case.shock_amplitude and case.shock_time_constant):
         return None
-    return _Shock(voltage_factor(case) * abs(case.shock_amplitude), 1.0 / case.shock_time_constant)
+    return _Shock(abs(case.shock_amplitude), 1.0 / case.shock_time_constant)
 
 
 @dataclass(frozen=True, eq=False)
@@ -446,9 +445,9 @@ def _force_sizes(
     reference_torque = 0.0
     shock = _shock(case, effects)
     line_omega = motors[0].pole_pairs * motors[0].synchronous_speed
-    pull_out = voltage_factor(case) * (case.pull_out_torque or 0.0) if effects.pull_in else 0.0
+    full_pull_out = (case.pull_out_torque or 0.0) if effects.pull_in else 0.0
     for m in motors:
-        i = column[m.station]
+        i, pull_out = column[m.station], m.in_step * full_pull_out
         largest = float(np.max(np.abs(m.average.cubic[:, 0])))
         pulsating = float(np.max(np.abs(m.pulsating.cubic[:, 0])))
         initial = float(m.average(0.0))
@@ -461,8 +460,8 @@ def _force_sizes(
             slope[i] += curve.steepest / m.synchronous_speed
             span[i] += curve.range
         if shock is not None:  # begins with the slope of A sin ωt, then varies no faster than that
-            ramp[i] += shock.amplitude * line_omega
-            smooth[i] += shock.amplitude
+            ramp[i] += m.at_rest * shock.amplitude * line_omega
+            smooth[i] += m.at_rest * shock.amplitude
         if pull_out:
             if case.field_time_constant:
                 ramp[i] += pull_out / case.field_time_constant

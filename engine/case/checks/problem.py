@@ -60,6 +60,19 @@ class Limit(NamedTuple):
     action: str = "Correct the cell."  #: What to do about another one.
 
 
+#: Voltage over that of the torque curves; more is a percent sign forgotten.
+LARGEST_VOLTAGE = 2.0
+VOLTAGE = Limit(
+    "Voltage",
+    Allowed(
+        lambda v: 0 < v <= LARGEST_VOLTAGE,
+        "positive and at most 2 (200 % of the voltage of the curves)",
+    ),
+    "",
+    "Write 80 % or 0.8.",
+)
+
+
 class Cells(NamedTuple):
     """The cells of one row, or the scalars of the case, and how a sentence names what is wrong."""
 

@@ -12,6 +12,7 @@ from engine.case.checks.problem import (
     NOT_NEGATIVE,
     POSITIVE,
     SCALARS,
+    VOLTAGE,
     Allowed,
     Limit,
     possible_poles,
@@ -38,8 +39,6 @@ from engine.errors import Problem
 
 #: Line frequency, speed and poles, or power, speed and torque, must agree to this share.
 RATING_TOLERANCE = 5e-3
-#: Voltage over that of the torque curves; more is a percent sign forgotten.
-LARGEST_VOLTAGE = 2.0
 
 QUANTITIES = (
     Limit("LineFrequency", POSITIVE, "Hz"),
@@ -84,15 +83,7 @@ SHARES = (
         "It is a share of all damping: 30 % makes a damping ratio of 2 % one of 1.4 %.",
     ),
     Limit("MarginRequired", BELOW_ONE),
-    Limit(
-        "Voltage",
-        Allowed(
-            lambda v: 0 < v <= LARGEST_VOLTAGE,
-            "positive and at most 2 (200 % of the voltage of the curves)",
-        ),
-        "",
-        "Write 80 % or 0.8.",
-    ),
+    VOLTAGE,
     Limit("FieldSlip", Allowed(lambda v: 0 < v < 1, "between 0 and 1 (100 %)")),
     Limit(
         "TolerancePeak",

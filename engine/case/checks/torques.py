@@ -11,6 +11,7 @@ from engine.case.checks.problem import (
     POSITIVE,
     SCALARS,
     STATION_NAME,
+    VOLTAGE,
     Allowed,
     Cells,
     Limit,
@@ -99,6 +100,7 @@ def check_torques(case: CaseData) -> Iterator[Problem]:
     yield from _curve(case, "TorqueTime", "Time", ("Torque",))
     yield from _single_points(case, "MotorTorque", "Speed")
     yield from _single_points(case, "TorqueTime", "Time")
+    yield from _supply(case)
     for cells, motor in each_row("MotorTorque", case.motor_torque):
         yield from cells.numbers(motor, (CURVE_SPEED, PULSATING))
     for cells, load in each_row("LoadTorque", case.load_torque):
@@ -127,6 +129,24 @@ def check_torques(case: CaseData) -> Iterator[Problem]:
             "Type LineFrequency.",
         )
     yield from _pole_pairs(case)
+
+
+def _supply(case: CaseData) -> Iterator[Problem]:
+    """Voltage against speed, of stations with a motor."""
+    table = "SupplyVoltage"
+    yield from _curve(case, table, "Speed", ("Voltage",))
+    yield from _single_points(case, table, "Speed")
+    without_motor = {s.station for s in case.stations} - set(case.motor_stations)
+    for cells, row in each_row(table, case.supply_voltage):
+        yield from cells.numbers(row, (CURVE_SPEED, VOLTAGE))
+        if row.station in without_motor:
+            without_motor.remove(row.station)  # told once
+            yield cells.wrong(
+                "Station",
+                row.station,
+                "a station with a motor",
+                "Give its torque curve in MotorTorque or its data sheet in MotorData, or clear the row.",
+            )
 
 
 def _motor_table(case: CaseData) -> str:

@@ -21,6 +21,7 @@ from engine.case.data import (
     MotorTorqueRow,
     SNPointRow,
     StationRow,
+    SupplyVoltageRow,
     TorqueTimeRow,
 )
 from engine.errors import CaseError, TorsionError
@@ -113,6 +114,10 @@ def event(**changes):
     return good(event_torque=(EventTorqueRow(**(fields | changes)),))
 
 
+def supply(*rows: tuple[str, float, float | None]) -> Case:
+    return good(supply_voltage=tuple(SupplyVoltageRow(*row) for row in rows))
+
+
 def places(problems):
     return [(p.table, p.row, p.column) for p in problems]
 
@@ -161,6 +166,9 @@ RIGHT = {
     "constant load": good(load_torque=(LoadTorqueRow("compressor", 1.0, 900.0),)),
     "prescribed torque": more(
         "torque_time", TorqueTimeRow("motor", 0.0, 0.0), TorqueTimeRow("motor", 1.0, -5.0)
+    ),
+    "voltage against speed": more(
+        "supply_voltage", SupplyVoltageRow("motor", 0.0, 0.75), SupplyVoltageRow("motor", 1.0, 1.0)
     ),
     "event in operation": more(
         "event_torque", EventTorqueRow("fault", "motor", -5.0, 1.0, 1.0, 0.1),
@@ -379,6 +387,13 @@ ROWS = [
     (row("load_torque", 2, torque=-5.0), ("LoadTorque", 2, "Torque"), ["opposes the motion"]),
     (row("load_torque", 2, torque=None), ("LoadTorque", 2, "Torque"), ["blank"]),
     (more("torque_time", TorqueTimeRow("motor", 0.0, 1.0)), ("TorqueTime", 1, "Station"), ["two points"]),
+    (supply(("motor", 0.0, 75.0), ("motor", 1.0, 1.0)),
+     ("SupplyVoltage", 1, "Voltage"), ["found 75", "at most 2", "Write 80 %"]),
+    (supply(("motor", 0.5, 0.8), ("motor", 0.5, 0.9)), ("SupplyVoltage", 2, "Speed"), ["above 0.5"]),
+    (supply(("motor", 0.5, 0.8)), ("SupplyVoltage", 1, "Station"), ["one row only"]),
+    (supply(("motor", 0.0, 0.8), ("motor", 1.0, None)), ("SupplyVoltage", 2, "Voltage"), ["blank"]),
+    (supply(("gear", 0.0, 0.8), ("gear", 1.0, 1.0)),
+     ("SupplyVoltage", 1, "Station"), ["'gear'", "a station with a motor", "MotorData"]),
     (event(station="motr"), ("EventTorque", 1, "Station"), ["'motr'", "Did you mean 'motor'?"]),
     (event(station=None), ("EventTorque", 1, "Station"), ["blank", "a station of table Stations"]),
     (event(event=None), ("EventTorque", 1, "Event"), ["blank", "rows of one name add up"]),
