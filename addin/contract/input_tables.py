@@ -9,6 +9,7 @@ from engine.case.choices import (
     ElementKind,
     FieldCircuit,
     GearType,
+    MotorKind,
     SNBasis,
 )
 from engine.case.effects import EFFECTS
@@ -178,6 +179,10 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
         rows=4, row_name=("Station",), later=True,
         columns=(
             text("Station", "Where the motor acts.", kind="station"),
+            choice(
+                "Kind", tuple(MotorKind), "What the data are of; an induction motor has R1 to X3.",
+                blank="synchronous",
+            ),
             number(
                 "Apparent power", "apparent power", "Rated apparent power: what is per unit refers to it.",
                 blank="RatedPower / (Power factor × Efficiency)",
@@ -212,6 +217,13 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
                 "Start factor", "ratio",
                 "Factor on the leakages of stator and dampers in the start (saturation).", blank="1",
             ),
+            number("R1", "per unit", "Induction motor: resistance of the stator."),
+            number("X1", "per unit", "Induction motor: leakage reactance of the stator."),
+            number("Xm", "per unit", "Induction motor: magnetising reactance."),
+            number("R2", "per unit", "Induction motor: resistance of the cage, seen from the stator."),
+            number("X2", "per unit", "Induction motor: leakage reactance of the cage."),
+            number("R3", "per unit", "Resistance of a second cage.", blank="no second cage"),
+            number("X3", "per unit", "Leakage reactance of a second cage.", blank="no second cage"),
         ),
     ),
     table(

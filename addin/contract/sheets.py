@@ -164,7 +164,7 @@ SHEETS: tuple[Sheet, ...] = (
     Sheet(
         "Motor",
         "input",
-        {"A": 1.5, "B": 18, "C": 12, "D:W": 11},
+        {"A": 1.5, "B": 18, "C": 12, "D:W": 11, "X:AE": 8},
         {"MotorData": "B5", "MotorCircuit": "B15", "MotorCurves": "B25", "SupplyVoltage": "K46"},
         (ChartAt("motor-curves", "K26", 640, 334),),
         freeze="A4",

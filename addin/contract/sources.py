@@ -161,9 +161,10 @@ MOTOR_DATA = (
     *(
         f"MotorData.{column}"
         for column in (
-            "Apparent power", "Xd", "Xq", "Xd transient", "Xd subtransient", "Xq subtransient", "Xl",
+            "Kind", "Apparent power", "Xd", "Xq", "Xd transient", "Xd subtransient", "Xq subtransient", "Xl",
             "Td0 transient", "Td0 subtransient", "Tq0 subtransient", "Td transient", "Td subtransient",
             "Tq subtransient", "Ta", "Ra", "Discharge resistance", "Field circuit", "Start factor",
+            "R1", "X1", "Xm", "R2", "X2", "R3", "X3",
         )
     ),
     *(

@@ -104,6 +104,13 @@ class GearType(StrEnum):
     INTERNAL = "internal"
 
 
+class MotorKind(StrEnum):
+    """What a motor's data sheet is that of."""
+
+    SYNCHRONOUS = "synchronous"
+    INDUCTION = "induction"
+
+
 class FieldCircuit(StrEnum):
     """What the field winding of a motor is connected to while it starts."""
 

@@ -151,6 +151,7 @@ class MotorDataRow:
     """
 
     station: str | None = None  #: Where the motor acts.
+    kind: str | None = None  #: ``synchronous`` (default) or ``induction``.
     #: Rated apparent power, the base of all that is per unit; blank = from `RatedPower`. [V A]
     apparent_power: float | None = None
     voltage: float | None = None  #: Rated voltage, line to line: the base of what is in ohm. [V]
@@ -174,6 +175,15 @@ class MotorDataRow:
     discharge_resistance: float | None = None
     field_circuit: str | None = None  #: ``closed`` (default) or ``open`` in the start.
     start_factor: float | None = None  #: On leakages of stator and dampers in the start. [1]
+    #: Of an induction motor: resistance and leakage of the stator, magnetising reactance, resistance and
+    #: leakage of the cage, both as seen from the stator. [1]
+    r_1: float | None = None
+    x_1: float | None = None  #: Likewise. [1]
+    xm: float | None = None  #: Likewise. [1]
+    r_2: float | None = None  #: Likewise. [1]
+    x_2: float | None = None  #: Likewise. [1]
+    r_3: float | None = None  #: A second cage; blank = none. [1]
+    x_3: float | None = None  #: Likewise. [1]
 
     def base_power(self, rated_power: float | None) -> float | None:
         """Apparent power that is 1 per unit. [V A]

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from engine.arrays import Floats
-from engine.case.choices import FieldCircuit
+from engine.case.choices import FieldCircuit, MotorKind
 from engine.case.data import CaseData, MotorCircuitRow, MotorDataRow
 from engine.errors import InternalError
 from engine.motor.circuit import (
@@ -205,6 +205,10 @@ def circuit_of(
     """
     if circuit_row is not None:
         return _typed_circuit(circuit_row)
+    if row.kind == MotorKind.INDUCTION:
+        resistance, leakage, magnetising = (_given(v) for v in (row.r_1, row.x_1, row.xm))
+        cages = _windings((row.r_2, row.x_2), (row.r_3, row.x_3))
+        return Circuit(resistance, leakage, magnetising, magnetising, None, cages, cages)
     omega = line_omega(line_frequency)
     short = row.td_subtransient is not None
     transient, subtransient, across = (
@@ -228,19 +232,20 @@ def circuit_of(
     )
 
 
-def _typed_circuit(row: MotorCircuitRow) -> Circuit:
-    def windings(*pairs: tuple[float | None, float | None]) -> tuple[Winding, ...]:
-        return tuple(Winding(r, _given(x)) for r, x in pairs if r is not None)
+def _windings(*pairs: tuple[float | None, float | None]) -> tuple[Winding, ...]:
+    return tuple(Winding(r, _given(x)) for r, x in pairs if r is not None)
 
-    field = windings((row.rf, row.xlf))
+
+def _typed_circuit(row: MotorCircuitRow) -> Circuit:
+    field = _windings((row.rf, row.xlf))
     return Circuit(
         _given(row.rs),
         _given(row.xl),
         _given(row.xmd),
         _given(row.xmq),
         field[0] if field else None,
-        windings((row.rkd, row.xlkd), (row.rkd_2, row.xlkd_2)),
-        windings((row.rkq, row.xlkq), (row.rkq_2, row.xlkq_2)),
+        _windings((row.rkd, row.xlkd), (row.rkd_2, row.xlkd_2)),
+        _windings((row.rkq, row.xlkq), (row.rkq_2, row.xlkq_2)),
         row.xc or 0.0,
     )
 

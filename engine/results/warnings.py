@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from engine.case.choices import ElementKind, Method
+from engine.case.choices import ElementKind, Method, MotorKind
 from engine.case.data import CaseData
 from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, DEFAULT_TOLERANCE_STARTS
 from engine.case.plausibility import implausible
@@ -59,8 +59,12 @@ def _motor_data(case: CaseData) -> Iterator[str]:
                 f"'{row.station}' has a torque curve and a data sheet: the start uses the curve of table "
                 "MotorTorque. Table MotorCurves shows the calculated one."
             )
+    kinds = {row.station: row.kind for row in case.motor_data}
     for name, motor in calculated.items():
-        if max(len(motor.circuit.dampers_d), len(motor.circuit.dampers_q)) < 2:
+        if (
+            kinds[name] != MotorKind.INDUCTION
+            and max(len(motor.circuit.dampers_d), len(motor.circuit.dampers_q)) < 2
+        ):
             yield (
                 f"The torques of '{name}' are calculated with at most one damper winding in each axis, which "
                 "does not represent solid poles. Ask the maker for measured curves, or for a circuit with "

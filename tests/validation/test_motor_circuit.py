@@ -15,6 +15,7 @@ import pytest
 from cases import load_case
 from scipy.integrate import solve_ivp
 
+from engine.case.data import MotorDataRow
 from engine.motor.circuit import (
     Circuit,
     Step,
@@ -26,6 +27,7 @@ from engine.motor.circuit import (
 )
 from engine.motor.curves import slip_curves
 from engine.motor.damping import electrical_damping
+from engine.motor.from_case import circuit_of
 
 SM04 = load_case("SM04")
 SM06 = load_case("SM06")["sets"][0]
@@ -185,3 +187,29 @@ def test_a_field_alone_leaves_a_notch_above_half_speed():
 def test_an_induction_motor_does_not_pulsate():
     curves = slip_curves(INDUCTION, np.linspace(-0.5, 1.0, 31))
     assert np.all(curves.pulsating < 1e-15)
+
+
+#: Krause, Wasynczuk and Sudhoff, Analysis of Electric Machinery, table of induction machines (4 poles, 60 Hz): line
+#: voltage [V], rs, Xls, XM, rr, Xlr [ohm]; torques of the Thevenin equivalent at slips. [N m]
+KRAUSE = {
+    "3 hp": (
+        (220.0, 0.435, 0.754, 26.13, 0.816, 0.754),
+        {0.005: 1.4783642265, 0.05: 14.0268323279, 0.2: 44.1743210120, 1.0: 52.9716744395},
+    ),
+    "2250 hp": (
+        (2300.0, 0.029, 0.226, 13.04, 0.022, 0.226),
+        {0.005: 6023.2946151417, 0.05: 28411.6945067420, 0.2: 13561.5915402684, 1.0: 2932.9834433809},
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", KRAUSE)
+def test_torque_of_an_induction_motor_from_its_equivalent_circuit(name):
+    (voltage, *ohm), torques = KRAUSE[name]
+    power = 1e6  # any base: the torque does not depend on it
+    r1, x1, xm, r2, x2 = (z * power / voltage**2 for z in ohm)
+    row = MotorDataRow("motor", "induction", power, r_1=r1, x_1=x1, xm=xm, r_2=r2, x_2=x2)
+    slips = np.array(list(torques))
+    average = slip_curves(circuit_of(row, None, 60.0), slips).average
+    found = average * power / (2.0 * np.pi * 60.0 / 2.0)
+    assert found == pytest.approx(list(torques.values()), rel=1e-9)

@@ -16,7 +16,7 @@ from engine.motor.from_case import motors_from_data
 from tests.trains import geared, peaks, started
 
 SHEET = MotorDataRow(
-    "Motor", 2.2e6, xd=1.3, xq=0.9, xd_transient=0.35, xd_subtransient=0.22, xq_subtransient=0.26, xl=0.12,
+    "Motor", None, 2.2e6, xd=1.3, xq=0.9, xd_transient=0.35, xd_subtransient=0.22, xq_subtransient=0.26, xl=0.12,
     td_0_transient=3.0, td_0_subtransient=0.035, tq_0_subtransient=0.12, ta=0.05, discharge_resistance=9.0,
 )  # fmt: skip
 

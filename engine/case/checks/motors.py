@@ -21,7 +21,7 @@ from engine.case.checks.problem import (
     number_text,
     quote_quantity,
 )
-from engine.case.choices import FieldCircuit
+from engine.case.choices import FieldCircuit, MotorKind
 from engine.case.data import CaseData, MotorCircuitRow, MotorDataRow, value_of
 from engine.errors import Problem
 
@@ -73,6 +73,11 @@ DATA_NUMBERS = (
         "Td0 subtransient", "Tq0 subtransient", "Td subtransient", "Tq subtransient", "Ta",
     ),
     Limit("Ra", _RESISTANCE, "pu", _PER_CENT),
+    Limit("R1", _RESISTANCE, "pu", _PER_CENT),
+    *_reactances(LARGEST_MAGNETISING, "Xm"),
+    *_reactances(LARGEST_LEAKAGE, "X1"),
+    *(Limit(column, _at_most(LARGEST_RESISTANCE, "pu"), "pu", _PER_CENT) for column in ("R2", "R3")),
+    *(Limit(column, _LEAKAGE, "pu", _PER_CENT) for column in ("X2", "X3")),
     Limit(
         "Discharge resistance", NOT_NEGATIVE, "",
         "It is a multiple of the resistance of the field winding, often 5 to 15.",
@@ -102,8 +107,13 @@ REACTANCES = ("Xd", "Xq", "Xd subtransient", "Xq subtransient", "Xl")
 #: Time constants of field, damper of the poles and damper between them: stator open, and short-circuited.
 OPEN_TIMES = ("Td0 transient", "Td0 subtransient", "Tq0 subtransient")
 SHORT_TIMES = ("Td transient", "Td subtransient", "Tq subtransient")
+#: Equivalent circuit of an induction motor, and its second cage.
+INDUCTION = ("R1", "X1", "Xm", "R2", "X2")
+SECOND_CAGE = ("R3", "X3")
+#: What only a synchronous motor has.
+SYNCHRONOUS = (*REACTANCES, "Xd transient", *OPEN_TIMES, *SHORT_TIMES, "Ta", "Ra")
 #: What a circuit in table MotorCircuit stands in place of.
-OF_THE_SHEET = (*REACTANCES, "Xd transient", *OPEN_TIMES, *SHORT_TIMES, "Ta", "Ra")
+OF_THE_SHEET = (*SYNCHRONOUS, *INDUCTION, *SECOND_CAGE)
 #: Reactances of each axis, from the largest to the smallest.
 FALLING = (
     ("Xd", "Xd transient", "Xd subtransient", "Xl"),
@@ -120,11 +130,15 @@ def check_motors(case: CaseData) -> Iterator[Problem]:
         if motor.station is not None:
             yield from cells.name("Station", motor.station, stations, STATION_NAME)
         yield from cells.numbers(motor, DATA_NUMBERS)
+        yield from cells.choice("Kind", motor.kind, MotorKind)
         yield from cells.choice("Field circuit", motor.field_circuit, FieldCircuit)
         yield from _base(case, cells, motor)
         if motor.station in circuits:
             yield from _nothing_else(cells, motor, circuits[motor.station])
+        elif motor.kind == MotorKind.INDUCTION:
+            yield from _induction(cells, motor)
         else:
+            yield from _only(cells, motor, (*INDUCTION, *SECOND_CAGE), "Kind is induction")
             yield from _sheet(cells, motor)
         yield from _field_in_the_start(cells, motor)
     yield from _circuits(case)
@@ -157,6 +171,43 @@ def _nothing_else(cells: Cells, motor: MotorDataRow, circuit: Cells) -> Iterator
                 f"circuit of '{motor.station}'. Clear the reactances and time constants, or that row.",
             )
             return
+
+
+def _only(
+    cells: Cells, motor: MotorDataRow, columns: Sequence[str], where: str
+) -> Iterator[Problem]:
+    """Columns of the other kind of motor are blank; the first that is not is told."""
+    typed = [(c, v) for c in columns if (v := value_of(motor, c)) is not None]
+    for column, value in typed[:1]:
+        yield cells.wrong(
+            column, value, f"blank unless {where}", "Correct Kind, or clear the cell.", "pu"
+        )
+
+
+def _induction(cells: Cells, motor: MotorDataRow) -> Iterator[Problem]:
+    """The equivalent circuit of an induction motor."""
+    of_field = ("Discharge resistance", "Field circuit")
+    yield from _only(cells, motor, (*SYNCHRONOUS, *of_field), "Kind is synchronous")
+    for column in INDUCTION:
+        if value_of(motor, column) is None:
+            yield cells.blank(
+                column, "a number", "Type it from the equivalent circuit of the motor."
+            )
+    yield from _pair(cells, motor, SECOND_CAGE)
+
+
+def _pair(
+    cells: Cells, row: MotorDataRow | MotorCircuitRow, pair: tuple[str, str]
+) -> Iterator[Problem]:
+    """A winding has a resistance and a leakage."""
+    resistance, leakage = (value_of(row, column) for column in pair)
+    if (resistance is None) != (leakage is None):
+        missing, present = pair if resistance is None else pair[::-1]
+        yield cells.blank(
+            missing,
+            f"given where {present} is",
+            f"Type it, or clear {present} where there is no such winding.",
+        )
 
 
 def _sheet(cells: Cells, motor: MotorDataRow) -> Iterator[Problem]:
@@ -273,18 +324,5 @@ def _circuits(case: CaseData) -> Iterator[Problem]:
         for column in ("Rs", "Xl", "Xmd", "Xmq"):
             if value_of(circuit, column) is None:
                 yield cells.blank(column, "a number", "Type it from the maker's circuit.")
-        yield from _windings(cells, circuit)
-
-
-def _windings(cells: Cells, circuit: MotorCircuitRow) -> Iterator[Problem]:
-    """A winding has a resistance and a leakage."""
-    for winding in ("f", "kd", "kq", "kd2", "kq2"):
-        pair = (f"R{winding}", f"Xl{winding}")
-        resistance, leakage = (value_of(circuit, column) for column in pair)
-        if (resistance is None) != (leakage is None):
-            missing, present = pair if resistance is None else pair[::-1]
-            yield cells.blank(
-                missing,
-                f"given where {present} is",
-                f"Type it, or clear {present} where there is no such winding.",
-            )
+        for winding in ("f", "kd", "kq", "kd2", "kq2"):
+            yield from _pair(cells, circuit, (f"R{winding}", f"Xl{winding}"))

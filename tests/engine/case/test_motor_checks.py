@@ -10,7 +10,7 @@ from engine.case.checks.find_problems import find_problems
 from engine.case.data import CaseData, MotorCircuitRow, MotorDataRow, StationRow
 
 SHEET = MotorDataRow(
-    "motor", 1e6, xd=1.6, xq=1.6, xd_transient=0.1375, xd_subtransient=0.1214, xq_subtransient=0.148, xl=0.1,
+    "motor", None, 1e6, xd=1.6, xq=1.6, xd_transient=0.1375, xd_subtransient=0.1214, xq_subtransient=0.148, xl=0.1,
     td_0_transient=0.26, td_0_subtransient=0.007, tq_0_subtransient=0.12, ta=0.014, discharge_resistance=9.0,
 )  # fmt: skip
 SHORT = {
@@ -18,7 +18,9 @@ SHORT = {
     "td_subtransient": 0.006, "tq_subtransient": 0.011,
 }  # fmt: skip
 CIRCUIT = MotorCircuitRow("motor", 0.012, 0.12, 1.1, 0.62, 0.0022, 0.18, 0.035, 0.09, 0.045, 0.12)
-BY_CIRCUIT = MotorDataRow("motor", 1e6, discharge_resistance=9.0)
+BY_CIRCUIT = MotorDataRow("motor", None, 1e6, discharge_resistance=9.0)
+
+INDUCTION = MotorDataRow("motor", "induction", 1e6, r_1=0.01, x_1=0.1, xm=4.0, r_2=0.012, x_2=0.1)
 
 
 def case(*motors, circuits=(), **fields):
@@ -44,8 +46,19 @@ def places(data):
         (replace(SHEET, xd_transient=None, td_0_transient=None, discharge_resistance=None), ()),
         (replace(SHEET, field_circuit="open", discharge_resistance=None), ()),
         (BY_CIRCUIT, (CIRCUIT,)),
+        (INDUCTION, ()),
+        (replace(INDUCTION, r_3=0.1, x_3=0.03), ()),
     ],
-    ids=["data sheet", "short circuit", "Ra", "no field", "open field", "circuit"],
+    ids=[
+        "data sheet",
+        "short circuit",
+        "Ra",
+        "no field",
+        "open field",
+        "circuit",
+        "induction",
+        "double cage",
+    ],
 )
 def test_good_motors_pass(data, circuits):
     assert places(case(data, circuits=circuits)) == []
@@ -128,3 +141,26 @@ def test_a_motor_needs_the_line():
     found = places(case(SHEET, line_frequency=None, poles=None))
     assert found == [("Case", None, "SynchronousSpeed")]
     assert places(case(SHEET, poles=5)) == [("Case", None, "Poles")]
+
+
+@pytest.mark.parametrize(
+    ("change", "column", "words"),
+    [
+        ({"r_2": None}, "R2", "equivalent circuit"),
+        ({"xd": 1.6}, "Xd", "blank unless Kind is synchronous"),
+        ({"field_circuit": "open"}, "Field circuit", "blank unless Kind is synchronous"),
+        ({"r_3": 0.1}, "X3", "given where R3 is"),
+        ({"x_1": 10.0}, "X1", "Per cent and per unit mixed up?"),
+        ({"r_1": 3.0}, "R1", "Per cent and per unit mixed up?"),
+        ({"kind": "inductoin"}, "Kind", "synchronous"),
+    ],
+)
+def test_wrong_induction_motors_are_found_at_their_cell(change, column, words):
+    found = find_problems(case(replace(INDUCTION, **change)))
+    problem = next(p for p in found if p.table == "MotorData")
+    assert (problem.row, problem.column) == (1, column)
+    assert words in problem.message
+
+
+def test_an_equivalent_circuit_of_no_kind_is_told():
+    assert ("MotorData", 1, "R1") in places(case(replace(INDUCTION, kind=None)))
