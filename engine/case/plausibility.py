@@ -48,6 +48,15 @@ ENDURANCE_SHARES = {SNBasis.TORSION: (0.08, 0.4), SNBasis.BENDING: (0.2, 0.65)}
 STATIC_SHARES = {SNBasis.TORSION: 0.8, SNBasis.BENDING: 1.05}
 #: A typed stiffness over that of the typed geometry: keys, fillets and hubs make less of it. [1]
 STIFFNESS_FACTOR = 5.0
+#: Rated voltages of motors, line to line (IEC 60038, NEMA MG 1 and older ones), and how near one is the same.
+LINE_VOLTAGES = (
+    380.0, 400.0, 415.0, 440.0, 460.0, 480.0, 500.0, 525.0, 575.0, 600.0, 660.0, 690.0, 2300.0, 2400.0, 3000.0, 3300.0,
+    4000.0, 4160.0, 6000.0, 6300.0, 6600.0, 6900.0, 10000.0, 10500.0, 11000.0, 12000.0, 12470.0, 13200.0, 13800.0,
+    15000.0,
+)  # fmt: skip
+SAME_VOLTAGE = 2e-3
+#: Discharge resistors over the field's resistance beyond which ohms were typed. [1]
+USUAL_DISCHARGE = (1.0, 50.0)
 
 Values = Iterable[tuple[str | None, float | None]]
 
@@ -81,6 +90,7 @@ def implausible(case: CaseData) -> tuple[str, ...]:
         *_curves(case),
         *_clearances(case),
         *_excitations(case),
+        *_data_sheets(case),
         *_no_effect(case),
     )
 
@@ -472,6 +482,28 @@ def _clearances(case: CaseData) -> Iterator[str]:
             yield (
                 f"Meshes, Angular backlash of '{m.element}': {math.degrees(m.angular_backlash):.3g} "
                 "degrees is unusual (geared couplings: below 1 degree). Check its unit."
+            )
+
+
+def _data_sheets(case: CaseData) -> Iterator[str]:
+    """Rated voltages of one phase, and discharge resistors that are no multiple."""
+    for m in case.motor_data:
+        typed = m.voltage or 0.0
+        usual, phase = (
+            [v for v in LINE_VOLTAGES if abs(times * typed - v) <= SAME_VOLTAGE * v]
+            for times in (1.0, math.sqrt(3.0))
+        )
+        if phase and not usual:
+            yield (
+                f"MotorData, Voltage of '{m.station}': {typed:.6g} V is {phase[0]:g} V divided by √3. "
+                "Type the voltage from line to line."
+            )
+        low, high = USUAL_DISCHARGE
+        if m.discharge_resistance and not low <= m.discharge_resistance <= high:
+            yield (
+                f"MotorData, Discharge resistance of '{m.station}': {m.discharge_resistance:.3g} times the "
+                "resistance of the field is unusual (5 to 15). It is no number of ohms: divide it by the "
+                "resistance of the field winding."
             )
 
 

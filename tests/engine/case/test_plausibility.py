@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 from sample_case import sample_case, with_limits
 
-from engine.case.data import CaseData, MeshRow
+from engine.case.data import CaseData, MeshRow, MotorDataRow
 from engine.case.plausibility import implausible, impossible_inputs
 from engine.run import run
 
@@ -125,3 +125,20 @@ def test_torques_a_hundred_times_too_small_are_told(table, column):
     said = [n for n in implausible(replace(case, **{table: points})) if "is not 0.6 pu" in n]
     assert len(said) == 1
     assert f"{table.title().replace('_', '')} is above" in said[0]
+
+
+@pytest.mark.parametrize(
+    ("voltage", "discharge", "said"),
+    [
+        (3810.0, 9.0, "3810 V is 6600 V divided by √3"),
+        (6600.0, 0.4, "0.4 times the resistance of the field is unusual"),
+        (2400.0, 9.0, ""),  # 4160 V divided by √3, but a voltage of its own
+        (6600.0, 9.0, ""),
+        (None, None, ""),
+    ],
+)
+def test_slips_of_a_data_sheet_are_told(voltage, discharge, said):
+    motor = MotorDataRow("Motor", voltage=voltage, discharge_resistance=discharge)
+    notes = said_of(replace(CaseData(**vars(sample_case("modified"))), motor_data=(motor,)))
+    assert said in notes
+    assert bool(said) == bool(notes)
