@@ -10,11 +10,11 @@ from typing import Any
 from addin.xlsx.errors import CellRefused
 from addin.xlsx.references import Rect, cell_name
 from addin.xlsx.sheet_part import SheetPart
-from addin.xlsx.values import FORMULA_MARK, CellValue, Formula, clean
+from addin.xlsx.values import FORMULA_CUT, CellValue, Formula, clean
 
 _CELL_START = b"<c "
-# A character that no XML can hold.
-_CUT = "\0"
+# A character that no XML can hold, other than that of a cut.
+_BETWEEN = "\1"
 # Types of values that stay as they are where they are finite.
 _PLAIN = frozenset([float, type(None)])
 
@@ -31,11 +31,8 @@ class Written:
         """Whether the rows stand in the part as they were built, in their order; a formula may have got its value."""
         position = 0
         # All rows are encoded at once; no text of a cell holds the mark between them.
-        for whole, text in zip(
-            _CUT.join(self.texts).encode().split(b"\0"), self.texts, strict=True
-        ):
-            pieces = [*map(str.encode, _around_values(text))] if FORMULA_MARK in text else [whole]
-            for number, piece in enumerate(pieces):
+        for text in _BETWEEN.join(self.texts).encode().split(_BETWEEN.encode()):
+            for number, piece in enumerate(text.split(FORMULA_CUT.encode())):
                 found = part.find(piece, position)
                 # Between the pieces of a row only type and value of a formula may have come.
                 if found < 0 or (number and _CELL_START in part[position:found]):
@@ -50,14 +47,6 @@ class Written:
             row = self.grid[offset] if offset < len(self.grid) else blank
             for shift, value in enumerate(row):
                 yield (self.rect.top + offset, self.rect.left + shift), value
-
-
-def _around_values(text: str) -> list[str]:
-    """A row in pieces, cut where the recalculation puts type and value of a formula written without one."""
-    if FORMULA_MARK not in text:
-        return [text]
-    marked = text.replace("><f>", f"{_CUT}><f>").replace("</f></c>", f"</f>{_CUT}</c>")
-    return marked.split(_CUT)
 
 
 def cleaned(sheet: str, row: int, column: int, value: Any) -> CellValue:
