@@ -61,7 +61,7 @@ class _Block(NamedTuple):
     """A written rectangle with the values given for its first rows; those below are blank."""
 
     rect: Rect
-    rows: Sequence[Sequence[Constant]]
+    rows: Sequence[Sequence[CellValue]]
 
 
 class SheetPart:
@@ -165,25 +165,31 @@ class SheetPart:
 
     def constants(self, rect: Rect) -> list[Constant]:
         """The values that the cells of a rectangle show, row by row."""
+        size = rect.height * rect.width
         block = next((one for one in self._blocks if one.rect.covers(rect)), None)
-        if block is None:
-            # Only rows that are there: a range may reach to the end of the sheet.
-            held: list[Constant] = [None] * (rect.height * rect.width)
-            for row in self._rows_between(rect.top, rect.bottom):
-                at = (row - rect.top) * rect.width - rect.left
-                for column in range(rect.left, rect.right + 1):
-                    held[at + column] = self.constant(row, column)
-            return held
-        # The values are in hand: taking them from the cells again would parse each number.
-        start, left = rect.top - block.rect.top, rect.left - block.rect.left
-        rows, right = block.rows[start : start + rect.height], left + rect.width
-        known = [value for row in rows for value in row[left:right]]
-        return known + [None] * (rect.height * rect.width - len(known))
+        if block is not None:
+            # The values are in hand: taking them from the cells again would parse each number.
+            start, left = rect.top - block.rect.top, rect.left - block.rect.left
+            rows, right = block.rows[start : start + rect.height], left + rect.width
+            known = [value for row in rows for value in row[left:right]]
+            if Formula not in set(map(type, known)):
+                return cast("list[Constant]", known) + [None] * (size - len(known))
+        # Only rows that are there: a range may reach to the end of the sheet.
+        held: list[Constant] = [None] * size
+        for number in self._rows_between(rect.top, rect.bottom):
+            at = (number - rect.top) * rect.width - rect.left
+            for column in range(rect.left, rect.right + 1):
+                held[at + column] = self.constant(number, column)
+        return held
 
     def style(self, row: int, column: int) -> str | None:
         """Style index that a cell has, or would have if it were written now."""
-        here = Rect(row, column, row, column)
-        return self._styles(here, [self._row_as_it_is(row) if row in self._rows else None])[0][0]
+        return self.row_styles(Rect(row, column, row, column))[0]
+
+    def row_styles(self, rect: Rect) -> tuple[str | None, ...]:
+        """Style indices of the first row of a rectangle, as `style`."""
+        row = self._row_as_it_is(rect.top) if rect.top in self._rows else None
+        return self._styles(rect, [row])[0]
 
     def filled_cells(self, rect: Rect) -> Iterator[tuple[int, int]]:
         """Cells of a rectangle that hold a value or a formula."""
@@ -318,14 +324,13 @@ class SheetPart:
         ]
         texts = rows_xml(rect.top, starts, self._styles(rect, there, styles), [*rows, *blank])
         self._graft(rect, texts)
-        with_formulas = [offset for offset, text in enumerate(texts) if FORMULA_CUT in text]
-        for offset in with_formulas:
-            for shift, value in enumerate(rows[offset]):
+        for offset, text in enumerate(texts):
+            for shift, value in enumerate(rows[offset]) if FORMULA_CUT in text else ():
                 if isinstance(value, Formula):
                     self._note_formula(rect.top + offset, rect.left + shift, value.text)
         self._forget_blocks(rect)
-        if len(rows) > 1 and not with_formulas:
-            self._blocks.append(_Block(rect, cast("Sequence[Sequence[Constant]]", rows)))
+        if len(rows) > 1:
+            self._blocks.append(_Block(rect, rows))
         self._note_extent(rect)
         self._touch()
         return texts
@@ -374,14 +379,14 @@ class SheetPart:
         kind, text = constant_text(value)
         formula = self.formulas.get((row, column))
         if isinstance(formula, TextFormula):
-            self._forget_blocks(Rect(row, column, row, column))
             formula.show(kind, text)
             self._touch()
             return
         cell = self._cell(row, column)
         if cell is None:
             return
-        self._forget_blocks(Rect(row, column, row, column))
+        if formula is None:
+            self._forget_blocks(Rect(row, column, row, column))
         for old in cell.findall(_V):
             cell.remove(old)
         cell.attrib.pop("t", None)

@@ -31,8 +31,6 @@ _CELL = (
 )
 _ROW = re.compile(rb"(<row [^<>]*+>)((?:%s)++)(?=</row>)" % _CELL)
 _ROW_NUMBER = re.compile(rb' r="([1-9][0-9]{0,6})"')
-# In comments and the like, what looks like a row is none; but a part begins with a declaration.
-_COMMENT = re.compile(rb"<[!?]")
 _NO_CHARACTERS = (b"\xef\xbf\xbe", b"\xef\xbf\xbf")
 _CELL_START = '<c r="'
 # Style, type, formula and value of a cell with a formula.
@@ -62,8 +60,9 @@ def with_places(data: bytes, place: Callable[[bytes, int | None], bytes]) -> byt
     start, end = data.find(b"<sheetData>"), data.rfind(b"</sheetData>")
     if (
         not 0 <= start < end
-        or data.startswith(b"<!")
-        or _COMMENT.search(data, 2) is not None
+        # In comments and the like, what looks like a row is none; but a part begins with a declaration.
+        or b"<!" in data
+        or data.find(b"<?", 2) >= 0
         or not is_utf8(data)
         or not _is_text(data)
     ):
