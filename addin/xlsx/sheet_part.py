@@ -595,9 +595,10 @@ class SheetPart:
         self._rows[number] = element
         self._row_numbers.insert(position, number)
 
-    def _column_styles(self, rect: Rect) -> tuple[str | None, ...]:
-        """Style of each column of a rectangle, as far as the sheet gives columns a style."""
-        styles: list[str | None] = [None] * rect.width
+    @cached_property
+    def _styled_columns(self) -> list[tuple[int, int, str | None]]:
+        """First and last column, and style, of the columns that the sheet describes."""
+        found = []
         for entry in self._root.iterfind(f"{main('cols')}/{main('col')}"):
             first = whole_number(entry.get("min"), MAX_COLUMN)
             last = whole_number(entry.get("max"), MAX_COLUMN)
@@ -605,8 +606,15 @@ class SheetPart:
                 raise damaged(
                     f"Sheet {self.name} sets the width of columns beyond the end of a sheet."
                 )
+            found.append((first, last, entry.get("style")))
+        return found
+
+    def _column_styles(self, rect: Rect) -> tuple[str | None, ...]:
+        """Style of each column of a rectangle, as far as the sheet gives columns a style."""
+        styles: list[str | None] = [None] * rect.width
+        for first, last, style in self._styled_columns:
             for column in range(max(first, rect.left), min(last, rect.right) + 1):
-                styles[column - rect.left] = entry.get("style")
+                styles[column - rect.left] = style
         return tuple(styles)
 
     def _default_styles(

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from html import escape
-from typing import Any
+from typing import Any, TypeGuard
 
 from addin.xlsx.xml_part import Element, main
 
@@ -21,6 +21,7 @@ from addin.xlsx.xml_part import Element, main
 #: XML can hold this character.
 FORMULA_CUT = "\0"
 _NUMBERS = frozenset([float])
+_NUMBERS_AND_BLANKS = frozenset([float, type(None)])
 MAX_TEXT = 32_767
 MAX_FORMULA = 8_192
 ERROR_CODES = frozenset(
@@ -129,6 +130,13 @@ def _clean_text(text: str) -> str:
             "utf-16-le", "replace"
         )
     return _ILLEGAL.sub("\ufffd", text[:MAX_TEXT].replace("\r\n", "\n").replace("\r", "\n"))
+
+
+def are_plain_numbers(values: Sequence[Any]) -> TypeGuard[Sequence[float | None]]:
+    """Whether values are numbers and blanks that a cell holds as they are."""
+    return _NUMBERS_AND_BLANKS.issuperset(map(type, values)) and math.isfinite(
+        sum(filter(None, values))
+    )
 
 
 def number_text(value: float) -> str:

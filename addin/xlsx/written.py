@@ -10,13 +10,11 @@ from typing import Any
 from addin.xlsx.errors import CellRefused
 from addin.xlsx.references import Rect, cell_name
 from addin.xlsx.sheet_part import SheetPart
-from addin.xlsx.values import FORMULA_CUT, CellValue, Formula, clean
+from addin.xlsx.values import FORMULA_CUT, CellValue, Formula, are_plain_numbers, clean
 
 _CELL_START = b"<c "
 # A character that no XML can hold, other than that of a cut.
 _BETWEEN = "\1"
-# Types of values that stay as they are where they are finite.
-_PLAIN = frozenset([float, type(None)])
 
 
 @dataclass(frozen=True)
@@ -61,7 +59,7 @@ def cleaned_row(
     sheet: str, number: int, columns: Sequence[int], row: Sequence[Any]
 ) -> list[CellValue]:
     """The values that the cells of a row will hold."""
-    if _PLAIN.issuperset(map(type, row)) and isfinite(sum(filter(None, row))):
+    if are_plain_numbers(row):
         return list(row)
     try:
         # Most cells are numbers; asking for that here spares a call for each.
