@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from bisect import bisect_left
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import lru_cache
 from html import escape
@@ -33,10 +33,10 @@ _ROW = re.compile(rb"(<row [^<>]*+>)((?:%s)++)(?=</row>)" % _CELL)
 _ROW_NUMBER = re.compile(rb' r="([1-9][0-9]{0,6})"')
 _NO_CHARACTERS = (b"\xef\xbf\xbe", b"\xef\xbf\xbf")
 _CELL_START = '<c r="'
-# Style, type, formula and value of a cell with a formula.
-_FORMULA = re.compile(r'( s="[0-9]+")?(?: t="([A-Za-z]+)")?><f>([^<]*)</f>(<v>[^<]*</v>)?')
 # Place and style of a cell in the shape of a row.
-_SHAPE = re.compile(rf'([A-Z]+)#"(?: s="([0-9]+)")?(?: t="[A-Za-z]+")?(?:/|{FORMULA_CUT})?')
+_SHAPE = re.compile(
+    rf'{_CELL_START}([A-Z]+)#"(?: s="([0-9]+)")?(?: t="[A-Za-z]+")?(?:/|{FORMULA_CUT})?'
+)
 
 
 def with_places(data: bytes, place: Callable[[bytes, int | None], bytes]) -> bytes:
@@ -192,50 +192,48 @@ class TextRow:
     def _take_in(self) -> None:
         """Make what was written its cells."""
         self.stored = self._with_cuts()
-        self.columns, self.styles = _columns_and_styles_of(self.number, self.stored)
-        self.written, self.last_written, self._cut = [], 0, []
+        self.written, self.last_written, self._cut = [], 0, _cells_of(self.stored)
+        self.columns, self.styles = _columns_and_styles(_shape(self.number, self._cut))
 
     def _cells(self) -> list[str]:
         """The cells it had, one by one."""
         if not self._cut:
-            self._cut = [_CELL_START + cell for cell in self.stored.split(_CELL_START)[1:]]
+            self._cut = _cells_of(self.stored)
         return self._cut
 
 
 def text_row(number: int, cells: str) -> TextRow | None:
     """A plain row as text; None where its cells are out of order or bear names of other rows."""
-    formulas: list[TextFormula] = []
-
-    def without_value(found: re.Match[str]) -> str:
-        style, kind, text, value = found.groups(default="")
-        formulas.append(TextFormula(unescaped(text), kind, value))
-        return f"{style}{FORMULA_CUT}><f>{text}</f>{FORMULA_CUT}"
-
+    pieces, formulas = _cells_of(cells), {}
     if "<f>" in cells:
-        cells = _FORMULA.sub(without_value, cells)
-    columns, styles = _columns_and_styles_of(number, cells)
+        for k, piece in enumerate(pieces):
+            if "<f>" in piece:
+                pieces[k], formulas[k] = _without_value(piece)
+        cells = "".join(pieces)
+    columns, styles = _columns_and_styles(_shape(number, pieces))
     if not columns:
         return None
-    row = TextRow(number, cells, columns, styles, states_span=True)
-    if formulas:
-        held = [k for k, cell in enumerate(row._cells()) if FORMULA_CUT in cell]
-        row.formulas = {columns[k]: one for k, one in zip(held, formulas, strict=True)}
-    return row
+    of_columns = {columns[k]: formula for k, formula in formulas.items()}
+    return TextRow(number, cells, columns, styles, formulas=of_columns, states_span=True)
 
 
-def _columns_and_styles_of(
-    number: int, cells: str
-) -> tuple[tuple[int, ...], tuple[str | None, ...]]:
-    """Columns and styles of the cells of a row; none where they are out of order or bear names of other rows."""
+def _cells_of(text: str) -> list[str]:
+    return [_CELL_START + cell for cell in text.split(_CELL_START)[1:]]
+
+
+def _without_value(cell: str) -> tuple[str, TextFormula]:
+    """A cell with a formula, cut where type and value go, and the formula with its value."""
+    tag, _, rest = cell.partition("><f>")
+    tag, _, kind = tag.partition(' t="')
+    text, _, value = rest.removesuffix("</c>").partition("</f>")
+    formula = TextFormula(unescaped(text), kind.removesuffix('"'), value)
+    return f"{tag}{FORMULA_CUT}><f>{text}</f>{FORMULA_CUT}</c>", formula
+
+
+def _shape(number: int, cells: Iterable[str]) -> str:
+    """Names, styles and types of the cells of a row, without its number."""
     name_end = f'{number}"'
-    return _columns_and_styles(
-        "|".join(
-            [
-                cell.partition(">")[0].replace(name_end, '#"', 1)
-                for cell in cells.split(_CELL_START)[1:]
-            ]
-        )
-    )
+    return "|".join([cell.partition(">")[0].replace(name_end, '#"', 1) for cell in cells])
 
 
 @lru_cache(maxsize=1024)
