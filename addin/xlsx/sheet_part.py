@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from bisect import bisect_left
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cached_property
 from operator import itemgetter
 from typing import NamedTuple, cast
@@ -171,7 +171,11 @@ class SheetPart:
             # The values are in hand: taking them from the cells again would parse each number.
             start, left = rect.top - block.rect.top, rect.left - block.rect.left
             rows, right = block.rows[start : start + rect.height], left + rect.width
-            known = [value for row in rows for value in row[left:right]]
+            known = (
+                [row[left] for row in rows]
+                if rect.width == 1
+                else [value for row in rows for value in row[left:right]]
+            )
             if Formula not in set(map(type, known)):
                 return cast("list[Constant]", known) + [None] * (size - len(known))
         # Only rows that are there: a range may reach to the end of the sheet.
@@ -585,6 +589,19 @@ class SheetPart:
             self._row(int(cell.getparent().get("r")))
         return place
 
+    def _insert_text_rows(self, numbers: Iterable[int]) -> None:
+        """Put in rows without cells, which are text."""
+        rows = [TextRow(number) for number in numbers]
+        places = "".join(
+            f'<row r="{row.number}"><c r="{_PLACE_NAME}{k}"/></row>'
+            for k, row in enumerate(rows, len(self._texts))
+        )
+        elements = list(etree.fromstring(f'<d xmlns="{MAIN}">{places}</d>'))
+        for row, element in zip(rows, elements, strict=True):
+            self._insert_row(row.number, element)
+            self._indexed[row.number] = row
+        self._texts += rows
+
     def _insert_row(self, number: int, element: Element) -> None:
         position = bisect_left(self._row_numbers, number)
         if position:
@@ -642,6 +659,12 @@ class SheetPart:
 
     def _graft(self, rect: Rect, texts: Sequence[str]) -> None:
         """Put rows of new cells, given as XML, in the place of the old cells of the rectangle."""
+        if self._may_wait:
+            self._insert_text_rows(
+                number
+                for number, text in enumerate(texts, rect.top)
+                if text and number not in self._rows
+            )
         left = [
             (number, text)
             for number, text in enumerate(texts, rect.top)
@@ -663,9 +686,7 @@ class SheetPart:
     def _put_text(self, number: int, rect: Rect, text: str) -> bool:
         """Put new cells in the place of the old ones as text; False where the row has elements."""
         if number not in self._rows:
-            if not text:
-                return True
-            self._insert_row(number, self._data.makeelement(_ROW, r=str(number)))
+            return True  # of cells that are not there, nothing is taken out
         row = self._row_as_it_is(number)
         if isinstance(row, Row):
             if len(row.element):
