@@ -186,7 +186,9 @@ def recalculate_case(
     """
     digest = case_digest(read.data)
     try:
-        case = replace(read.case(), **settings)
+        case = read.case()
+        if settings:  # a changed case is checked once more
+            case = replace(case, **settings)
         if known is not None:
             # the title block is no part of the case: it is this file's own
             results = replace(known, case=case)

@@ -17,8 +17,8 @@ module             responsibility
 `sheet_ranges`     ranges stated beside the cells: formats, validations and sparklines that follow
                    a table
 `sheet_row`        one row of a sheet with its cells as elements
-`text_row`         one row of a sheet that holds nothing but values and stays text
 `values`           what a cell may hold, and its XML
+`text_row`         one row of a sheet that holds nothing but values and plain formulas and stays text
 `charts`           chart ranges and the values that charts carry
 `formula_text`     references inside a formula
 `sheet_part`       rows, cells and styles of one sheet

@@ -24,13 +24,14 @@ from addin.xlsx.references import (
     split_sheet,
     whole_number,
 )
-from addin.xlsx.values import Constant, ErrorValue
+from addin.xlsx.values import Constant, ErrorValue, are_plain_numbers
 from addin.xlsx.xml_part import CHART, Element, is_utf8, parse_part, serialise
 
 Area = tuple[str, Rect]
 Shown = Callable[[str, Rect], Sequence[Constant]]
 
 _F, _PT_COUNT, _PT, _LEVEL = (f"{{{CHART}}}{tag}" for tag in ("f", "ptCount", "pt", "lvl"))
+_VALUES = frozenset([_PT_COUNT, _PT, _LEVEL])
 _EXTENSIONS = f"{{{CHART}}}extLst"
 _CACHES = {
     f"{{{CHART}}}{kind}Ref": f"{{{CHART}}}{kind}Cache" for kind in ("num", "str", "multiLvlStr")
@@ -45,10 +46,11 @@ _LABELS, _LABELS_F, _LABELS_CACHE = (
 # Where points go that are still text: a point with an index that no chart has.
 _PLACE_INDEX = "points-"
 _PLACE = re.compile(rb"<[^<>]*pt idx=\"points-([0-9]{1,7})\"/>")
-# Points as the parser would write them again, to the last byte, so many that they are worth leaving alone.
-_PLAIN_TEXT = rb"(?:[ -%'-;=?-~]++|&(?:amp|lt|gt);){0,300}+"
+# Points, behind their number, as the parser would write them again, to the last byte.
+_PLAIN_TEXT = rb"(?:[ -%'-;=?-~]++|&(?:amp|lt|gt);){1,300}+"
 _PLAIN_POINTS = re.compile(
-    rb'(?:<c:pt idx="[0-9]{1,7}+"><c:v>' + _PLAIN_TEXT + rb"</c:v></c:pt>){8,}+"
+    rb'<c:ptCount val="[0-9]{1,7}+"/>(?:<c:pt idx="[0-9]{1,7}+"><c:v>%s</c:v></c:pt>)*+'
+    % _PLAIN_TEXT
 )
 _PLAIN_POINT = re.compile(rb'idx="([0-9]+)"><c:v>([^<]*)<')
 _PREFIX = b' xmlns:c="%s"' % CHART.encode()
@@ -84,7 +86,7 @@ class ChartPart:
         self._points_left = MOST_POINTS
 
     def _without_points(self, data: bytes) -> bytes:
-        """The part with places for its long runs of plain points, where what looks like a point is one."""
+        """The part with places for its plain points, where what looks like a point is one."""
         declared_once = data.count(b"xmlns:c=") == 1 and _PREFIX in data
         misleading = b"<!" in data or data.find(b"<?", 2) >= 0 or _PLACE_INDEX.encode() in data
         if not declared_once or misleading or not is_utf8(data):
@@ -196,7 +198,7 @@ class ChartPart:
         shown: Shown,
         known: dict[tuple[str, str, tuple[Area, ...]], bytes],
     ) -> None:
-        for old in cache.findall(_PT_COUNT) + cache.findall(_PT) + cache.findall(_LEVEL):
+        for old in [child for child in cache if child.tag in _VALUES]:
             cache.remove(old)
         # The points are of the chart's own namespace, in an extension too.
         short = next((one for one, uri in cache.nsmap.items() if uri == CHART), None)
@@ -269,9 +271,7 @@ def _cache_xml(kind: str, areas: list[Area], shown: Shown, prefix: str) -> str:
         points = [_text_point(value) for value in values]
         return f'<{prefix}ptCount val="{len(points)}"/>{_points_xml(points, prefix)}'
     # Text and errors have none, as a spreadsheet program leaves them out too.
-    numbers = [
-        value if type(value) is float and isfinite(value) else _number_of(value) for value in values
-    ]
+    numbers = values if are_plain_numbers(values) else [_number_of(value) for value in values]
     xml = f'<{prefix}ptCount val="{len(numbers)}"/>{_points_xml(numbers, prefix)}'
     # Whole numbers without a point, as `number_text` writes them.
     return xml.replace(f".0</{prefix}v>", f"</{prefix}v>")

@@ -133,7 +133,7 @@ class Container:
                     "cells and charts, the limit for a workbook. Move bulk data to another workbook.",
                 )
             try:
-                self._inflated[name] = self._zip.read(entry)
+                self._inflated[name] = inflated(self.data, entry)
             except _UNPACKING as problem:
                 raise _damaged(
                     self.path, f"the part {shown_name(name)} cannot be unpacked"
@@ -253,6 +253,17 @@ def stored_bytes(archive: bytes, entry: zipfile.ZipInfo) -> bytes:
     name_length, extra_length = struct.unpack_from("<HH", archive, start + 26)
     begin = start + _LOCAL_HEADER.size + name_length + extra_length
     return archive[begin : begin + entry.compress_size]
+
+
+def inflated(archive: bytes, entry: zipfile.ZipInfo) -> bytes:
+    """An entry of an archive held in memory, checked against the size and the check sum that its directory states."""
+    data = stored_bytes(archive, entry)
+    if entry.compress_type == zipfile.ZIP_DEFLATED:
+        # Not a byte beyond the size, which may be a lie; 0 would mean any.
+        data = zlib.decompressobj(-15).decompress(data, entry.file_size) if entry.file_size else b""
+    if len(data) != entry.file_size or zlib.crc32(data) != entry.CRC:
+        raise zipfile.BadZipFile("size or check sum are not those that its directory states")
+    return data
 
 
 def _check_magic(data: bytes, path: Path) -> None:

@@ -42,6 +42,7 @@ from addin.xlsx.kept_calculator import SHELF
 from addin.xlsx.references import Rect
 from addin.xlsx.sheet_part import SheetPart
 from addin.xlsx.state import WorkbookState
+from addin.xlsx.text_row import TextFormula
 from addin.xlsx.values import MAX_FORMULA, Constant, ErrorValue
 from addin.xlsx.xml_part import Element, in_short, main
 
@@ -165,9 +166,12 @@ def _formulas_of(sheet: SheetPart) -> Iterator[FormulaCell]:
     masters: dict[str, tuple[str, int, int]] = {}
     arrays = sheet.arrays
     for (row, column), cell in sheet.formulas.items():
+        here = Rect(row, column, row, column)
+        if isinstance(cell, TextFormula):
+            yield FormulaCell(sheet.name, here, cell.text)
+            continue
         formula = cell.find(_F)
         kind, text = formula.get("t"), formula.text or ""
-        here = Rect(row, column, row, column)
         if kind == "shared":
             if text:
                 masters[formula.get("si")] = (text, row, column)

@@ -20,7 +20,7 @@ from addin.xlsx.errors import WorkbookRefused, damaged
 from addin.xlsx.formulas import CacheReport
 from addin.xlsx.save import Destination, PackageChange, SaveReport, save_package
 from addin.xlsx.state import in_any_capitals
-from addin.xlsx.values import row_xml
+from addin.xlsx.values import rows_xml
 from addin.xlsx.workbook import Workbook
 from addin.xlsx.workbook_part import CONTENT_TYPES_PART, XLSM_TYPE, XLSX_TYPE, relationships_part
 from addin.xlsx.xml_part import DRAWING, MAIN, RELATIONSHIP_IDS
@@ -302,10 +302,9 @@ def _sheet(settings: Mapping[str, Setting], code_name: str) -> bytes:
     """A sheet of names and values, in need of no other part."""
     code = f"<sheetPr codeName={quoteattr(code_name)}/>" if code_name else ""
     starts, no_styles = ('<c r="A', '<c r="B'), (None, None)
-    rows = "".join(
-        f'<row r="{i}">{row_xml(i, starts, no_styles, (name, None if value == "" else value))}</row>'
-        for i, (name, value) in enumerate(settings.items(), start=1)
-    )
+    named = [(name, None if value == "" else value) for name, value in settings.items()]
+    texts = rows_xml(1, starts, [no_styles] * len(named), named)
+    rows = "".join(f'<row r="{i}">{text}</row>' for i, text in enumerate(texts, start=1))
     return (
         f'{_DECLARATION}<worksheet xmlns="{MAIN}">{code}'
         f'<dimension ref="A1:B{len(settings)}"/><sheetData>{rows}</sheetData></worksheet>'

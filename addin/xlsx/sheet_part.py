@@ -1,6 +1,6 @@
 """The cells of one worksheet part.
 
-The part is parsed once; cells are changed in the tree and the tree is written back. Rows that hold nothing but values stay
+The part is parsed once; cells are changed in the tree and the tree is written back. Rows that hold nothing but values and plain formulas stay
 text (`text_row`) until somebody asks for a cell of them: in the tree, one place stands for their cells. Blocks of cells are
 built as text and put in place row by row, which keeps the cost in proportion to the number of cells.
 """
@@ -9,8 +9,9 @@ from __future__ import annotations
 
 import re
 from bisect import bisect_left
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cached_property
+from operator import itemgetter
 from typing import NamedTuple, cast
 
 from lxml import etree
@@ -28,17 +29,19 @@ from addin.xlsx.references import (
 )
 from addin.xlsx.sheet_ranges import read_range, resize_ranges, retarget_sparklines
 from addin.xlsx.sheet_row import Row, index_row
-from addin.xlsx.text_row import TextRow, text_row, with_places
+from addin.xlsx.text_row import TextFormula, TextRow, text_row, with_places
 from addin.xlsx.values import (
-    FORMULA_MARK,
+    FORMULA_CUT,
     CellValue,
     Constant,
     Formula,
     constant_text,
+    formula_or_constant,
     read_cell,
     read_constant,
     read_text,
-    row_xml,
+    rows_xml,
+    stored_constant,
 )
 from addin.xlsx.xml_part import MAIN, Element, main, parse_part, serialise
 
@@ -58,7 +61,7 @@ class _Block(NamedTuple):
     """A written rectangle with the values given for its first rows; those below are blank."""
 
     rect: Rect
-    rows: Sequence[Sequence[Constant]]
+    rows: Sequence[Sequence[CellValue]]
 
 
 class SheetPart:
@@ -87,6 +90,7 @@ class SheetPart:
         # writes its tags with a prefix cannot take text as it is built here, and one in which something bears the name
         # of a place would be mistaken.
         self._texts: list[bytes | TextRow] = []
+        self._text_rows_with_formulas: list[int] = []
         self._may_wait = _PLACE_NAME.encode() not in data
         self._root = self._parsed(data) if self._may_wait else parse_part(data, part)
         self._may_wait = self._may_wait and self._root.prefix is None
@@ -105,8 +109,10 @@ class SheetPart:
     def _parsed(self, data: bytes) -> Element:
         """The part as a tree, with places for the cells of plain rows."""
 
-        def place(cells: bytes) -> bytes:
+        def place(cells: bytes, with_formulas: int | None) -> bytes:
             self._texts.append(cells)
+            if with_formulas is not None:
+                self._text_rows_with_formulas.append(with_formulas)
             return b'<c r="%s%d"/>' % (_PLACE_NAME.encode(), len(self._texts) - 1)
 
         with_text = with_places(data, place)
@@ -117,6 +123,7 @@ class SheetPart:
         except WorkbookRefused:
             pass  # it is said of the part as it is stored, with the places in it
         self._texts.clear()
+        self._text_rows_with_formulas.clear()
         return parse_part(data, self.part)
 
     @property
@@ -132,6 +139,11 @@ class SheetPart:
 
     def value(self, row: int, column: int) -> CellValue:
         """What a cell holds."""
+        held = self._row_as_it_is(row) if row in self._rows else None
+        if isinstance(held, TextRow):
+            constant = self._constant_of_text(held, column)
+            formula = held.formulas.get(column)
+            return constant if formula is None else formula_or_constant(formula.text, constant)
         cell = self._cell(row, column)
         return None if cell is None else read_cell(cell, self.shared_strings)
 
@@ -139,34 +151,49 @@ class SheetPart:
         """The value that a cell shows; of a formula its cached value."""
         held = self._row_as_it_is(row) if row in self._rows else None
         if isinstance(held, TextRow):
-            text = held.cell(column)
-            return None if text is None else read_text(text, self.shared_strings)
+            return self._constant_of_text(held, column)
         cell = self._cell(row, column)
         return None if cell is None else read_constant(cell, self.shared_strings)
 
+    def _constant_of_text(self, row: TextRow, column: int) -> Constant:
+        formula = row.formulas.get(column)
+        if formula is None:
+            text = row.cell(column)
+            return None if text is None else read_text(text, self.shared_strings)
+        shown = formula.shown()
+        return None if shown is None else stored_constant(formula.kind, shown, self.shared_strings)
+
     def constants(self, rect: Rect) -> list[Constant]:
         """The values that the cells of a rectangle show, row by row."""
+        size = rect.height * rect.width
         block = next((one for one in self._blocks if one.rect.covers(rect)), None)
-        if block is None:
-            # Only rows that are there: a range may reach to the end of the sheet.
-            held: list[Constant] = [None] * (rect.height * rect.width)
-            for row in self._rows_between(rect.top, rect.bottom):
-                at = (row - rect.top) * rect.width - rect.left
-                for column in range(rect.left, rect.right + 1):
-                    held[at + column] = self.constant(row, column)
-            return held
-        # The values are in hand: taking them from the cells again would parse each number.
-        start, left = rect.top - block.rect.top, rect.left - block.rect.left
-        rows, right = block.rows[start : start + rect.height], left + rect.width
-        known = [value for row in rows for value in row[left:right]]
-        return known + [None] * (rect.height * rect.width - len(known))
+        if block is not None:
+            # The values are in hand: taking them from the cells again would parse each number.
+            start, left = rect.top - block.rect.top, rect.left - block.rect.left
+            rows, right = block.rows[start : start + rect.height], left + rect.width
+            known = (
+                [row[left] for row in rows]
+                if rect.width == 1
+                else [value for row in rows for value in row[left:right]]
+            )
+            if Formula not in set(map(type, known)):
+                return cast("list[Constant]", known) + [None] * (size - len(known))
+        # Only rows that are there: a range may reach to the end of the sheet.
+        held: list[Constant] = [None] * size
+        for number in self._rows_between(rect.top, rect.bottom):
+            at = (number - rect.top) * rect.width - rect.left
+            for column in range(rect.left, rect.right + 1):
+                held[at + column] = self.constant(number, column)
+        return held
 
     def style(self, row: int, column: int) -> str | None:
         """Style index that a cell has, or would have if it were written now."""
-        here = Rect(row, column, row, column)
-        if row in self._rows and column in self._row_as_it_is(row).columns_in(here):
-            return self._row_styles(row, here, (None,))[0]
-        return self._default_styles(row, self._column_styles(here))[0]
+        return self.row_styles(Rect(row, column, row, column))[0]
+
+    def row_styles(self, rect: Rect) -> tuple[str | None, ...]:
+        """Style indices of the first row of a rectangle, as `style`."""
+        row = self._row_as_it_is(rect.top) if rect.top in self._rows else None
+        return self._styles(rect, [row])[0]
 
     def filled_cells(self, rect: Rect) -> Iterator[tuple[int, int]]:
         """Cells of a rectangle that hold a value or a formula."""
@@ -186,10 +213,19 @@ class SheetPart:
             yield from ((number, column) for column in row.columns_in(rect))
 
     @cached_property
-    def formulas(self) -> dict[tuple[int, int], Element]:
-        """Cells with a formula, by row and column."""
+    def formulas(self) -> dict[tuple[int, int], Element | TextFormula]:
+        """Cells with a formula, by row and column, as elements or, in rows that are text, their formulas."""
+        places: list[tuple[tuple[int, int], Element | TextFormula]] = []
+        for number in self._text_rows_with_formulas:
+            row = self._as_text(number)
+            if row is not None:
+                places += (((number, column), one) for column, one in row.formulas.items())
         cells = [formula.getparent() for formula in self._data.iter(_F)]
-        return {self._place(cell): cell for cell in cells}
+        in_text = len(places)
+        places += ((self._place(cell), cell) for cell in cells)
+        if in_text and cells:
+            places.sort(key=itemgetter(0))
+        return dict(places)
 
     @property
     def rich_values(self) -> list[tuple[int, int]]:
@@ -206,7 +242,11 @@ class SheetPart:
     @cached_property
     def arrays(self) -> dict[tuple[int, int], Rect]:
         """Ranges of array formulas, spilled results and data tables, by their master cell."""
-        formulas = {place: cell.find(_F) for place, cell in self.formulas.items()}
+        formulas = {
+            place: cell.find(_F)
+            for place, cell in self.formulas.items()
+            if not isinstance(cell, TextFormula)
+        }
         what = f"An array formula of sheet {self.name}"
         return {
             place: read_range(formula.get("ref"), what)
@@ -274,31 +314,27 @@ class SheetPart:
         Returns
         -------
         list of str
-            XML of the cells of each row, as it is in the part when its namespace has no prefix.
+            XML of the cells of each row, as it is in the part when its namespace has no prefix, with cuts
+            (`values.FORMULA_CUT`) where type and value of formulas come.
         """
         self._forget_formulas(rect)
-        column_styles = self._column_styles(rect) if styles is None else tuple(styles)
         starts = tuple(
             f'<c r="{column_letters(column)}' for column in range(rect.left, rect.right + 1)
         )
-        blank: list[CellValue] = [None] * rect.width
-        texts = []
-        for offset in range(rect.height):
-            number = rect.top + offset
-            row = rows[offset] if offset < len(rows) else blank
-            default = (
-                self._default_styles(number, column_styles) if styles is None else column_styles
-            )
-            texts.append(row_xml(number, starts, self._row_styles(number, rect, default), row))
+        blank: list[list[CellValue]] = [[None] * rect.width] * (rect.height - len(rows))
+        there = [
+            self._row_as_it_is(number) if number in self._rows else None
+            for number in range(rect.top, rect.bottom + 1)
+        ]
+        texts = rows_xml(rect.top, starts, self._styles(rect, there, styles), [*rows, *blank])
         self._graft(rect, texts)
-        with_formulas = [offset for offset, text in enumerate(texts) if FORMULA_MARK in text]
-        for offset in with_formulas:
-            for shift, value in enumerate(rows[offset]):
+        for offset, text in enumerate(texts):
+            for shift, value in enumerate(rows[offset]) if FORMULA_CUT in text else ():
                 if isinstance(value, Formula):
-                    self._note_formula(rect.top + offset, rect.left + shift)
+                    self._note_formula(rect.top + offset, rect.left + shift, value.text)
         self._forget_blocks(rect)
-        if len(rows) > 1 and not with_formulas:
-            self._blocks.append(_Block(rect, cast("Sequence[Sequence[Constant]]", rows)))
+        if len(rows) > 1:
+            self._blocks.append(_Block(rect, rows))
         self._note_extent(rect)
         self._touch()
         return texts
@@ -338,19 +374,25 @@ class SheetPart:
         for column in range(source.left, source.right + 1):
             if (number, column) in self.formulas:
                 self._drop_formula(number, column)
-                self._note_formula(row, column)
+                self._note_formula(row, column, "")
         self._note_extent(Rect(row, source.left, row, source.right))
         self._touch()
 
     def set_cached(self, row: int, column: int, value: Constant) -> None:
         """Replace the cached value of a cell; the formula stays. None leaves it without a value."""
+        kind, text = constant_text(value)
+        formula = self.formulas.get((row, column))
+        if isinstance(formula, TextFormula):
+            formula.show(kind, text)
+            self._touch()
+            return
         cell = self._cell(row, column)
         if cell is None:
             return
-        self._forget_blocks(Rect(row, column, row, column))
+        if formula is None:
+            self._forget_blocks(Rect(row, column, row, column))
         for old in cell.findall(_V):
             cell.remove(old)
-        kind, text = constant_text(value)
         cell.attrib.pop("t", None)
         # What a rich value shows is not in the cell: it would outlive the value that it belongs to.
         cell.attrib.pop("vm", None)
@@ -486,14 +528,19 @@ class SheetPart:
         """Row with its cells as elements; it must exist."""
         row = self._row_as_it_is(number)
         if isinstance(row, TextRow):
+            formulas = row.formulas
             row = self._indexed[number] = self._with_elements(number, row.xml())
+            for column in formulas:
+                self.formulas[number, column] = row.cells[column]
         return row
 
     def _with_elements(self, number: int, cells: str) -> Row:
         """The row with elements for its cells."""
-        element = self._rows[number]
-        element[:] = etree.fromstring(f'<row xmlns="{MAIN}">{cells}</row>')[:]
-        return index_row(self.name, number, element)
+        self._put_elements(number, cells)
+        return index_row(self.name, number, self._rows[number])
+
+    def _put_elements(self, number: int, cells: str) -> None:
+        self._rows[number][:] = etree.fromstring(f'<row xmlns="{MAIN}">{cells}</row>')[:]
 
     def _row_as_it_is(self, number: int) -> Row | TextRow:
         """Row whose cells may be text; it must exist."""
@@ -502,24 +549,31 @@ class SheetPart:
         return self._indexed[number]
 
     def _at_first(self, number: int) -> Row | TextRow:
+        return self._as_text(number) or index_row(self.name, number, self._rows[number])
+
+    def _as_text(self, number: int) -> TextRow | None:
+        """A row whose cells are text; one that is out of order gets elements, of which it is said when they are met."""
         element = self._rows[number]
         name = element[0].get("r") if self._texts and len(element) else None
         if name is None or not name.startswith(_PLACE_NAME):
-            return index_row(self.name, number, element)
+            return None
         place = int(name.removeprefix(_PLACE_NAME))
         stored = self._texts[place]
-        assert isinstance(stored, bytes)
+        if isinstance(stored, TextRow):
+            return stored
         cells = stored.decode()
         row = text_row(number, cells)
         if row is None:
-            return self._with_elements(number, cells)  # which says what is wrong
-        self._texts[place] = row
+            self._put_elements(number, cells)
+        else:
+            self._texts[place] = self._indexed[number] = row
         return row
 
     def _cell(self, row: int, column: int) -> Element | None:
-        if (row, column) in self.formulas:
+        formula = self.formulas.get((row, column))
+        if formula is not None and not isinstance(formula, TextFormula):
             # Formulas are asked for most often, and their index spares that of the row.
-            return self.formulas[row, column]
+            return formula
         return self._row(row).cells.get(column) if row in self._rows else None
 
     def _place(self, cell: Element) -> tuple[int, int]:
@@ -535,6 +589,19 @@ class SheetPart:
             self._row(int(cell.getparent().get("r")))
         return place
 
+    def _insert_text_rows(self, numbers: Iterable[int]) -> None:
+        """Put in rows without cells, which are text."""
+        rows = [TextRow(number) for number in numbers]
+        places = "".join(
+            f'<row r="{row.number}"><c r="{_PLACE_NAME}{k}"/></row>'
+            for k, row in enumerate(rows, len(self._texts))
+        )
+        elements = list(etree.fromstring(f'<d xmlns="{MAIN}">{places}</d>'))
+        for row, element in zip(rows, elements, strict=True):
+            self._insert_row(row.number, element)
+            self._indexed[row.number] = row
+        self._texts += rows
+
     def _insert_row(self, number: int, element: Element) -> None:
         position = bisect_left(self._row_numbers, number)
         if position:
@@ -545,9 +612,10 @@ class SheetPart:
         self._rows[number] = element
         self._row_numbers.insert(position, number)
 
-    def _column_styles(self, rect: Rect) -> tuple[str | None, ...]:
-        """Style of each column of a rectangle, as far as the sheet gives columns a style."""
-        styles: list[str | None] = [None] * rect.width
+    @cached_property
+    def _styled_columns(self) -> list[tuple[int, int, str | None]]:
+        """First and last column, and style, of the columns that the sheet describes."""
+        found = []
         for entry in self._root.iterfind(f"{main('cols')}/{main('col')}"):
             first = whole_number(entry.get("min"), MAX_COLUMN)
             last = whole_number(entry.get("max"), MAX_COLUMN)
@@ -555,8 +623,15 @@ class SheetPart:
                 raise damaged(
                     f"Sheet {self.name} sets the width of columns beyond the end of a sheet."
                 )
+            found.append((first, last, entry.get("style")))
+        return found
+
+    def _column_styles(self, rect: Rect) -> tuple[str | None, ...]:
+        """Style of each column of a rectangle, as far as the sheet gives columns a style."""
+        styles: list[str | None] = [None] * rect.width
+        for first, last, style in self._styled_columns:
             for column in range(max(first, rect.left), min(last, rect.right) + 1):
-                styles[column - rect.left] = entry.get("style")
+                styles[column - rect.left] = style
         return tuple(styles)
 
     def _default_styles(
@@ -568,30 +643,36 @@ class SheetPart:
             return (element.get("s"),) * len(column_styles)
         return column_styles
 
-    def _row_styles(
-        self, number: int, rect: Rect, new_styles: tuple[str | None, ...]
-    ) -> tuple[str | None, ...]:
-        """Styles of the cells of a row: of those that exist their own."""
-        if number not in self._rows:
-            return new_styles
-        row = self._row_as_it_is(number)
-        if isinstance(row, TextRow):
-            return row.styles_in(rect, new_styles)
-        styles = list(new_styles)
-        for column in row.columns_in(rect):
-            styles[column - rect.left] = row.cells[column].get("s")
-        return tuple(styles)
+    def _styles(
+        self,
+        rect: Rect,
+        there: Sequence[Row | TextRow | None],
+        new: Sequence[str | None] | None = None,
+    ) -> list[tuple[str | None, ...]]:
+        """Styles of the cells of a rectangle, row by row: of those that exist their own, of others those that are new."""
+        column_styles = self._column_styles(rect) if new is None else tuple(new)
+        found = []
+        for number, row in enumerate(there, rect.top):
+            default = self._default_styles(number, column_styles) if new is None else column_styles
+            found.append(default if row is None else row.styles_in(rect, default))
+        return found
 
     def _graft(self, rect: Rect, texts: Sequence[str]) -> None:
         """Put rows of new cells, given as XML, in the place of the old cells of the rectangle."""
+        if self._may_wait:
+            self._insert_text_rows(
+                number
+                for number, text in enumerate(texts, rect.top)
+                if text and number not in self._rows
+            )
         left = [
             (number, text)
             for number, text in enumerate(texts, rect.top)
-            if not self._may_wait or FORMULA_MARK in text or not self._put_text(number, rect, text)
+            if not self._may_wait or not self._put_text(number, rect, text)
         ]
         if not left:
             return
-        body = "</row><row>".join(text for _, text in left)
+        body = "</row><row>".join(text for _, text in left).replace(FORMULA_CUT, "")
         built = etree.fromstring(f'<d xmlns="{MAIN}"><row>{body}</row></d>')
         for (number, _), new_row in zip(left, list(built), strict=True):
             if number in self._rows:
@@ -605,9 +686,7 @@ class SheetPart:
     def _put_text(self, number: int, rect: Rect, text: str) -> bool:
         """Put new cells in the place of the old ones as text; False where the row has elements."""
         if number not in self._rows:
-            if not text:
-                return True
-            self._insert_row(number, self._data.makeelement(_ROW, r=str(number)))
+            return True  # of cells that are not there, nothing is taken out
         row = self._row_as_it_is(number)
         if isinstance(row, Row):
             if len(row.element):
@@ -616,7 +695,7 @@ class SheetPart:
                 return True
             place = row.element.makeelement(_C, r=f"{_PLACE_NAME}{len(self._texts)}")
             row.element.append(place)
-            row = self._indexed[number] = TextRow(states_span=True)
+            row = self._indexed[number] = TextRow(number, states_span=True)
             self._texts.append(row)
         row.exchange(rect, text)
         if text and row.states_span:  # as in `Row.put_in`
@@ -630,13 +709,20 @@ class SheetPart:
 
     # ---- formulas ----------------------------------------------------------------------------------------------
 
-    def _note_formula(self, row: int, column: int) -> None:
+    def _note_formula(self, row: int, column: int, text: str) -> None:
         self._formula_before.setdefault((row, column), (row, column) in self.formulas)
-        self.formulas[row, column] = self._row(row).cells[column]
+        held = self._row_as_it_is(row)
+        if isinstance(held, TextRow):
+            self.formulas[row, column] = held.formulas[column] = TextFormula(text)
+        else:
+            self.formulas[row, column] = held.cells[column]
 
     def _drop_formula(self, row: int, column: int) -> None:
         self._formula_before.setdefault((row, column), True)
-        del self.formulas[row, column]
+        if isinstance(self.formulas.pop((row, column)), TextFormula):
+            held = self._row_as_it_is(row)
+            assert isinstance(held, TextRow)
+            del held.formulas[column]
         self.arrays.pop((row, column), None)
 
     def _forget_formulas(self, rect: Rect) -> None:
@@ -663,13 +749,16 @@ class SheetPart:
         """
         places = self._formulas_in(rect)
         for row, column in places:
-            formula = self.formulas[row, column].find(_F)
-            if formula.get("t") == "shared" and formula.text:
+            cell = self.formulas[row, column]
+            formula = None if isinstance(cell, TextFormula) else cell.find(_F)
+            if formula is not None and formula.get("t") == "shared" and formula.text:
                 self._unshare(row, column, formula.get("si"), formula.text)
         return places
 
     def _unshare(self, row: int, column: int, group: str, text: str) -> None:
         for (to_row, to_column), cell in self.formulas.items():
+            if isinstance(cell, TextFormula):
+                continue
             formula = cell.find(_F)
             if formula.get("t") == "shared" and formula.get("si") == group:
                 formula.text = shifted_formula(text, to_row - row, to_column - column)

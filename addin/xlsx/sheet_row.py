@@ -27,6 +27,13 @@ class Row:
         start = bisect_left(self.columns, rect.left)
         return self.columns[start : bisect_left(self.columns, rect.right + 1)]
 
+    def styles_in(self, rect: Rect, new: tuple[str | None, ...]) -> tuple[str | None, ...]:
+        """Styles of the cells in the columns of a rectangle; those given for cells that are not there."""
+        styles = list(new)
+        for column in self.columns_in(rect):
+            styles[column - rect.left] = self.cells[column].get("s")
+        return tuple(styles)
+
     def take_out(self, rect: Rect) -> list[Element]:
         """Remove the cells that lie in the columns of the rectangle."""
         start = bisect_left(self.columns, rect.left)

@@ -160,9 +160,7 @@ def carry_out(workbook: WorkbookState, plan: TablePlan) -> None:
     """Write the cells of a table and let everything that belongs to it follow."""
     old, new = plan.old, plan.new
     sheet = workbook.sheet_part(old.sheet)
-    styles = [
-        sheet.style(old.data.top, column) for column in range(old.data.left, old.data.right + 1)
-    ]
+    styles = sheet.row_styles(old.data)
     if new.ref != old.ref and old.has_totals:
         sheet.move_row_cells(old.ref._replace(top=old.ref.bottom), new.ref.bottom)
     _give_up_rows(workbook, plan)

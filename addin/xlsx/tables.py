@@ -63,14 +63,13 @@ class Table:
         WorkbookMismatch
             When there is none of that name.
         """
-        wanted = name.casefold()
-        for index, column in enumerate(self.columns):
-            if column.casefold() == wanted:
-                return index
-        raise WorkbookMismatch(
-            f"Table {self.name} on sheet {self.sheet} has no column {name!r}; it has "
-            f"{', '.join(self.columns)}. Restore the column header, or start from a new template."
-        )
+        at = self.columns_at.get(name.casefold())
+        if at is None:
+            raise WorkbookMismatch(
+                f"Table {self.name} on sheet {self.sheet} has no column {name!r}; it has "
+                f"{', '.join(self.columns)}. Restore the column header, or start from a new template."
+            )
+        return at - self.ref.left
 
     def resized(self, rows: int) -> Table:
         """The same table with another number of data rows (at least one)."""

@@ -1,39 +1,45 @@
 """Rows of a worksheet part that stay text.
 
-Most rows hold nothing but values, written as every program writes them. As elements their cells would cost more than all
-the rest of the workbook; as text they are cut where a table begins and ends, and what is between is exchanged.
+Most rows hold nothing but values and plain formulas, written as every program writes them. As elements their cells would
+cost more than all the rest of the workbook; as text they are cut where a table begins and ends, and what is between is
+exchanged. Values of formulas change last of all and one by one: they wait beside the text, which is cut where they go.
 """
 
 from __future__ import annotations
 
 import re
 from bisect import bisect_left
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import lru_cache
-from string import ascii_uppercase
+from html import escape
 
 from addin.xlsx.references import MAX_COLUMN, Rect, column_number
+from addin.xlsx.values import FORMULA_CUT, unescaped
 from addin.xlsx.xml_part import is_utf8
 
 # What a parser and a writer leave as it is, to the last byte: neither control characters nor brackets nor what could be
 # written shorter. Taken in runs, as sheets are long.
 _TEXT = rb"(?:[\t\n -%'-;=?-\xff]++|&(?:amp|lt|gt);)++"
-_INSIDE = rb'<v>%s</v>|<is><t(?: xml:space="preserve")?>%s</t></is>|<is><t/></is>' % (_TEXT, _TEXT)
+_INSIDE = (
+    rb'<v>%s</v>|<f>%s</f>(?:<v>%s</v>)?+|<is><t(?: xml:space="preserve")?>%s</t></is>|<is><t/></is>'
+    % ((_TEXT,) * 4)
+)
 _CELL = (
     rb'<c r="[A-Z]{1,3}+[1-9][0-9]{0,6}+"(?: s="[0-9]{1,9}+")?+(?: t="[A-Za-z]{1,9}+")?+(?:/>|>(?:%s)</c>)'
     % _INSIDE
 )
 _ROW = re.compile(rb"(<row [^<>]*+>)((?:%s)++)(?=</row>)" % _CELL)
-# In comments and the like, what looks like a row is none; but a part begins with a declaration.
-_COMMENT = re.compile(rb"<[!?]")
+_ROW_NUMBER = re.compile(rb' r="([1-9][0-9]{0,6})"')
 _NO_CHARACTERS = (b"\xef\xbf\xbe", b"\xef\xbf\xbf")
 _CELL_START = '<c r="'
 # Place and style of a cell in the shape of a row.
-_SHAPE = re.compile(r'([A-Z]+)#"(?: s="([0-9]+)")?(?: t="[A-Za-z]+")?/?')
+_SHAPE = re.compile(
+    rf'{_CELL_START}([A-Z]+)#"(?: s="([0-9]+)")?(?: t="[A-Za-z]+")?(?:/|{FORMULA_CUT})?'
+)
 
 
-def with_places(data: bytes, place: Callable[[bytes], bytes]) -> bytes:
+def with_places(data: bytes, place: Callable[[bytes, int | None], bytes]) -> bytes:
     """A sheet with places for the cells of its plain rows.
 
     Parameters
@@ -41,19 +47,27 @@ def with_places(data: bytes, place: Callable[[bytes], bytes]) -> bytes:
     data : bytes
         The part.
     place : callable
-        Takes the cells of a row, and gives what stands for them.
+        Takes the cells of a row, and the number of the row if it holds formulas, and gives what stands for them.
     """
+
+    def with_place(row: re.Match[bytes]) -> bytes:
+        tag, cells = row.groups()
+        if b"<f>" not in cells:
+            return tag + place(cells, None)
+        number = _ROW_NUMBER.search(tag)
+        return tag + place(cells, int(number[1])) if number else row[0]
+
     start, end = data.find(b"<sheetData>"), data.rfind(b"</sheetData>")
     if (
         not 0 <= start < end
-        or data.startswith(b"<!")
-        or _COMMENT.search(data, 2) is not None
+        # In comments and the like, what looks like a row is none; but a part begins with a declaration.
+        or b"<!" in data
+        or data.find(b"<?", 2) >= 0
         or not is_utf8(data)
         or not _is_text(data)
     ):
         return data
-    cells = _ROW.sub(lambda row: row[1] + place(row[2]), data[start:end])
-    return data[:start] + cells + data[end:]
+    return data[:start] + _ROW.sub(with_place, data[start:end]) + data[end:]
 
 
 def _is_text(data: bytes) -> bool:
@@ -65,98 +79,161 @@ def _is_text(data: bytes) -> bool:
         return False
 
 
-@dataclass
-class TextRow:
-    """The cells of a row as pieces of text: single cells, or runs of neighbours that were written together."""
+@dataclass(slots=True)
+class TextFormula:
+    """A formula in a row that is text, and the value that its cell shows, as they are stored."""
 
-    #: First and last column of each piece, in order.
-    firsts: list[int] = field(default_factory=list)
-    lasts: list[int] = field(default_factory=list)
-    texts: list[str] = field(default_factory=list)
-    #: Style of each piece that is a single cell.
-    styles: list[str | None] = field(default_factory=list)
+    text: str  #: The formula.
+    kind: str = ""  #: Type of the value.
+    value: str = ""  #: Element of the value; empty without one.
+
+    def show(self, kind: str, text: str | None) -> None:
+        """Exchange the value; None for none."""
+        self.kind, self.value = kind, ""
+        if text is not None:
+            space = ' xml:space="preserve"' if text != text.strip() else ""
+            self.value = f"<v{space}>{escape(text, quote=False)}</v>"
+
+    def shown(self) -> str | None:
+        """Text of the value; None without one."""
+        return (
+            unescaped(self.value[self.value.index(">") + 1 : self.value.rindex("<")])
+            if self.value
+            else None
+        )
+
+
+@dataclass(slots=True)
+class TextRow:
+    """The cells of a row as text: those it had, and those written since, which wait beside them.
+
+    Tables stand side by side in a row. Each is added in one step; the old cells are cut only where some of them stay.
+    """
+
+    number: int
+    #: The cells it had, with cuts where type and value of each formula go; their columns, and their styles.
+    stored: str = ""
+    columns: tuple[int, ...] = ()
+    styles: tuple[str | None, ...] = ()
+    #: First and last column of what was written since, and the cells, blank where some were taken out. None shares a
+    #: column with another.
+    written: list[tuple[int, int, str]] = field(default_factory=list)
+    last_written: int = 0
+    #: Formulas of all its cells by column.
+    formulas: dict[int, TextFormula] = field(default_factory=dict)
     #: Whether its element may state a span of columns.
     states_span: bool = False
+    _cut: list[str] = field(default_factory=list)
 
     def xml(self) -> str:
         """All its cells."""
-        return "".join(self.texts)
+        text = self._with_cuts()
+        if not self.formulas:
+            return text
+        pieces = text.split(FORMULA_CUT)
+        for k, column in enumerate(sorted(self.formulas)):
+            formula = self.formulas[column]
+            if formula.kind:
+                pieces[2 * k] += f' t="{formula.kind}"'
+            pieces[2 * k + 1] += formula.value
+        return "".join(pieces)
 
     def styles_in(self, rect: Rect, new: tuple[str | None, ...]) -> tuple[str | None, ...]:
         """Styles of the cells in the columns of a rectangle; those given for cells that are not there."""
-        if not self.lasts or self.lasts[-1] < rect.left:
-            return new
-        inside = self._pieces_in(rect)
+        inside = self._inside(rect)
         if len(inside) == len(new):
-            return tuple(self.styles[inside.start : inside.stop])
+            return self.styles[inside.start : inside.stop]
         styles = list(new)
         for at in inside:
-            styles[self.firsts[at] - rect.left] = self.styles[at]
+            styles[self.columns[at] - rect.left] = self.styles[at]
         return tuple(styles)
 
     def columns_in(self, rect: Rect, *, filled: bool = False) -> Iterator[int]:
         """Columns of a rectangle in which there are cells, or cells that hold something."""
-        for at in self._pieces_in(rect):
-            if not filled or not self.texts[at].endswith('"/>'):
-                yield self.firsts[at]
+        for at in self._inside(rect):
+            if not filled or not self._cells()[at].endswith('"/>'):
+                yield self.columns[at]
 
     def cell(self, column: int) -> str | None:
-        """The cell of a column; None where there is none."""
-        return next((self.texts[at] for at in self._pieces_in(Rect(1, column, 1, column))), None)
+        """The cell of a column, that of a formula without its value; None where there is none."""
+        inside = self._inside(Rect(1, column, 1, column))
+        return self._cells()[inside.start] if inside else None
 
     def exchange(self, rect: Rect, text: str) -> None:
         """Put new cells, or none, in the place of those in the columns of a rectangle."""
-        style = _cells_of(text).styles[0] if text and rect.left == rect.right else None
-        if text and (not self.lasts or self.lasts[-1] < rect.left):
-            self.firsts.append(rect.left)
-            self.lasts.append(rect.right)
-            self.texts.append(text)
-            self.styles.append(style)
-            return
-        inside = self._pieces_in(rect)
-        here = slice(inside.start, inside.stop)
-        self.firsts[here] = [rect.left] if text else []
-        self.lasts[here] = [rect.right] if text else []
-        self.texts[here] = [text] if text else []
-        self.styles[here] = [style] if text else []
+        inside = self._inside(rect)
+        if text or inside:
+            self.written.append((rect.left, rect.right, text))
+            self.last_written = max(self.last_written, rect.right)
 
-    def _pieces_in(self, rect: Rect) -> range:
-        """Pieces in the columns of a rectangle, each of them a single cell."""
-        while True:
-            start = bisect_left(self.lasts, rect.left)
-            stop = bisect_left(self.firsts, rect.right + 1)
-            if self.firsts[start:stop] == self.lasts[start:stop]:
-                return range(start, stop)
-            self._part(next(k for k in range(start, stop) if self.firsts[k] < self.lasts[k]))
+    def _with_cuts(self) -> str:
+        if not self.written:
+            return self.stored
+        pieces = sorted(self.written)
+        gone = [bisect_left(self.columns, end) for one in pieces for end in (one[0], one[1] + 1)]
+        starts, ends = [0, *gone[1::2]], [*gone[::2], len(self.columns)]
+        if starts == ends:
+            return "".join([cells for _, _, cells in pieces])
+        cells = self._cells()
+        kept = ["".join(cells[start:end]) for start, end in zip(starts, ends, strict=True)]
+        return kept[0] + "".join(
+            [cells + after for (_, _, cells), after in zip(pieces, kept[1:], strict=True)]
+        )
 
-    def _part(self, run: int) -> None:
-        """Take a run apart into its cells."""
-        cells = _cells_of(self.texts[run])
-        here = slice(run, run + 1)
-        self.firsts[here] = cells.firsts
-        self.lasts[here] = cells.lasts
-        self.texts[here] = cells.texts
-        self.styles[here] = cells.styles
+    def _inside(self, rect: Rect) -> range:
+        """Which of its cells are in the columns of a rectangle."""
+        if rect.left <= self.last_written and any(
+            first <= rect.right and rect.left <= last for first, last, _ in self.written
+        ):
+            self._take_in()
+        columns = self.columns
+        return range(bisect_left(columns, rect.left), bisect_left(columns, rect.right + 1))
+
+    def _take_in(self) -> None:
+        """Make what was written its cells."""
+        self.stored = self._with_cuts()
+        self.written, self.last_written, self._cut = [], 0, _cells_of(self.stored)
+        self.columns, self.styles = _columns_and_styles(_shape(self.number, self._cut))
+
+    def _cells(self) -> list[str]:
+        """The cells it had, one by one."""
+        if not self._cut:
+            self._cut = _cells_of(self.stored)
+        return self._cut
 
 
 def text_row(number: int, cells: str) -> TextRow | None:
     """A plain row as text; None where its cells are out of order or bear names of other rows."""
-    pieces = cells.split(_CELL_START)[1:]
-    name_end = f'{number}"'
-    shape = "|".join([piece.partition(">")[0].replace(name_end, '#"', 1) for piece in pieces])
-    columns, styles = _columns_and_styles(shape)
+    pieces, formulas = _cells_of(cells), {}
+    if "<f>" in cells:
+        for k, piece in enumerate(pieces):
+            if "<f>" in piece:
+                pieces[k], formulas[k] = _without_value(piece)
+        cells = "".join(pieces)
+    columns, styles = _columns_and_styles(_shape(number, pieces))
     if not columns:
         return None
-    texts = [_CELL_START + piece for piece in pieces]
-    return TextRow([*columns], [*columns], texts, [*styles], states_span=True)
+    of_columns = {columns[k]: formula for k, formula in formulas.items()}
+    return TextRow(number, cells, columns, styles, formulas=of_columns, states_span=True)
 
 
-def _cells_of(text: str) -> TextRow:
-    """Cells that were written together."""
-    name = text[len(_CELL_START) : text.index('"', len(_CELL_START))]
-    cells = text_row(int(name.lstrip(ascii_uppercase)), text)
-    assert cells is not None
-    return cells
+def _cells_of(text: str) -> list[str]:
+    return [_CELL_START + cell for cell in text.split(_CELL_START)[1:]]
+
+
+def _without_value(cell: str) -> tuple[str, TextFormula]:
+    """A cell with a formula, cut where type and value go, and the formula with its value."""
+    tag, _, rest = cell.partition("><f>")
+    tag, _, kind = tag.partition(' t="')
+    text, _, value = rest.removesuffix("</c>").partition("</f>")
+    formula = TextFormula(unescaped(text), kind.removesuffix('"'), value)
+    return f"{tag}{FORMULA_CUT}><f>{text}</f>{FORMULA_CUT}</c>", formula
+
+
+def _shape(number: int, cells: Iterable[str]) -> str:
+    """Names, styles and types of the cells of a row, without its number."""
+    name_end = f'{number}"'
+    return "|".join([cell.partition(">")[0].replace(name_end, '#"', 1) for cell in cells])
 
 
 @lru_cache(maxsize=1024)

@@ -13,13 +13,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from html import escape
-from typing import Any
+from typing import Any, TypeGuard
 
 from addin.xlsx.xml_part import Element, main
 
-# Stands in the XML of a row exactly if one of its cells is a formula: in text the bracket is escaped.
-FORMULA_MARK = "<f>"
+#: Stands in the cells of a row where type and value of a formula go: before the end of the tag, and behind the formula. No
+#: XML can hold this character.
+FORMULA_CUT = "\0"
 _NUMBERS = frozenset([float])
+_NUMBERS_AND_BLANKS = frozenset([float, type(None)])
 MAX_TEXT = 32_767
 MAX_FORMULA = 8_192
 ERROR_CODES = frozenset(
@@ -130,23 +132,56 @@ def _clean_text(text: str) -> str:
     return _ILLEGAL.sub("\ufffd", text[:MAX_TEXT].replace("\r\n", "\n").replace("\r", "\n"))
 
 
+def are_plain_numbers(values: Sequence[Any]) -> TypeGuard[Sequence[float | None]]:
+    """Whether values are numbers and blanks that a cell holds as they are."""
+    return _NUMBERS_AND_BLANKS.issuperset(map(type, values)) and math.isfinite(
+        sum(filter(None, values))
+    )
+
+
 def number_text(value: float) -> str:
     """Shortest text that reads back as the same double; whole numbers without a point."""
     return repr(value).removesuffix(".0")
 
 
-def row_xml(
-    number: int,
+def rows_xml(
+    top: int,
     starts: tuple[str, ...],
-    styles: tuple[str | None, ...],
-    row: Sequence[CellValue],
-) -> str:
-    """The ``<c>`` elements of a row in the default namespace; nothing for blank cells without a style."""
-    kinds = tuple(map(type, row))
-    if not _NUMBERS.issuperset(kinds):
-        row = [_as_written(value) for value in row if value is not None]  # type: ignore[misc]
-    text = _row_form(starts, styles, kinds).replace("#", str(number)) % tuple(row)
-    return text.replace(".0</v>", "</v>")  # as `number_text`
+    styles: Sequence[tuple[str | None, ...]],
+    rows: Sequence[Sequence[CellValue]],
+) -> list[str]:
+    """The ``<c>`` elements of each row in the default namespace; nothing for blank cells without a style.
+
+    Parameters
+    ----------
+    top : int
+        Number of the first row.
+    starts : tuple of str
+        What each cell of a row begins with, up to the letters of its column.
+    styles : sequence of tuple of (str or None)
+        Styles of the cells, row by row.
+    rows : sequence of sequence of CellValue
+        Their values.
+    """
+    texts = []
+    alike = None
+    form: list[str] = []
+    are_numbers = True
+    for number, (style, row) in enumerate(zip(styles, rows, strict=True), top):
+        kinds = tuple(map(type, row))
+        if alike != (style, kinds):
+            alike = style, kinds
+            form = _row_form(starts, style, kinds).split("#")
+            are_numbers = _NUMBERS.issuperset(kinds)
+        if not are_numbers:
+            row = [
+                value if type(value) is float else _rest_of_cell(value)
+                for value in row
+                if value is not None
+            ]
+        # Numbers as `number_text` writes them.
+        texts.append((str(number).join(form) % tuple(row)).replace(".0</v>", "</v>"))
+    return texts
 
 
 @lru_cache(maxsize=1024)
@@ -166,10 +201,6 @@ def _row_form(
     return "".join(texts)
 
 
-def _as_written(value: CellValue) -> float | str:
-    return value if type(value) is float else _rest_of_cell(value)
-
-
 def _style_xml(style: str | None) -> str:
     # What is no number in the file may break out of the attribute.
     return f' s="{style}"' if style and style.isdigit() else ""
@@ -179,7 +210,7 @@ def _rest_of_cell(value: CellValue) -> str:
     if isinstance(value, str):
         return f' t="inlineStr"><is>{_text_xml(value)}</is></c>'
     if isinstance(value, Formula):
-        return f"><f>{escape(value.text, quote=False)}</f></c>"
+        return f"{FORMULA_CUT}><f>{escape(value.text, quote=False)}</f>{FORMULA_CUT}</c>"
     kind, text = constant_text(value)
     named = f' t="{kind}"' if kind else ""
     return f"{named}><v>{text}</v></c>"
@@ -216,10 +247,13 @@ def read_cell(cell: Element, shared_strings: Any) -> CellValue:
     """Value of a ``<c>`` element."""
     constant = read_constant(cell, shared_strings)
     formula = cell.find(_F)
-    if formula is None:
-        return constant
+    return constant if formula is None else formula_or_constant(formula.text or "", constant)
+
+
+def formula_or_constant(text: str, constant: Constant) -> CellValue:
+    """What a cell with the text of a formula holds."""
     try:
-        return Formula(formula.text, constant) if formula.text else constant
+        return Formula(text, constant) if text else constant
     except ValueError:  # longer than any program takes, or blank, or a number that is none
         return constant
 
@@ -234,7 +268,7 @@ def read_constant(cell: Element, shared_strings: Any) -> Constant:
     value = cell[-1] if len(cell) else None
     if value is not None and value.tag != _V:
         value = cell.find(_V)
-    return None if value is None else _constant(kind, value.text or "", shared_strings)
+    return None if value is None else stored_constant(kind, value.text or "", shared_strings)
 
 
 def read_text(cell: str, shared_strings: Any) -> Constant:
@@ -246,13 +280,19 @@ def read_text(cell: str, shared_strings: Any) -> Constant:
     text = inline if kind == "inlineStr" else value
     if text is None:
         return None
-    if "&" in text:
-        text = text.replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&")
-    return unescape(text) if kind == "inlineStr" else _constant(kind or "n", text, shared_strings)
+    text = unescaped(text)
+    return unescape(text) if kind == "inlineStr" else stored_constant(kind, text, shared_strings)
 
 
-def _constant(kind: str, text: str, shared_strings: Any) -> Constant:
-    """The value that a cell of a kind states as text."""
+def unescaped(text: str) -> str:
+    """Text of a plain element."""
+    if "&" not in text:
+        return text
+    return text.replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&")
+
+
+def stored_constant(kind: str, text: str, shared_strings: Any) -> Constant:
+    """The value that a cell of a type states as text; without a type it is a number."""
     if kind == "s":
         return shared_strings(text)  # type: ignore[no-any-return]
     if kind in ("str", "d"):

@@ -10,13 +10,11 @@ from typing import Any
 from addin.xlsx.errors import CellRefused
 from addin.xlsx.references import Rect, cell_name
 from addin.xlsx.sheet_part import SheetPart
-from addin.xlsx.values import FORMULA_MARK, CellValue, Formula, clean
+from addin.xlsx.values import FORMULA_CUT, CellValue, Formula, are_plain_numbers, clean
 
 _CELL_START = b"<c "
-# A character that no XML can hold.
-_CUT = "\0"
-# Types of values that stay as they are where they are finite.
-_PLAIN = frozenset([float, type(None)])
+# A character that no XML can hold, other than that of a cut.
+_BETWEEN = "\1"
 
 
 @dataclass(frozen=True)
@@ -31,11 +29,8 @@ class Written:
         """Whether the rows stand in the part as they were built, in their order; a formula may have got its value."""
         position = 0
         # All rows are encoded at once; no text of a cell holds the mark between them.
-        for whole, text in zip(
-            _CUT.join(self.texts).encode().split(b"\0"), self.texts, strict=True
-        ):
-            pieces = [*map(str.encode, _around_values(text))] if FORMULA_MARK in text else [whole]
-            for number, piece in enumerate(pieces):
+        for text in _BETWEEN.join(self.texts).encode().split(_BETWEEN.encode()):
+            for number, piece in enumerate(text.split(FORMULA_CUT.encode())):
                 found = part.find(piece, position)
                 # Between the pieces of a row only type and value of a formula may have come.
                 if found < 0 or (number and _CELL_START in part[position:found]):
@@ -52,14 +47,6 @@ class Written:
                 yield (self.rect.top + offset, self.rect.left + shift), value
 
 
-def _around_values(text: str) -> list[str]:
-    """A row in pieces, cut where the recalculation puts type and value of a formula written without one."""
-    if FORMULA_MARK not in text:
-        return [text]
-    marked = text.replace("><f>", f"{_CUT}><f>").replace("</f></c>", f"</f>{_CUT}</c>")
-    return marked.split(_CUT)
-
-
 def cleaned(sheet: str, row: int, column: int, value: Any) -> CellValue:
     """The value that a cell will hold; what it cannot hold is refused with its place."""
     try:
@@ -72,7 +59,7 @@ def cleaned_row(
     sheet: str, number: int, columns: Sequence[int], row: Sequence[Any]
 ) -> list[CellValue]:
     """The values that the cells of a row will hold."""
-    if _PLAIN.issuperset(map(type, row)) and isfinite(sum(filter(None, row))):
+    if are_plain_numbers(row):
         return list(row)
     try:
         # Most cells are numbers; asking for that here spares a call for each.

@@ -18,7 +18,7 @@ from addin.xlsx import Formula, Workbook, open_workbook
 from addin.xlsx import save as save_module
 from addin.xlsx.errors import SaveRefused, SourceChanged, WorkbookLocked
 from addin.xlsx.references import Rect
-from addin.xlsx.values import row_xml
+from addin.xlsx.values import FORMULA_CUT, rows_xml
 from addin.xlsx.written import Written
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -97,11 +97,10 @@ def test_a_workbook_opened_for_reading_is_saved_after_the_checks(train: Path) ->
 )
 def test_written_rows_are_found_again(change: Callable[[bytes], bytes], stands: bool) -> None:
     grid = [[7.0, "a", Formula("A1*2")], [8.0, None, Formula("A1*2")]]
-    texts = [
-        row_xml(number, ('<c r="A', '<c r="B', '<c r="C'), (None,) * 3, row)
-        for number, row in enumerate(grid, 1)
-    ]
+    starts = ('<c r="A', '<c r="B', '<c r="C')
+    texts = rows_xml(1, starts, [(None,) * 3] * len(grid), grid)
     sheet = "<sheetData>" + "".join(f"<row>{text}</row>" for text in texts) + "</sheetData>"
+    sheet = sheet.replace(FORMULA_CUT, "")
     written = Written(Rect(1, 1, 2, 3), grid, texts)
     assert written.stands_in(change(sheet.encode())) is stands
 

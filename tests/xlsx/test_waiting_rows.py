@@ -1,4 +1,4 @@
-"""Rows that hold nothing but values stay text until somebody asks for a cell or the sheet is stored.
+"""Rows that hold nothing but values and plain formulas stay text until somebody asks for a cell or the sheet is stored.
 
 Expected: the same bytes and the same values as with rows that become elements at once.
 """
@@ -18,14 +18,19 @@ from addin.xlsx.values import CellValue, Formula
 from addin.xlsx.written import cleaned_row
 from addin.xlsx.xml_part import MAIN, parse_part, serialise
 
-SHEET = f"""<worksheet xmlns="{MAIN}"><cols><col min="3" max="4" style="5"/></cols><sheetData>
+SHEET = (
+    f"""<worksheet xmlns="{MAIN}"><cols><col min="3" max="4" style="5"/></cols><sheetData>
 <row r="2" spans="1:9" ht="20"><c r="A2" s="3"><v>1</v></c><c r="H2" t="str"><v>x</v></c></row>
-<row r="5" s="7" customFormat="1"><c r="B5" s="4"/><c r="C5"><f>1+1</f><v>2</v></c></row>
+<row r="5" s="7" customFormat="1"><c r="B5" s="4"/><c r="C5"><f>1+1</f><v>2</v></c><c r="E5" s="2" t="str"><f>"a"&amp;"b "</f>
+<v>ab </v></c></row><row r="6"><c r="A6" t="b"><f>1&lt;2</f><v>1</v></c><c r="D6"><f>A6</f></c><c r="G6"><v>4</v></c></row>
 <row r="7" spans="2:6"><c r="B7" s="8"><v>1.5</v></c><c r="C7" s="9"/><c r="E7" t="inlineStr"><is><t>a &amp; b</t></is></c>
 <c r="F7"><v>3</v></c></row><row r="8"><c r="A8"><v>2</v></c><c r="D8" s="6"/><c r="H8"><v>-1e-9</v></c></row>
 <row r="9"/><row r="12"><c r="C12" s="2"><v>7</v></c></row></sheetData></worksheet>""".replace(
-    "</c>\n", "</c>"
-).encode()
+        ">\n<v", "><v"
+    )
+    .replace("</c>\n", "</c>")
+    .encode()
+)
 LAST = 30
 
 
@@ -54,9 +59,12 @@ def _do(sheet: SheetPart, chance: random.Random) -> object:
     if what == 6:
         return sheet.remove_cells(rect)
     if what == 7:
-        return sheet.set_cached(top, left, 1.5)
+        place = chance.choice([(top, left), *sorted(sheet.formulas)])
+        return sheet.set_cached(*place, chance.choice([1.5, " a <b> & c", True, None]))
     if what == 8:
-        return sheet.constants(rect), list(sheet.filled_cells(rect)), list(sheet.cells_in(rect))
+        held = [sheet.value(top, column) for column in range(left, rect.right + 1)]
+        filled, cells = list(sheet.filled_cells(rect)), list(sheet.cells_in(rect))
+        return held, sheet.constants(rect), filled, cells
     return sheet.move_row_cells(rect._replace(bottom=top), LAST + chance.randint(0, 2))
 
 
@@ -75,6 +83,20 @@ def test_a_sheet_is_the_same_whether_its_rows_wait_or_not(seed: int) -> None:
     # Blanks between rows mean nothing; a row that is exchanged whole loses the one behind it.
     parsed = at_once.to_bytes().replace(b"<!-- -->", b"")
     assert stored.replace(b"\n", b"") == parsed.replace(b"\n", b"")
+
+
+def test_a_row_with_formulas_stays_text() -> None:
+    sheet = _sheet(waits=True)
+    assert sheet.value(5, 5) == Formula('"a"&"b "', "ab ")
+    sheet.write_rows(Rect(6, 3, 6, 5), [[1.0, Formula("C6*2"), "x"]])
+    sheet.set_cached(6, 4, 2.0)
+    sheet.set_cached(6, 1, "<")
+    assert (sheet.constant(6, 4), sheet.constant(6, 1)) == (2.0, "<")
+    assert not any(len(sheet._rows[row]) > 1 for row in (5, 6))
+    assert (
+        b'<row r="6"><c r="A6" t="str"><f>1&lt;2</f><v>&lt;</v></c><c r="C6" s="5"><v>1</v></c><c r="D6">'
+        b'<f>C6*2</f><v>2</v></c><c r="E6" t="inlineStr"><is><t>x</t></is></c><c r="G6"><v>4</v></c></row>'
+    ) in sheet.to_bytes()
 
 
 def test_rows_stay_text_side_by_side() -> None:
