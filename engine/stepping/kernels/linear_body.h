@@ -107,15 +107,17 @@ static void all_forces(lane_t t, lane_t inside, const lane_t *phase, const syste
 /* u and r: what forces and their rates do to each mode. */
 static void modal_forces(int64_t n_forces, const lane_t *force, const lane_t *force_rate, const room_t *w)
 {
-    for (int64_t i = 0; i < w->modes; i++) {
-        const wide_t *row = w->reach + i;
-        wide_t u = spread(all(0.0)), r = spread(all(0.0));
+    const int64_t modes = w->modes;
+    const wide_t *reach = w->reach;
+    wide_t *u = w->u, *r = w->r;
+    for (int64_t i = 0; i < modes; i++) {
+        wide_t x = spread(all(0.0)), y = x;
         for (int64_t f = 0; f < n_forces; f++) {
-            u += row[f * w->modes] * force[f];
-            r += row[f * w->modes] * force_rate[f];
+            x += reach[f * modes + i] * force[f];
+            y += reach[f * modes + i] * force_rate[f];
         }
-        w->u[i] = u;
-        w->r[i] = r;
+        u[i] = x;
+        r[i] = y;
     }
 }
 
@@ -181,7 +183,9 @@ static void take_step(lane_t t, lane_t h, const system_t *s, const drive_t *driv
 static lane_t accept(const system_t *s, const drive_t *drive, state_t *state, const room_t *w, mask_t goes_on)
 {
     lane_t mean = all(0.0);
-    for (int64_t i = 0; i < s->n; i++) mean += lanes_of(s->mean_speed)[i] * ((const lane_t *)w->v1)[i];
+    const int64_t n = s->n;
+    const lane_t *share = lanes_of(s->mean_speed), *v = (const lane_t *)w->v1;
+    for (int64_t i = 0; i < n; i++) mean += share[i] * v[i];
     for (int64_t m = 0; m < drive->n_motors; m++) w->phase1[m] = in_turns(w->phase1[m]);
     keep_wide(w->modes, w->q1, goes_on, w->q);
     keep_wide(w->modes, w->v1, goes_on, w->v);
@@ -221,8 +225,10 @@ static void record_turning(samples_t *out, int64_t b, int64_t n, mask_t goes_on,
     turning_t turning;
     if (!any_wide(may_turn(h, rise, rate0, rate))) return;
     turning = turning_of_step(spread(before), h, y, rise, rate0, rate);
-    for (int64_t l = 0; l < n * LANES; l++) { /* written without asking: what does not count is written over */
-        int64_t *count = out->count + b * WIDTH + l, k = *count;
+    for (int l = 0; l < WIDTH; l++) { /* written without asking: what does not count is written over */
+        int64_t *count = out->count + b * WIDTH + l, k;
+        if (ROWS > 1 && l == n) break; /* what follows fills the block */
+        k = *count;
         double *when = out->when + (b * WIDTH + l) * out->room, *value = out->value + (b * WIDTH + l) * out->room;
         for (int j = 0; j < 2; j++) {
             when[k] = IN(turning.when[j], l);
@@ -245,8 +251,8 @@ static void record(samples_t *out, int64_t k, lane_t time, lane_t mean, const to
     }
     ((lane_t *)out->time)[k] = time;
     ((lane_t *)out->speed)[k] = mean;
-    for (int64_t b = 0; b < w->outputs; b++) {
-        const int64_t at = b % BLOCKS_AT_ONCE, left = w->outputs - b;
+    for (int64_t b = 0, end = w->outputs; b < end; b++) {
+        const int64_t at = b % BLOCKS_AT_ONCE, left = end - b;
         const int64_t n = y->n - b * ROWS < ROWS ? y->n - b * ROWS : ROWS; /* of this block */
         if (at == 0)
             torques_of(b, left < BLOCKS_AT_ONCE ? left : BLOCKS_AT_ONCE, y->velocity != NULL, s, f, fr, w, torques,
@@ -314,39 +320,71 @@ static int full(const samples_t *out, const torques_t *torques)
     return 0;
 }
 
+/* Where each lane is on its stretch; one that has ended has no step. */
+typedef struct { lane_t begin, h, taken, count, target; mask_t goes_on; } progress_t;
+
+/* Progress as the caller keeps it; so many rows hold samples. */
+static void put_down(const progress_t *p, int64_t rows, stretches_t *plan)
+{
+    for (int l = 0; l < LANES; l++) {
+        if (!AT(p->goes_on, l)) continue;
+        plan->taken[l] = (int64_t)AT(p->taken, l);
+        plan->done[l] = rows;
+    }
+}
+
+/* Every lane on the stretch that it has to take, with the coefficients of its steps; `step`: of those at hand. */
+static progress_t taken_up(stretches_t *plan, double *step, const room_t *w)
+{
+    progress_t p = {.count = all(-1.0)};
+    for (int l = 0; l < LANES; l++) {
+        if (plan->reason[l] == MORE && on_stretch(plan, l)) {
+            const int64_t k = l * plan->most + plan->at[l];
+            AT(p.goes_on, l) = -1;
+            AT(p.begin, l) = plan->time[l];
+            AT(p.h, l) = plan->steps[k];
+            AT(p.taken, l) = (double)plan->taken[l];
+            AT(p.count, l) = (double)plan->counts[k];
+        }
+        AT(p.target, l) = plan->target_speed[l];
+        if (AT(p.h, l) != step[l]) new_step(step[l] = AT(p.h, l), plan->newmark, l, w);
+    }
+    return p;
+}
+
 /* Steps of every lane until its end or its mean speed is reached, or until the output is full. */
 static void ADVANCE(stretches_t *plan, const system_t *system, const drive_t *drive, const torques_t *torques,
              state_t *state, samples_t *out, double *room)
 {
     const room_t w = laid_out(system, drive, torques, state, out, room);
-    double step[LANES]; /* of the coefficients at hand */
+    double step[LANES];
+    progress_t p = {.goes_on = NO_LANE};
+    int64_t k = out->next;
+    int changes = 1;
     for (int l = 0; l < LANES; l++) step[l] = -1.0;
     hold_none(drive, w.held);
-    for (int64_t k = out->next; k < out->rows; out->next = ++k) {
-        mask_t goes_on = NO_LANE, renewed = NO_LANE;
-        lane_t t = all(0.0), h = all(0.0), mean, time;
-        for (int l = 0; l < LANES; l++) {
-            if (plan->reason[l] == MORE && on_stretch(plan, l)) {
-                AT(goes_on, l) = -1;
-                AT(renewed, l) = -(int64_t)(plan->taken[l] == 0);
-                AT(h, l) = plan->steps[l * plan->most + plan->at[l]];
-                AT(t, l) = plan->time[l] + AT(h, l) * (double)plan->taken[l];
-            }
-            if (AT(h, l) != step[l]) new_step(step[l] = AT(h, l), plan->newmark, l, &w);
+    for (; k < out->rows; k++) {
+        mask_t renewed = NO_LANE, reached;
+        lane_t t, mean;
+        if (changes || any(p.goes_on & (p.taken == p.count))) {
+            put_down(&p, k, plan);
+            p = taken_up(plan, step, &w);
+            renewed = p.goes_on & (p.taken == 0.0);
+            changes = 0;
         }
-        if (!any(goes_on) || full(out, torques)) break;
-        if (any(renewed)) renew_forces(t, t + 0.5 * h, renewed, system, drive, state, &w);
-        take_step(t, h, system, drive, state, &w);
-        mean = accept(system, drive, state, &w, goes_on);
-        time = t;
-        for (int l = 0; l < LANES; l++)
-            if (AT(goes_on, l)) AT(time, l) = plan->time[l] + AT(h, l) * (double)++plan->taken[l];
-        record(out, k, time, mean, torques, system, state, goes_on, 0, &w);
-        for (int l = 0; l < LANES; l++) {
-            if (!AT(goes_on, l)) continue;
-            plan->done[l] = k + 1;
-            if (AT(mean, l) >= plan->target_speed[l]) plan->reason[l] = SPEED;
-        }
+        if (!any(p.goes_on) || full(out, torques)) break;
+        t = p.begin + p.h * p.taken;
+        if (any(renewed)) renew_forces(t, t + 0.5 * p.h, renewed, system, drive, state, &w);
+        take_step(t, p.h, system, drive, state, &w);
+        mean = accept(system, drive, state, &w, p.goes_on);
+        p.taken += 1.0;
+        record(out, k, p.begin + p.h * p.taken, mean, torques, system, state, p.goes_on, 0, &w);
+        reached = p.goes_on & (mean >= p.target);
+        for (int l = 0; any(reached) && l < LANES; l++)
+            if (AT(reached, l)) plan->reason[l] = SPEED;
+        changes = any(reached);
     }
+    out->next = k;
+    put_down(&p, k, plan);
     returned(&w, system, torques, state, out);
 }
