@@ -223,7 +223,7 @@ static void record_turning(samples_t *out, int64_t b, int64_t n, mask_t goes_on,
     const lane_t before = lanes_of(out->last_time)[0];
     const wide_t h = spread(time - before), y = w->last[b], rate0 = w->last_rate[b], rise = torque - y;
     turning_t turning;
-    if (!any_wide(may_turn(h, rise, rate0, rate))) return;
+    if (!any_wide(may_turn(h, rise, rate0, rate) & goes_on)) return; /* an idle lane stands */
     turning = turning_of_step(spread(before), h, y, rise, rate0, rate);
     for (int l = 0; l < WIDTH; l++) { /* written without asking: what does not count is written over */
         int64_t *count = out->count + b * WIDTH + l, k;
