@@ -202,9 +202,40 @@ def simulate(
     Trajectory
         Times, mean speed and torques. [SI]
     """
-    loop = _Loop([Simulation(model, step, method, target_speed, maximum_time)], 1, histories=True)
-    most = math.inf if keep_all else KEPT_VALUES
-    recorder = Recorder(model.outputs.element, most, turning=False)
+    loop, trajectory = _recorded(
+        Simulation(model, step, method, target_speed, maximum_time), keep_all=keep_all
+    )
+    turning = tuple(
+        (when[0, :n].copy(), value[0, :n].copy())
+        for when, value, n in zip(*loop.turning.values(), loop.count[:, 0].tolist(), strict=True)
+    )
+    return replace(trajectory, turning=turning)
+
+
+def start_with_histories(simulation: Simulation, *, keep_all: bool) -> SingleRun:
+    """One start from rest to its end, with its histories.
+
+    Parameters
+    ----------
+    simulation : Simulation
+        The start. [SI]
+    keep_all : bool
+        True: no sample is left out, however much memory that takes. [flag]
+
+    Returns
+    -------
+    SingleRun
+        From rest to the end. [SI]
+    """
+    loop, trajectory = _recorded(simulation, keep_all=keep_all)
+    return _to_end(loop, 0, trajectory, trajectory.torque[:, :1].copy())
+
+
+def _recorded(simulation: Simulation, *, keep_all: bool) -> tuple[_Loop, Trajectory]:
+    """The loop after the last step of a start, and its samples."""
+    element = simulation.model.outputs.element
+    loop = _Loop([simulation], 1, histories=True)
+    recorder = Recorder(element, math.inf if keep_all else KEPT_VALUES, turning=False)
     steps, goes_on = -1, True  # the first row is that of rest
     while goes_on:
         goes_on = loop.advance()
@@ -215,17 +246,12 @@ def simulate(
         time, speed, torque, rate = (a[..., :done, 0] for a in loop.rows.values())
         if not np.all(np.isfinite(torque[:, -1:])):
             last = int(np.argmin(np.all(np.isfinite(torque), axis=0)))
-            raise InternalError(_diverged(step, time[last]))
+            raise InternalError(_diverged(simulation.step, time[last]))
         recorder.add(time, speed, torque, rate, np.empty((0, done)))
         steps += done
         if goes_on:
             loop.make_room()
-    trajectory = recorder.trajectory(bool(loop.reason[0] == kernels.SPEED), steps)[0]
-    turning = tuple(
-        (when[0, :n].copy(), value[0, :n].copy())
-        for when, value, n in zip(*loop.turning.values(), loop.count[:, 0].tolist(), strict=True)
-    )
-    return replace(trajectory, turning=turning)
+    return loop, recorder.trajectory(bool(loop.reason[0] == kernels.SPEED), steps)[0]
 
 
 def _diverged(step: float, time: float) -> str:
@@ -279,8 +305,14 @@ def _single_run(loop: _Loop, lane: int, first: Floats) -> SingleRun | InternalEr
     reached = bool(loop.reason[lane] == kernels.SPEED)
     element = simulation.model.outputs.element
     trajectory = Trajectory(time, speed, none, none, element, reached, len(time) - 1)
-    end = trajectory.end_at(simulation.target_speed)
-    to_end = kernels.lane_to_end(lane, loop.out, loop.count, first, time[-2:], end)
+    return _to_end(loop, lane, trajectory, first)
+
+
+def _to_end(loop: _Loop, lane: int, trajectory: Trajectory, first: Floats) -> SingleRun:
+    """A start with what its lane recorded up to its end."""
+    end = trajectory.end_at(loop.simulations[lane].target_speed)
+    last = trajectory.time[-2:].copy()
+    to_end = kernels.lane_to_end(lane, loop.out, loop.count, first, last, end)
     return SingleRun(trajectory, end, to_end)
 
 
