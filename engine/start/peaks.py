@@ -186,26 +186,30 @@ def _difference(
     worst = 0.0
     for sign in (1.0, -1.0):
         x, y = (_highest(sign * value, until_largest) for _, value in (a, b))
-        latest = max(float(when[int(np.argmax(sign * value))]) for when, value in (a, b))
-        share = guard_share if latest < same_until else 1.0
+        share = guard_share
+        if share < 1.0:
+            latest = max(float(when[int(np.argmax(sign * value))]) for when, value in (a, b))
+            share = guard_share if latest < same_until else 1.0
         worst = max(
             worst,
-            abs(float(x[0] - y[0])),
-            share * _distance(x[:COMPARED_EXTREMES], y[: 2 * COMPARED_EXTREMES]),
-            share * _distance(y[:COMPARED_EXTREMES], x[: 2 * COMPARED_EXTREMES]),
+            abs(x[0] - y[0]),
+            share * _distance(x[:COMPARED_EXTREMES], y),
+            share * _distance(y[:COMPARED_EXTREMES], x),
         )
     return worst
 
 
-def _highest(value: Floats, until_largest: bool) -> Floats:
-    """Values in falling order; on request those up to the largest in time."""
+def _highest(value: Floats, until_largest: bool) -> list[float]:
+    """The largest values that are compared, in falling order; on request of those up to the largest in time."""
     seen = value[: int(np.argmax(value)) + 1] if until_largest else value
-    return np.sort(seen)[::-1]
+    if len(seen) > 2 * COMPARED_EXTREMES:
+        seen = np.partition(seen, -2 * COMPARED_EXTREMES)[-2 * COMPARED_EXTREMES :]
+    return sorted(seen.tolist(), reverse=True)
 
 
-def _distance(values: Floats, others: Floats) -> float:
+def _distance(values: Sequence[float], others: Sequence[float]) -> float:
     """Largest distance of any of the values from the nearest of the others."""
-    return float(np.max(np.min(np.abs(values[:, None] - others[None, :]), axis=1)))
+    return max(min(abs(v - other) for other in others) for v in values)
 
 
 def change_of_peaks(peaks: Sequence[ElementPeak], others: Sequence[ElementPeak]) -> float:

@@ -126,7 +126,7 @@ def follow(modal: ModalTrain, drive: Drive, end: float, tolerance: float, before
     def at(h: float) -> SingleRun:
         count = min(max(int(np.ceil(end / h)), 2), most)
         r = drive.respond(end, count, keep)
-        mean = r.station_speed[0] / train.speed_ratio[0]
+        mean = product(r.to_stations[:1], r.modal[1])[0] / train.speed_ratio[0]
         trajectory = Trajectory(
             r.time, mean, offset + r.torque, r.torque_rate, r.output_element, False, count
         )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from bisect import bisect_right
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -92,11 +92,10 @@ class _Loop:
             name: np.zeros(wide)
             for name in ("last", "last_rate", "before", "before_rate", "largest")
         } | {"last_time": np.zeros(lanes)}
-        room = 0 if histories else TURNING_ROOM
-        self.turning = {name: np.empty((*wide, room)) for name in ("when", "value")}
+        self.turning = {name: np.empty((*wide, TURNING_ROOM)) for name in ("when", "value")}
         self.rows = self._new_rows()
         self.out = self._samples()
-        self.room = kernels.room_for(lanes, self.system, self.drive)
+        self.room = kernels.room_for(lanes, self.system, self.drive, self.torques)
         kernels.begin_starts(
             lanes, self.system, self.drive, self.torques, self.state, self.out, self.room
         )
@@ -123,9 +122,13 @@ class _Loop:
         )  # fmt: skip
         return bool(np.any(self.reason == kernels.MORE))
 
+    def turning_is_full(self) -> bool:
+        """Whether it came back for want of room for turning points, not of rows."""
+        return bool(self.out.next < self.n_rows)
+
     def make_room(self) -> None:
-        """New rows where there are histories, else room for as many turning points again."""
-        if self.histories:
+        """Room for as many turning points again, or new rows."""
+        if not self.turning_is_full():
             self.rows, self.done[:] = self._new_rows(), 0
             self.out = self._samples()
             return
@@ -199,21 +202,56 @@ def simulate(
     Trajectory
         Times, mean speed and torques. [SI]
     """
-    loop = _Loop([Simulation(model, step, method, target_speed, maximum_time)], 1, histories=True)
-    recorder = Recorder(model.outputs.element, math.inf if keep_all else KEPT_VALUES)
+    loop, trajectory = _recorded(
+        Simulation(model, step, method, target_speed, maximum_time), keep_all=keep_all
+    )
+    turning = tuple(
+        (when[0, :n].copy(), value[0, :n].copy())
+        for when, value, n in zip(*loop.turning.values(), loop.count[:, 0].tolist(), strict=True)
+    )
+    return replace(trajectory, turning=turning)
+
+
+def start_with_histories(simulation: Simulation, *, keep_all: bool) -> SingleRun:
+    """One start from rest to its end, with its histories.
+
+    Parameters
+    ----------
+    simulation : Simulation
+        The start. [SI]
+    keep_all : bool
+        True: no sample is left out, however much memory that takes. [flag]
+
+    Returns
+    -------
+    SingleRun
+        From rest to the end. [SI]
+    """
+    loop, trajectory = _recorded(simulation, keep_all=keep_all)
+    return _to_end(loop, 0, trajectory, trajectory.torque[:, :1].copy())
+
+
+def _recorded(simulation: Simulation, *, keep_all: bool) -> tuple[_Loop, Trajectory]:
+    """The loop after the last step of a start, and its samples."""
+    element = simulation.model.outputs.element
+    loop = _Loop([simulation], 1, histories=True)
+    recorder = Recorder(element, math.inf if keep_all else KEPT_VALUES, turning=False)
     steps, goes_on = -1, True  # the first row is that of rest
     while goes_on:
         goes_on = loop.advance()
+        if goes_on and loop.turning_is_full():
+            loop.make_room()
+            continue
         done = int(loop.done[0])
         time, speed, torque, rate = (a[..., :done, 0] for a in loop.rows.values())
         if not np.all(np.isfinite(torque[:, -1:])):
             last = int(np.argmin(np.all(np.isfinite(torque), axis=0)))
-            raise InternalError(_diverged(step, time[last]))
+            raise InternalError(_diverged(simulation.step, time[last]))
         recorder.add(time, speed, torque, rate, np.empty((0, done)))
         steps += done
         if goes_on:
             loop.make_room()
-    return recorder.trajectory(bool(loop.reason[0] == kernels.SPEED), steps)[0]
+    return loop, recorder.trajectory(bool(loop.reason[0] == kernels.SPEED), steps)[0]
 
 
 def _diverged(step: float, time: float) -> str:
@@ -267,8 +305,14 @@ def _single_run(loop: _Loop, lane: int, first: Floats) -> SingleRun | InternalEr
     reached = bool(loop.reason[lane] == kernels.SPEED)
     element = simulation.model.outputs.element
     trajectory = Trajectory(time, speed, none, none, element, reached, len(time) - 1)
-    end = trajectory.end_at(simulation.target_speed)
-    to_end = kernels.lane_to_end(lane, loop.out, loop.count, first, time[-2:], end)
+    return _to_end(loop, lane, trajectory, first)
+
+
+def _to_end(loop: _Loop, lane: int, trajectory: Trajectory, first: Floats) -> SingleRun:
+    """A start with what its lane recorded up to its end."""
+    end = trajectory.end_at(loop.simulations[lane].target_speed)
+    last = trajectory.time[-2:].copy()
+    to_end = kernels.lane_to_end(lane, loop.out, loop.count, first, last, end)
     return SingleRun(trajectory, end, to_end)
 
 

@@ -35,7 +35,7 @@ from engine.start.outcome import StartOutcome, outcome_of, run_length, start_set
 from engine.start.peaks import ElementPeak, JudgedRun, judge_run
 from engine.start.settings import PLAIN_START, StartSettings, keeps_history, settings_of
 from engine.start.side_by_side import turning_of_start
-from engine.start.simulation import Simulation, simulate
+from engine.start.simulation import Simulation, start_with_histories
 from engine.start.start_model import (
     COARSEST_FIRST,
     FINEST_FIRST,
@@ -200,13 +200,11 @@ class PreparedStart:
         SingleRun
             From rest to the end. [SI]
         """
-        model, method, target = self.model, self.settings.method, self.settings.end_speed
+        method, target = self.settings.method, self.settings.end_speed
+        simulation = Simulation(self.model, step, method, target, self.maximum_time)
         if not histories:
-            return turning_of_start(Simulation(model, step, method, target, self.maximum_time))
-        trajectory = simulate(
-            model, step, method, target, self.maximum_time, keep_all=self.keep_all
-        )
-        return SingleRun.until(trajectory, trajectory.end_at(target))
+            return turning_of_start(simulation)
+        return start_with_histories(simulation, keep_all=self.keep_all)
 
     def to_its_end(self, step: float, *, histories: bool = True) -> tuple[PreparedStart, SingleRun]:
         """Simulate at one step, prolonged until the start has ended or settled.

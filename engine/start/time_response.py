@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -24,15 +25,20 @@ from engine.numerics.same_bits import interp, matrix_exponential, product
 from engine.start.torque_outputs import TorqueOutputs, force_reach, torque_outputs
 from engine.stepping import linear_loop as kernels
 
-#: Monomial coefficients of s from values at s = 0, 1/3, 2/3, 1.
-_FOUR_POINT = 0.5 * np.array(
-    [
-        [2.0, 0.0, 0.0, 0.0],
-        [-11.0, 18.0, -9.0, 2.0],
-        [18.0, -45.0, 36.0, -9.0],
-        [-9.0, 27.0, -27.0, 9.0],
-    ]
-)
+#: Places s within a step, and monomial coefficients of s from the values there: of any torque, and of one that is
+#: linear over the step.
+_CUBIC = (
+    (0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0),
+    0.5 * np.array(
+        [
+            [2.0, 0.0, 0.0, 0.0],
+            [-11.0, 18.0, -9.0, 2.0],
+            [18.0, -45.0, 36.0, -9.0],
+            [-9.0, 27.0, -27.0, 9.0],
+        ]
+    ),
+)  # fmt: skip
+_LINEAR = ((0.0, 1.0), np.array([[1.0, 0.0], [-1.0, 1.0], [0.0, 0.0], [0.0, 0.0]]))
 #: Off-diagonal modal damping below this share of the diagonal is rounding.
 _COUPLED = 1e-11
 #: Steps whose modal forces are calculated at a time.
@@ -52,6 +58,7 @@ class PrescribedTorque:
     knots: Floats
     #: Torque at times, from the left and from the right of a knot: value(t, side). [N m]
     value: Callable[[Floats, str], Floats]
+    linear: bool = False  #: Whether that polynomial is a straight line.
 
     @property
     def samples(self) -> Floats:
@@ -94,7 +101,7 @@ def linear(station: int, times: Floats, torques: Floats) -> PrescribedTorque:
         before = at <= t[0] if side == "left" else at < t[0]
         return np.where(before, 0.0, inside)
 
-    return PrescribedTorque(station, t, value)
+    return PrescribedTorque(station, t, value, linear=True)
 
 
 def held(station: int, torque: float) -> PrescribedTorque:
@@ -188,16 +195,25 @@ class TimeResponse:
     """Response of a train at the requested times."""
 
     time: Floats  #: Times. [s] Shape (n_times,).
-    #: In each station's running direction, at its own speed. [rad, rad/s] Shape (n_stations,
-    #: n_times).
-    station_angle: Floats
-    station_speed: Floats  #: Likewise. [rad, rad/s] Shape (n_stations, n_times).
     #: Torque of each element (each segment of a subdivided shaft) and its rate. [N m, N m/s] Shape
     #: (n_outputs, n_times).
     torque: Floats
     torque_rate: Floats  #: Likewise. [N m, N m/s] Shape (n_outputs, n_times).
     output_element: Ints  #: Element of each output. Shape (n_outputs,).
     coupled: bool  #: True if damping coupled the modes and the full matrix was used.
+    #: Modal positions and velocities. [rad √(kg m²), rad √(kg m²)/s] Shape (n_modes, n_times).
+    modal: tuple[Floats, Floats]
+    to_stations: Floats  #: What a mode turns each station by. [1/√(kg m²)] Shape (n_stations, n_modes).
+
+    @cached_property
+    def station_angle(self) -> Floats:
+        """In each station's running direction, at its own speed, shape (n_stations, n_times). [rad]"""
+        return product(self.to_stations, self.modal[0])
+
+    @cached_property
+    def station_speed(self) -> Floats:
+        """Likewise. [rad/s]"""
+        return product(self.to_stations, self.modal[1])
 
 
 def time_response(
@@ -317,13 +333,7 @@ class ModalSystem:
         angle = self.modes.shape[np.ix_(train.node_dof[: train.n_stations], self.keep)]
         angle = angle * train.node_scale[: train.n_stations, None]
         return TimeResponse(
-            time,
-            product(angle, q),
-            product(angle, v),
-            torque,
-            torque_rate,
-            outputs.element,
-            self.coupled,
+            time, torque, torque_rate, outputs.element, self.coupled, (q, v), angle
         )
 
 
@@ -389,7 +399,8 @@ def _modal_cubics(
 ) -> Floats:
     """Coefficients of the modal forces over every step, shape (n_steps, n_modes, 4)."""
     start, h = grid[:-1], np.diff(grid)
-    values = np.zeros((len(h), len(stations), 4))  # at 0, 1/3, 2/3 and 1 of each step
+    places, weights = _LINEAR if all(p.linear for p in torques) else _CUBIC
+    values = np.zeros((len(h), len(stations), len(places)))
     for p in torques:
         column = int(np.searchsorted(stations, p.station))
         if len(p.knots):
@@ -397,11 +408,11 @@ def _modal_cubics(
         else:
             ends = p.value(grid, "right")
             first, last = ends[:-1], ends[1:]
-        inner = [p.value(start + share * h, "right") for share in (1.0 / 3.0, 2.0 / 3.0)]
+        inner = [p.value(start + share * h, "right") for share in places[1:-1]]
         for i, part in enumerate((first, *inner, last)):
             values[:, column, i] += part
     n = len(reach)
-    to_modes = (reach.T[:, None, :, None] * _FOUR_POINT.T[:, None, :]).reshape(-1, 4 * n)
+    to_modes = (reach.T[:, None, :, None] * weights.T[:, None, :]).reshape(-1, 4 * n)
     return np.asarray(product(values.reshape(len(h), -1), to_modes).reshape(len(h), n, 4))
 
 

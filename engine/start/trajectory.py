@@ -36,14 +36,10 @@ class Trajectory:
     output_element: Ints  #: Element of each output. Shape (n_outputs,).
     reached: bool  #: True if the target speed was reached.
     n_steps: int  #: Steps taken.
-    #: Turning points of every output where samples were thinned out; None = take them from the
-    #: samples. [s, N m]
+    #: Turning points of every output where the loop found them, or samples were thinned out; None = take
+    #: them from the samples. [s, N m]
     turning: tuple[Turning, ...] | None = None
-
-    @property
-    def thinned(self) -> bool:
-        """Whether samples were left out. [flag]"""
-        return self.turning is not None
+    thinned: bool = False  #: Whether samples were left out.
 
     def end_at(self, target_speed: float) -> float:
         """Time at which a mean speed was reached, or the last sample. [s]
@@ -69,10 +65,14 @@ class Recorder:
         Element of each output. [index]
     kept_values : float, optional
         Torque values that are kept; infinite = all. [count]
+    turning : bool, optional
+        False: turning points are found elsewhere. [flag]
     """
 
-    def __init__(self, output_element: Ints, kept_values: float = KEPT_VALUES) -> None:
-        self._element = output_element
+    def __init__(
+        self, output_element: Ints, kept_values: float = KEPT_VALUES, *, turning: bool = True
+    ) -> None:
+        self._element, self._finds_turning = output_element, turning
         self._most = max(kept_values / max(len(output_element), 1), 16.0)
         self._blocks: list[tuple[Floats, ...]] = []  # time, speed, torque, rate, further rows
         self._samples, self._stride, self._offset = 0, 1, 0
@@ -119,7 +119,7 @@ class Recorder:
     def _thin(self) -> None:
         """Keep every second sample of those that are kept."""
         whole = _joined(self._blocks)
-        if self._turning is None:
+        if self._turning is None and self._finds_turning:
             self._turning = [[] for _ in self._element]
             last, self._last = self._last, None
             self._take_turning(whole)
@@ -179,7 +179,9 @@ class Recorder:
                 for found in self._turning
             )
         return (
-            Trajectory(time, speed, torque, rate, self._element, reached, n_steps, turning),
+            Trajectory(
+                time, speed, torque, rate, self._element, reached, n_steps, turning, self._stride > 1
+            ),
             further,
         )
 
@@ -236,7 +238,7 @@ class SingleRun:
             Time at which it ends. [s]
         """
         turning = turning_of(trajectory, end)
-        return cls(replace(trajectory, turning=() if trajectory.thinned else None), end, turning)
+        return cls(replace(trajectory, turning=None), end, turning)
 
     def without_history(self) -> Self:
         """With the turning points alone: the history is most of the memory."""

@@ -173,7 +173,7 @@ def start_forces(
         The results. [N m, N m/s]
     """
     force, rate = np.empty(len(speed)), np.empty(len(speed))
-    room = room_for(1, system, drive)
+    room = room_for(1, system, drive, struct("torques_t", n=0))
     library.start_forces(
         t, inside, address(phase), address(speed), address(acceleration), drive, system,
         address(room), address(force), address(rate),
@@ -236,14 +236,14 @@ def advance_starts(
     library.advance_starts(lanes, plan, system, drive, torques, state, out, address(room))
 
 
-def room_for(lanes: int, system: Any, drive: Any) -> Floats:
+def room_for(lanes: int, system: Any, drive: Any, torques: Any) -> Floats:
     """Room that the loop works in.
 
     Parameters
     ----------
     lanes : int
         Starts side by side. [count]
-    system, drive : cdata
+    system, drive, torques : cdata
         As for `begin_starts`. [SI]
 
     Returns
@@ -251,7 +251,7 @@ def room_for(lanes: int, system: Any, drive: Any) -> Floats:
     ndarray
         Not initialised. [none]
     """
-    return np.empty(library.linear_room(lanes, system, drive))
+    return np.empty(library.linear_room(lanes, system, drive, torques))
 
 
 def drive_modes(

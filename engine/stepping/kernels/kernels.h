@@ -161,7 +161,7 @@ typedef struct {
  * progress, damper forces without a solution in double precision. */
 enum { MORE, AT_TIME, SPEED, ANGLE, NEW_PIECE, STUCK, DIVIDED };
 
-int64_t linear_room(int64_t lanes, const system_t *system, const drive_t *drive);
+int64_t linear_room(int64_t lanes, const system_t *system, const drive_t *drive, const torques_t *torques);
 int64_t contact_room(const pieces_t *pieces, const drive_t *drive);
 void start_forces(double t, double inside, const double *phase, const double *speed,
                   const double *acceleration, const drive_t *drive, const system_t *system, double *room,

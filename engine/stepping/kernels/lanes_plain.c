@@ -6,7 +6,7 @@
 #define ADVANCE advance_plain
 #include "linear_body.h"
 
-const side_by_side_t plain_lanes = {begin_plain, advance_plain};
+const loop_t plain_lanes = {begin_plain, advance_plain};
 
 #if defined(__x86_64__)
 #include <cpuid.h>
@@ -20,12 +20,12 @@ static int has_wide(void)
     return (low & 6) == 6 && __get_cpuid_count(7, 0, &a, &b, &c, &d) && (b >> 5 & 1);
 }
 
-const side_by_side_t *widest(void)
+const loop_t *widest(int64_t lanes)
 {
-    static const side_by_side_t *chosen; /* asking the processor takes long where it is shared */
-    if (!chosen) chosen = has_wide() ? &wide_lanes : &plain_lanes;
-    return chosen;
+    static int known, wide; /* asking the processor takes long where it is shared */
+    if (!known) wide = has_wide(), known = 1;
+    return lanes == 1 ? wide ? &wide_one : &plain_one : wide ? &wide_lanes : &plain_lanes;
 }
 #else
-const side_by_side_t *widest(void) { return &plain_lanes; }
+const loop_t *widest(int64_t lanes) { return lanes == 1 ? &plain_one : &plain_lanes; }
 #endif

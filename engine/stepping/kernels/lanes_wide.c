@@ -12,7 +12,7 @@
 #define ADVANCE advance_wide
 #include "linear_body.h"
 
-const side_by_side_t wide_lanes = {begin_wide, advance_wide};
+const loop_t wide_lanes = {begin_wide, advance_wide};
 #if defined(__clang__)
 #pragma clang attribute pop
 #endif

@@ -1,17 +1,19 @@
 /* Starts without events; prescribed forces; turning points. */
+#include "forces.h"
+#include "step.h"
+#include "turning.h"
 #include "vector_units.h"
 
-#define BEGIN begin_one
-#define ADVANCE advance_one
-#include "linear_body.h"
+/* Numbers of each mode, force and output that a loop keeps: of its work, and of its copies (`laid_out`). */
+enum { OF_MODES = 12 + 7 + 4, OF_FORCES = 4, OF_OUTPUTS = 5 };
 
-/* Rows of modes and of forces in the room of a loop. */
-enum { ARRAYS_OF_MODES = 7 + 12, ARRAYS_OF_FORCES = 4 };
+static int64_t padded(int64_t n) { return (n + MANY - 1) / MANY * MANY; }
 
-int64_t linear_room(int64_t lanes, const system_t *system, const drive_t *drive)
+int64_t linear_room(int64_t lanes, const system_t *system, const drive_t *drive, const torques_t *torques)
 {
-    return lanes * (ARRAYS_OF_MODES * system->n + ARRAYS_OF_FORCES * system->n_forces + drive->n_motors
-                    + held_room(drive));
+    const int64_t modes = padded(system->n), forces = padded(system->n_forces), outputs = padded(torques->n);
+    return lanes * ((OF_MODES + 2 * forces + 2 * outputs) * modes + OF_FORCES * forces + (OF_OUTPUTS + forces) * outputs
+                    + drive->n_motors + held_room(drive));
 }
 
 int64_t lanes_at_once(void) { return MANY; }
@@ -19,15 +21,13 @@ int64_t lanes_at_once(void) { return MANY; }
 void begin_starts(int64_t lanes, const system_t *system, const drive_t *drive, const torques_t *torques,
                   state_t *state, samples_t *out, double *room)
 {
-    begin_t begin = lanes == 1 ? begin_one : widest()->begin;
-    begin(system, drive, torques, state, out, room);
+    widest(lanes)->begin(system, drive, torques, state, out, room);
 }
 
 void advance_starts(int64_t lanes, stretches_t *plan, const system_t *system, const drive_t *drive,
                     const torques_t *torques, state_t *state, samples_t *out, double *room)
 {
-    advance_t advance = lanes == 1 ? advance_one : widest()->advance;
-    advance(plan, system, drive, torques, state, out, room);
+    widest(lanes)->advance(plan, system, drive, torques, state, out, room);
 }
 
 void polynomial_step(int64_t n, const double *stiffness, const double *rate, double h, double *free,

@@ -4,7 +4,7 @@
 #include "forces.h"
 
 /* Coefficients of one step, the modes along the last axis: (2, 2, n) and (2, 4, n). */
-typedef struct { const lane_t *free, *forced; } step_t;
+typedef struct { const wide_t *free, *forced; } step_t;
 
 /* u += reachᵀ force and r += reachᵀ force_rate. */
 static inline void to_modes(int64_t n, int64_t n_forces, const lane_t *reach, const lane_t *force,
@@ -34,43 +34,44 @@ static inline void along(int64_t n, const lane_t *row, const lane_t *v, const la
     *acceleration = y;
 }
 
-/* The same along rows, some at a time: the sums of one row wait for each other, those of several do not. */
-enum { ROWS_AT_ONCE = LANES == 1 ? 4 : 2 };
-
-static inline void along_rows(int64_t n, int64_t n_rows, const int64_t *which, const lane_t *rows,
-                              const lane_t *v, const lane_t *a, lane_t *speed, lane_t *acceleration)
+/* The same along the ROWS rows of each block: (n_blocks, n, ROWS; lanes). Two blocks at once where there are two: the
+ * sums of one wait for each other. */
+static inline void along_blocks(int64_t n, int64_t n_blocks, const wide_t *blocks, const lane_t *v, const lane_t *a,
+                                wide_t *speed, wide_t *acceleration)
 {
-    int64_t f = 0;
-    for (; f + ROWS_AT_ONCE <= n_rows; f += ROWS_AT_ONCE) {
-        const lane_t *row[ROWS_AT_ONCE];
-        lane_t x[ROWS_AT_ONCE], y[ROWS_AT_ONCE];
-        for (int k = 0; k < ROWS_AT_ONCE; k++) {
-            row[k] = rows + (which ? which[f + k] : f + k) * n;
-            x[k] = y[k] = all(0.0);
+    int64_t b = 0;
+    for (; b + 2 <= n_blocks; b += 2) {
+        const wide_t *row = blocks + b * n, *next = row + n;
+        wide_t x = spread(all(0.0)), y = x, z = x, w = x;
+        for (int64_t i = 0; i < n; i++) {
+            x += row[i] * v[i];
+            y += row[i] * a[i];
+            z += next[i] * v[i];
+            w += next[i] * a[i];
         }
-        for (int64_t i = 0; i < n; i++)
-            for (int k = 0; k < ROWS_AT_ONCE; k++) {
-                x[k] += row[k][i] * v[i];
-                y[k] += row[k][i] * a[i];
-            }
-        for (int k = 0; k < ROWS_AT_ONCE; k++) {
-            const int64_t at = which ? which[f + k] : f + k;
-            speed[at] = x[k];
-            acceleration[at] = y[k];
-        }
+        speed[b] = x;
+        acceleration[b] = y;
+        speed[b + 1] = z;
+        acceleration[b + 1] = w;
     }
-    for (; f < n_rows; f++) {
-        const int64_t at = which ? which[f] : f;
-        along(n, rows + at * n, v, a, speed + at, acceleration + at);
+    for (; b < n_blocks; b++) {
+        const wide_t *row = blocks + b * n;
+        wide_t x = spread(all(0.0)), y = x;
+        for (int64_t i = 0; i < n; i++) {
+            x += row[i] * v[i];
+            y += row[i] * a[i];
+        }
+        speed[b] = x;
+        acceleration[b] = y;
     }
 }
 
 /* What does not depend on the end of the step; u becomes the force at its end if the rates stood. */
-static inline void begin_step(int64_t n, const step_t *s, lane_t h, const lane_t *restrict q,
-                              const lane_t *restrict v, lane_t *restrict u, const lane_t *restrict r,
-                              lane_t *restrict base_q, lane_t *restrict base_v)
+static inline void begin_step(int64_t n, const step_t *s, lane_t h, const wide_t *restrict q,
+                              const wide_t *restrict v, wide_t *restrict u, const wide_t *restrict r,
+                              wide_t *restrict base_q, wide_t *restrict base_v)
 {
-    const lane_t *a = s->free, *b = s->forced;
+    const wide_t *a = s->free, *b = s->forced;
     for (int64_t i = 0; i < n; i++) {
         base_q[i] = a[i] * q[i] + a[n + i] * v[i] + b[i] * u[i] + b[n + i] * r[i];
         base_v[i] = a[2 * n + i] * q[i] + a[3 * n + i] * v[i] + b[4 * n + i] * u[i] + b[5 * n + i] * r[i];
@@ -79,13 +80,13 @@ static inline void begin_step(int64_t n, const step_t *s, lane_t h, const lane_t
 }
 
 /* The end of the step with the forces u and their rates r there. */
-static inline void end_step(int64_t n, const step_t *s, const lane_t *restrict stiffness,
-                            const lane_t *restrict rate, const lane_t *restrict base_q,
-                            const lane_t *restrict base_v, const lane_t *restrict u,
-                            const lane_t *restrict r, lane_t *restrict q, lane_t *restrict v,
-                            lane_t *restrict a)
+static inline void end_step(int64_t n, const step_t *s, const wide_t *restrict stiffness,
+                            const wide_t *restrict rate, const wide_t *restrict base_q,
+                            const wide_t *restrict base_v, const wide_t *restrict u,
+                            const wide_t *restrict r, wide_t *restrict q, wide_t *restrict v,
+                            wide_t *restrict a)
 {
-    const lane_t *b = s->forced;
+    const wide_t *b = s->forced;
     for (int64_t i = 0; i < n; i++) {
         q[i] = base_q[i] + b[2 * n + i] * u[i] + b[3 * n + i] * r[i];
         v[i] = base_v[i] + b[6 * n + i] * u[i] + b[7 * n + i] * r[i];

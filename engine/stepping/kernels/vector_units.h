@@ -1,4 +1,4 @@
-/* Starts side by side: which vector unit calculates them. */
+/* Which vector unit calculates a start, alone or beside others. */
 #ifndef TORSION_VECTOR_UNITS_H
 #define TORSION_VECTOR_UNITS_H
 #include "kernels.h"
@@ -9,10 +9,10 @@
 typedef void (*begin_t)(const system_t *, const drive_t *, const torques_t *, state_t *, samples_t *, double *);
 typedef void (*advance_t)(stretches_t *, const system_t *, const drive_t *, const torques_t *, state_t *,
                           samples_t *, double *);
-typedef struct { begin_t begin; advance_t advance; } side_by_side_t;
+typedef struct { begin_t begin; advance_t advance; } loop_t;
 
-extern const side_by_side_t plain_lanes, wide_lanes;
+extern const loop_t plain_one, wide_one, plain_lanes, wide_lanes;
 
-/* The loop for this machine's vector unit: each gives the same bits. */
-const side_by_side_t *widest(void);
+/* The loop for this machine's vector unit and a number of lanes: each gives the same bits. */
+const loop_t *widest(int64_t lanes);
 #endif

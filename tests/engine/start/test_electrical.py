@@ -156,7 +156,7 @@ def simulated(
             time=np.array([h * done]), reason=np.array([kernels.MORE]), done=np.array([0]),
         )  # fmt: skip
         out, (drive, system) = struct("samples_t", rows=count, **rows), structs
-        room = kernels.room_for(1, system, drive)
+        room = kernels.room_for(1, system, drive, angle)
         kernels.advance_starts(1, plan, system, drive, angle, state, out, room)
         speeds.append(rows["speed"][:, 0])
         angles.append(rows["torque"][:, 0])
