@@ -67,6 +67,17 @@ class InitialState(StrEnum):
     RUNNING = "running"
 
 
+class TorqueFollows(StrEnum):
+    """At which speed a motor's curves of torque against speed are read in a start.
+
+    `MEAN_SPEED` is that of the rigid shaft line on which the motor sits, `OWN_SPEED` that of its station, with the
+    vibration: the slope of the curve then damps the vibration or drives it.
+    """
+
+    MEAN_SPEED = "mean speed"
+    OWN_SPEED = "own speed"
+
+
 class HistoryFile(StrEnum):
     """What every sample of a start is kept in."""
 

@@ -54,6 +54,7 @@ class _Loop:
             _beside([m.rate for m in models]),
             _beside([m.reach.T for m in models]),
             _beside([m.mean_speed for m in models]),
+            _beside([m.read_speed for m in models]),
             (models[0].dampers[0], _beside([m.dampers[1] for m in models])),
         )
         self.drive = kernels.drive_struct(*_machines_beside(models))
@@ -231,8 +232,8 @@ def form_of(simulation: Simulation) -> tuple[Any, ...]:
         model.timed[0], model.dampers[0],
     )  # fmt: skip
     return (
-        simulation.method, model.reach.shape, model.outputs.position.shape, model.curves[0].shape,
-        model.timed[1].shape, *(tuple(np.asarray(i).tolist()) for i in indices),
+        simulation.method, model.reach.shape, model.read_speed.shape, model.outputs.position.shape,
+        model.curves[0].shape, model.timed[1].shape, *(tuple(np.asarray(i).tolist()) for i in indices),
     )  # fmt: skip
 
 

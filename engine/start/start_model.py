@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from engine.arrays import Floats, Ints, Mask
+from engine.case.choices import TorqueFollows
 from engine.case.data import CaseData
 from engine.case.effect import StartEffects
 from engine.errors import ModelError
@@ -93,6 +94,9 @@ class StartModel(Machines):
     #: Rigid-body speed of the reference shaft from modal velocities. [√(1/(kg m²))] Shape
     #: (n_modes,).
     mean_speed: Floats
+    #: Speed at which the curves of each motor are read, from the velocities of the first modes. [√(1/(kg m²))]
+    #: Shape (n_motors, n_read).
+    read_speed: Floats
     outputs: TorqueOutputs  #: Element torques. [SI]
     dampers: tuple[Any, ...]  #: Force and coefficient of each, for the compiled loop. [SI]
     pulsation_omega: float  #: Highest pulsation frequency, twice line. [rad/s]
@@ -199,12 +203,14 @@ def start_model(
             f"Station '{train.stations[motors[0].station]}' is held to ground by a spring; its "
             "motor cannot start. Remove the spring, or its rows in table MotorTorque."
         )
+    machines = machine_arrays(case, motors, loads, torques, stations, effects)
     return StartModel(
-        **machine_arrays(case, motors, loads, torques, stations, effects),
+        **machines,
         stiffness=np.ascontiguousarray(modes.omega[keep] ** 2),
         rate=np.ascontiguousarray(np.maximum(rate[keep], 0.0)),
         reach=np.ascontiguousarray(all_reach[keep]),
         mean_speed=np.ascontiguousarray(mean[keep]),
+        read_speed=read_speed(case, all_reach[keep], machines["motors"][0], modes.n_rigid),
         outputs=_outputs(
             train, elastic.of_modes(keep, modes.omega, all_reach), forces, dampers, uncoupled
         ),
@@ -218,6 +224,32 @@ def start_model(
         damper_rows=dampers.rows,
         uncoupled_dampers=tuple(uncoupled),
     )
+
+
+def read_speed(case: CaseData, reach: Floats, force: Ints, n_rigid: int) -> Floats:
+    """Speed at which the curves of each motor are read, from modal velocities.
+
+    The mean speed of a shaft line is that of its rigid mode: its momentum, referred to the motor's station, over its
+    inertia. Elastic modes have no part in it.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case, for `TorqueFollows`. [SI]
+    reach : ndarray, shape (n_modes, n_forces)
+        Forces to modes, the rigid ones first. [rad/√(kg m²)]
+    force : ndarray of int, shape (n_motors,)
+        Force of each motor. [indices]
+    n_rigid : int
+        Rigid modes. [count]
+
+    Returns
+    -------
+    ndarray, shape (n_motors, n_read)
+        Of the modes on which it depends. [√(1/(kg m²))]
+    """
+    own = case.torque_follows == TorqueFollows.OWN_SPEED
+    return np.ascontiguousarray(reach.T[force, : len(reach) if own else n_rigid])
 
 
 def machine_arrays(

@@ -41,7 +41,7 @@ NEW_PIECE, STUCK, DIVIDED = library.NEW_PIECE, library.STUCK, library.DIVIDED
 
 #: Tables of the pieces in the order of `pieces_t`.
 TABLES = (
-    "keys", "stiffness", "rate", "reach", "constant", "mean_speed", "flank_rows", "viscous", "shows",
+    "keys", "stiffness", "rate", "reach", "constant", "mean_speed", "read_speed", "flank_rows", "viscous", "shows",
     "turns", "position", "velocity", "direct", "offset", "damped", "centres", "free", "forced", "solver", "made",
 )  # fmt: skip
 

@@ -6,7 +6,7 @@
 
 /* Room to work in: coefficients of the step, its forces without and with its end, its end. */
 typedef struct {
-    lane_t *free, *forced, *base_q, *base_v, *u, *r, *q1, *v1, *a1, *f1, *fr1, *speed, *acceleration, *phase1;
+    lane_t *free, *forced, *base_q, *base_v, *u, *r, *q1, *v1, *a1, *f1, *fr1, *speed, *acceleration, *phase1, *read, *read_rate;
     held_t *held;
 } room_t;
 
@@ -21,14 +21,24 @@ static room_t laid_out(const system_t *s, const drive_t *drive, double *room)
     for (int i = 0; i < 7; i++, at += n) *of_modes[i] = at;
     for (int i = 0; i < 4; i++, at += nf) *of_forces[i] = at;
     w.phase1 = at;
-    w.held = (held_t *)(at + drive->n_motors);
+    w.read = at + drive->n_motors;
+    w.read_rate = at + 2 * drive->n_motors;
+    w.held = (held_t *)(at + 3 * drive->n_motors);
     return w;
+}
+
+/* Speeds of stations and dampers, and those at which curves are read. */
+static void speeds(const system_t *s, const drive_t *drive, const lane_t *v, const lane_t *a, const room_t *w)
+{
+    along_rows(s->n, s->n_forces, NULL, lanes_of(s->reach), v, a, w->speed, w->acceleration);
+    along_rows(s->n_read, drive->n_motors, NULL, lanes_of(s->read_speed), v, a, w->read, w->read_rate);
 }
 
 static void all_forces(lane_t t, lane_t inside, const lane_t *phase, const system_t *s, const drive_t *drive,
                        const room_t *w)
 {
-    machine_forces(drive, s->n_forces, t, inside, phase, w->speed, w->acceleration, w->held, w->f1, w->fr1);
+    machine_forces(drive, s->n_forces, t, inside, phase, w->speed, w->acceleration, w->read, w->read_rate, w->held,
+                   w->f1, w->fr1);
     damper_forces(s->n_dampers, s->damper_force, s->viscous, w->speed, w->acceleration, w->f1, w->fr1);
 }
 
@@ -54,14 +64,16 @@ static void renew_forces(lane_t t, lane_t inside, const int *renewed, const syst
                          state_t *state, const room_t *w)
 {
     const lane_t *q = lanes_of(state->q), *v = lanes_of(state->v);
-    along_rows(s->n, s->n_forces, NULL, lanes_of(s->reach), v, v, w->speed, w->acceleration);
+    speeds(s, drive, v, v, w);
     for (int64_t f = 0; f < s->n_forces; f++) w->acceleration[f] = all(0.0);
+    for (int64_t m = 0; m < drive->n_motors; m++) w->read_rate[m] = all(0.0);
     for (int pass = 0; pass < 2; pass++) {
         all_forces(t, inside, lanes_of(state->phase), s, drive, w);
         modal_forces(s, w->f1, w->fr1, w);
         for (int64_t i = 0; i < s->n; i++)
             w->a1[i] = -lanes_of(s->rate)[i] * v[i] - lanes_of(s->stiffness)[i] * q[i] + w->u[i];
         along_rows(s->n, s->n_forces, NULL, lanes_of(s->reach), w->a1, w->a1, w->acceleration, w->acceleration);
+        along_rows(s->n_read, drive->n_motors, NULL, lanes_of(s->read_speed), w->a1, w->a1, w->read_rate, w->read_rate);
     }
     for (int64_t f = 0; f < s->n_forces; f++)
         for (int l = 0; l < LANES; l++) {
@@ -75,7 +87,7 @@ static void renew_forces(lane_t t, lane_t inside, const int *renewed, const syst
 static void take_step(lane_t t, lane_t h, const system_t *s, const drive_t *drive, const state_t *state,
                       const room_t *w)
 {
-    const int64_t n = s->n, nf = s->n_forces;
+    const int64_t n = s->n;
     const step_t step = {w->free, w->forced};
     const lane_t *reach = lanes_of(s->reach), *q = lanes_of(state->q), *phase = lanes_of(state->phase);
     modal_forces(s, lanes_of(state->force), lanes_of(state->force_rate), w);
@@ -83,7 +95,7 @@ static void take_step(lane_t t, lane_t h, const system_t *s, const drive_t *driv
     for (int pass = 0; pass < 2; pass++) {
         end_step(n, &step, lanes_of(s->stiffness), lanes_of(s->rate), w->base_q, w->base_v, w->u, w->r, w->q1,
                  w->v1, w->a1);
-        along_rows(n, nf, NULL, reach, w->v1, w->a1, w->speed, w->acceleration);
+        speeds(s, drive, w->v1, w->a1, w);
         turn_phases(drive, n, reach, h, q, w->q1, phase, w->phase1);
         all_forces(t + h, t + 0.5 * h, w->phase1, s, drive, w);
         if (pass == 0) modal_forces(s, w->f1, w->fr1, w);

@@ -6,12 +6,12 @@
 #include "linear_body.h"
 
 /* Rows of modes and of forces in the room of a loop. */
-enum { ARRAYS_OF_MODES = 7 + 12, ARRAYS_OF_FORCES = 4 };
+enum { ARRAYS_OF_MODES = 7 + 12, ARRAYS_OF_FORCES = 4, ARRAYS_OF_MOTORS = 3 };
 
 int64_t linear_room(int64_t lanes, const system_t *system, const drive_t *drive)
 {
-    return lanes * (ARRAYS_OF_MODES * system->n + ARRAYS_OF_FORCES * system->n_forces + drive->n_motors
-                    + held_room(drive));
+    return lanes * (ARRAYS_OF_MODES * system->n + ARRAYS_OF_FORCES * system->n_forces
+                    + ARRAYS_OF_MOTORS * drive->n_motors + held_room(drive));
 }
 
 int64_t lanes_at_once(void) { return MANY; }
@@ -58,11 +58,12 @@ void newmark_step(int64_t n, const double *stiffness, const double *rate, double
 }
 
 void start_forces(double t, double inside, const double *phase, const double *speed,
-                  const double *acceleration, const drive_t *drive, const system_t *system, double *room,
-                  double *force, double *force_rate)
+                  const double *acceleration, const double *read, const double *read_rate, const drive_t *drive,
+                  const system_t *system, double *room, double *force, double *force_rate)
 {
     hold_none(drive, (held_t *)room);
-    machine_forces(drive, system->n_forces, t, inside, phase, speed, acceleration, (held_t *)room, force, force_rate);
+    machine_forces(drive, system->n_forces, t, inside, phase, speed, acceleration, read, read_rate, (held_t *)room,
+                   force, force_rate);
     damper_forces(system->n_dampers, system->damper_force, system->viscous, speed, acceleration, force,
                   force_rate);
 }
