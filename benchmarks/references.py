@@ -159,9 +159,10 @@ def exact_start(
     G = np.ascontiguousarray(G @ pick.T)
     reach = np.empty((len(stations), 0))
     none = np.zeros(0)
+    read = _mean_speeds(train, stations[model.motors[0]])
     structs = (
         drive_struct(model.curves, model.motors, model.loads, model.timed, model.electrical),
-        system_struct(none, none, reach, none, model.dampers),
+        system_struct(none, none, reach, none, reach, model.dampers),
     )
     start = np.concatenate([np.zeros(len(A)), model.phase])
     largest = np.concatenate(
@@ -172,7 +173,7 @@ def exact_start(
         ]
     )
     solved = solve_ivp(
-        lambda t, y: _start_slope(t, y, (A, G, pick), n_rows, model.motors, structs),
+        lambda t, y: _start_slope(t, y, (A, G, pick, read), n_rows, model.motors, structs),
         (0.0, time[-1]),
         start,
         method="DOP853",
@@ -185,19 +186,37 @@ def exact_start(
     return Curves(time, elastic + train.viscous[:, None] * (B @ speed), elastic)
 
 
+def _mean_speeds(train: Train, stations: NDArray[np.int64]) -> Floats:
+    """Mean speed of the shaft line at each station, from the speeds of all degrees of freedom: its momentum
+    over its inertia. Springs join a shaft line."""
+    joined = (train.incidence[train.stiffness > 0.0] != 0.0) & (train.dof_ratio != 0.0)
+    weights = np.zeros((len(stations), train.n_dof))
+    for row, station in zip(weights, stations, strict=True):
+        line = np.arange(train.n_dof) == train.node_dof[station]
+        for _ in range(len(joined) + 1):
+            line = line | np.any(joined[np.any(joined & line, axis=1)], axis=0)
+        rigid = np.where(line, train.dof_ratio, 0.0)
+        row[:] = train.speed_ratio[station] * train.inertia * rigid
+        row /= train.inertia @ rigid**2
+    return weights
+
+
 def _start_slope(
     t: float,
     y: Floats,
-    matrices: tuple[Floats, Floats, Floats],
+    matrices: tuple[Floats, Floats, Floats, Floats],
     n_rows: int,
     motors: Any,
     structs: tuple[Any, Any],
 ) -> Floats:
     """Rate of change of (twists, speeds, phases of the pulsations)."""
-    A, G, pick = matrices
+    A, G, pick, read = matrices
     n = len(A)
     speed = pick @ y[n_rows:n]
+    mean = read @ y[n_rows:n]
     phase = np.ascontiguousarray(y[n:])
-    force, _ = start_forces(t, t, phase, speed, np.zeros(len(pick)), *structs)
+    force, _ = start_forces(
+        t, t, phase, speed, np.zeros(len(pick)), (mean, np.zeros(len(mean))), *structs
+    )
     turning = 2.0 * (motors[5] - motors[4] * speed[motors[0]])
     return np.concatenate([A @ y[:n] + G @ force, turning])
