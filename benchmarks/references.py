@@ -159,7 +159,7 @@ def exact_start(
     G = np.ascontiguousarray(G @ pick.T)
     reach = np.empty((len(stations), 0))
     none = np.zeros(0)
-    read = _mean_speeds(train, stations[model.motors[0]])
+    read = pick[model.motors[0]]  # curves are read at the speed of the station
     structs = (
         drive_struct(model.curves, model.motors, model.loads, model.timed, model.electrical),
         system_struct(none, none, reach, none, reach, model.dampers),
@@ -184,21 +184,6 @@ def exact_start(
     twist, speed = solved.y[:n_rows], solved.y[n_rows : len(A)]
     elastic = twist * train.stiffness[:, None]
     return Curves(time, elastic + train.viscous[:, None] * (B @ speed), elastic)
-
-
-def _mean_speeds(train: Train, stations: NDArray[np.int64]) -> Floats:
-    """Mean speed of the shaft line at each station, from the speeds of all degrees of freedom: its momentum
-    over its inertia. Springs join a shaft line."""
-    joined = (train.incidence[train.stiffness > 0.0] != 0.0) & (train.dof_ratio != 0.0)
-    weights = np.zeros((len(stations), train.n_dof))
-    for row, station in zip(weights, stations, strict=True):
-        line = np.arange(train.n_dof) == train.node_dof[station]
-        for _ in range(len(joined) + 1):
-            line = line | np.any(joined[np.any(joined & line, axis=1)], axis=0)
-        rigid = np.where(line, train.dof_ratio, 0.0)
-        row[:] = train.speed_ratio[station] * train.inertia * rigid
-        row /= train.inertia @ rigid**2
-    return weights
 
 
 def _start_slope(

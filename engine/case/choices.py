@@ -70,12 +70,12 @@ class InitialState(StrEnum):
 class TorqueFollows(StrEnum):
     """At which speed a motor's curves of torque against speed are read in a start.
 
-    `MEAN_SPEED` is that of the rigid shaft line on which the motor sits, `OWN_SPEED` that of its station, with the
-    vibration: the slope of the curve then damps the vibration or drives it.
+    `OWN_SPEED` is that of its station with the vibration, which the slope of the curve then damps or drives;
+    `MEAN_SPEED` that of the rigid shaft line on which the motor sits.
     """
 
-    MEAN_SPEED = "mean speed"
     OWN_SPEED = "own speed"
+    MEAN_SPEED = "mean speed"
 
 
 class HistoryFile(StrEnum):

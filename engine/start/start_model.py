@@ -248,8 +248,8 @@ def read_speed(case: CaseData, reach: Floats, force: Ints, n_rigid: int) -> Floa
     ndarray, shape (n_motors, n_read)
         Of the modes on which it depends. [√(1/(kg m²))]
     """
-    own = case.torque_follows == TorqueFollows.OWN_SPEED
-    return np.ascontiguousarray(reach.T[force, : len(reach) if own else n_rigid])
+    mean = case.torque_follows == TorqueFollows.MEAN_SPEED
+    return np.ascontiguousarray(reach.T[force, : n_rigid if mean else len(reach)])
 
 
 def machine_arrays(

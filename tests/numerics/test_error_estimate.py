@@ -101,7 +101,7 @@ def claimed_and_true_with_teeth(seed: int) -> tuple[np.ndarray, np.ndarray] | No
     return np.array(claimed), np.array(true)
 
 
-@pytest.mark.parametrize("seed", [102, 107, 113, 114, 116, 176])  # those are over soonest
+@pytest.mark.parametrize("seed", [102, 107, 108, 113, 114, 116, 176])  # those are over soonest
 def test_estimate_with_teeth_is_at_or_above_the_true_error(seed: int) -> None:
     found = claimed_and_true_with_teeth(seed)
     assert found is not None
@@ -120,8 +120,7 @@ def test_estimate_holds_in_random_starts_with_teeth() -> None:
             if np.any(found[1] > found[0]):
                 below.append(seed)
     assert judged >= 30
-    # of 108 two steps agree by chance: off by 1e-5, seven times the claim, a hundredth of the tolerance
-    assert set(below) <= {108}
+    assert not below
 
 
 def test_lesser_extremes_count_in_full_unless_contacts_were_the_same() -> None:

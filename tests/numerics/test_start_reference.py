@@ -295,17 +295,17 @@ def test_a_link_of_1e16_does_not_make_the_start_endless(damping: float | None) -
 # --- the motor's phase, two motors ----------------------------------------------------------------
 
 
-def test_curves_read_at_the_speed_of_the_station() -> None:
+def test_curves_read_at_the_mean_speed() -> None:
     elements = tuple(
         ElementRow(e.element, e.kind, e.from_, e.to, e.stiffness or 5e7) for e in geared().elements
     )
-    case = geared(torque_follows="own speed", elements=elements)
+    case = geared(torque_follows="mean speed", elements=elements)
     times = np.arange(0.0, 0.25, 2.5e-4)
     truth = Reference(case).run(0.25, times)
     run = simulated(case, 2.5e-4, 0.249)
     assert trajectory_error(case, run, truth, times) < 2e-5
-    mean = Reference(replace(case, torque_follows=None)).run(0.25, times)
-    assert trajectory_error(case, run, mean, times) > 1e-4
+    own = Reference(replace(case, torque_follows=None)).run(0.25, times)
+    assert trajectory_error(case, run, own, times) > 1e-4
 
 
 @pytest.mark.first_ones(1)
