@@ -11,7 +11,12 @@ from engine.case.data import CaseData
 
 
 def read_weights(
-    case: CaseData, rows: np.ndarray, stiffness: np.ndarray, inertia: np.ndarray, ratio: Any, at: int
+    case: CaseData,
+    rows: np.ndarray,
+    stiffness: np.ndarray,
+    inertia: np.ndarray,
+    ratio: Any,
+    at: int,
 ) -> np.ndarray:
     """The speed at which the curves of the motor at one freedom are read, from the speeds of all freedoms.
 

@@ -123,6 +123,14 @@ _BY_GROUP: Mapping[str, tuple[Field, ...]] = {
             "(sheet Events), added to the torques of the train at synchronous speed.",
             blank="rest",
         ),
+        choice(
+            "TorqueFollows",
+            tuple(choices.TorqueFollows),
+            "Speed at which torque curves of motors are read in the start: own speed, that of the station with its "
+            "vibration; mean speed, that of the rigid shaft line. Table ElectricalDamping shows what the slope of the "
+            "curve does to each mode, and what a motor with data does.",
+            blank="own speed",
+        ),
         number("StartsRequired", "count", "Starts the train must survive."),
         number(
             "StartsFactor",

@@ -27,6 +27,7 @@ module            responsibility
                   does statically
 `crossings`       where the falling 2 × slip line crosses each mode during the start, and what
                   happens there
+`electrical_damping`  what the motor damps of each mode, or drives, where the start crosses it and in operation
 `prescribed`      the train under prescribed torques alone: those of table `TorqueTime`, or of an
                   event in operation
 `reversals`       torque reversals: meshes and geared couplings whose torque falls below zero

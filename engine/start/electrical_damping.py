@@ -35,7 +35,9 @@ class ElectricalDamping:
     speed: float  #: Speed over synchronous speed. [1]
     slope: float  #: Slope of the torque curve that the start uses. [N m s/rad]
     slope_share: float  #: Damping ratio that this slope makes of it. [1]
-    real: float | None  #: Torque in phase with a small oscillation of the speed, over it. [N m s/rad]
+    real: (
+        float | None
+    )  #: Torque in phase with a small oscillation of the speed, over it. [N m s/rad]
     imaginary: float | None  #: Torque a quarter of its period ahead, over it. [N m s/rad]
     share: float | None  #: Damping ratio that the motor adds. [1]
     shift: float | None  #: Natural frequency that it adds. [Hz]
@@ -90,7 +92,9 @@ def _at_one_speed(
         angle = float(modes.shape[train.node_dof[motor.station], mode])
         gain = (angle * float(train.node_scale[motor.station])) ** 2
         slope = motor.average.slope(speed) / motor.synchronous_speed
-        k = _torque_over_speed(case, name, sheets.get(name), speed, float(modes.frequency[mode]) / line)
+        k = _torque_over_speed(
+            case, name, sheets.get(name), speed, float(modes.frequency[mode]) / line
+        )
         found.append((name, gain, slope, k))
     shares = [None if k is None else -0.5 * k.real * gain / omega for _, gain, _, k in found]
     own = float(damping.ratio[mode])

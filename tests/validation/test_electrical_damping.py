@@ -108,7 +108,9 @@ def test_a_crossed_mode_decays_as_the_motor_damps_it(name: str, hertz: float) ->
         return np.concatenate([moved, unmoved[:n]])
 
     period, twist = 2.0 * np.pi / nu, 1e-4
-    t = np.arange(20.0 * period, 80.0 * period, period / 16.0)  # the flux of closing has died out by then
+    t = np.arange(
+        20.0 * period, 80.0 * period, period / 16.0
+    )  # the flux of closing has died out by then
     start = np.zeros(2 * n + 2)
     start[n] = twist
     free = solve_ivp(beside, (0.0, t[-1]), start, t_eval=t, **PRECISE).y[n] / twist
@@ -116,7 +118,9 @@ def test_a_crossed_mode_decays_as_the_motor_damps_it(name: str, hertz: float) ->
     def off(p):
         return np.exp(-p[0] * t) * (p[2] * np.cos(p[1] * t) + p[3] * np.sin(p[1] * t)) - free
 
-    found = least_squares(off, [0.0, nu, 1.0, 0.0], xtol=1e-14, ftol=1e-14, x_scale=[1e-4, 1e-4, 1, 1])
+    found = least_squares(
+        off, [0.0, nu, 1.0, 0.0], xtol=1e-14, ftol=1e-14, x_scale=[1e-4, 1e-4, 1, 1]
+    )
     added = complex(found.x[0] / nu, found.x[1] / nu - 1.0)
     expected = complex(row.share, row.shift / hertz)
     assert abs(added - expected) < 0.01 * abs(expected)
@@ -167,10 +171,14 @@ def test_in_step_the_mean_over_the_load_angle_is_the_limit_of_small_slip() -> No
     total = 0.0
     for angle in np.arange(16) * np.pi / 8.0:
         voltage = np.cos(angle), np.sin(angle)
-        currents, _ = stator_response(starting, 0.0 * one, one, tuple(v * one + 0j for v in voltage))
+        currents, _ = stator_response(
+            starting, 0.0 * one, one, tuple(v * one + 0j for v in voltage)
+        )
         at_rest = tuple(float(i[0].real) for i in currents)
         total += _damping_at_rest(starting, voltage, at_rest, frequency)[0] / 16.0
-    assert total == pytest.approx(electrical_damping(starting, np.array([1e-9]), frequency)[0], rel=1e-6)
+    assert total == pytest.approx(
+        electrical_damping(starting, np.array([1e-9]), frequency)[0], rel=1e-6
+    )
 
 
 def test_typed_curves_give_the_slope_alone() -> None:
