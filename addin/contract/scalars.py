@@ -126,9 +126,8 @@ _BY_GROUP: Mapping[str, tuple[Field, ...]] = {
         choice(
             "TorqueFollows",
             tuple(choices.TorqueFollows),
-            "Speed at which torque curves of motors are read in the start: own speed, that of the station with its "
-            "vibration; mean speed, that of the rigid shaft line. Table ElectricalDamping shows what the slope of the "
-            "curve does to each mode, and what a motor with data does.",
+            "Speed at which motor curves are read: own speed, with the vibration; mean speed, of the rigid shaft line; "
+            "machine: mean speed, each mode damped as the motor's data say.",
             blank="own speed",
         ),
         number("StartsRequired", "count", "Starts the train must survive."),

@@ -25,6 +25,7 @@ from engine.model.modes import Modes
 from engine.model.topology import group_heads
 from engine.model.train import Flank, ShaftEnd, Train
 from engine.numerics.same_bits import doublings, norm, product, right_basis, singular_values, solve
+from engine.start.electrical_damping import NO_SWINGS, Swings
 from engine.stepping.contact_loop import FREE
 
 #: A direction whose part outside the basis is smaller than this is in it already.
@@ -227,6 +228,7 @@ class ContactSystems:
         mean_speed: Floats,
         read_speed: Floats,
         shows_scale: Floats,
+        swings: Swings = NO_SWINGS,
     ) -> None:
         self.basis = basis
         self.places = places
@@ -238,6 +240,7 @@ class ContactSystems:
         #: the mean speed is still that of the whole shaft line: no contact changes its momentum, so that no torque
         #: jumps where teeth separate and meet.
         self.read_speed = read_speed
+        self.swings = swings
         #: Forces to the common basis, shape (m, n_forces). [rad/√(kg m²)]
         self.common_reach = common_reach(basis, places)
         self._scale = shows_scale
@@ -314,6 +317,7 @@ class ContactSystems:
             piece.constant,
             product(self.mean_speed, piece.turn),
             product(self.read_speed, piece.turn),
+            self.swings.torque_over_velocity(np.sqrt(piece.stiffness), piece.reach),
             flank_rows.T,
             piece.viscous,
             self._visibility(piece, flank_rows),

@@ -525,7 +525,7 @@ def _event_model(
     read = np.zeros((len(plain.phase), len(mean)))
     rows = read_speed(case, common_reach(basis, places), plain.motors[0], basis.n_rigid)
     read[:, : rows.shape[1]] = rows
-    pieces = ContactSystems(basis, places, mean, read, _scale(modal.train, linear))
+    pieces = ContactSystems(basis, places, mean, read, _scale(modal.train, linear), plain.swings)
     return EventModel(
         **{field.name: getattr(plain, field.name) for field in fields(Machines)},
         pieces=pieces,

@@ -130,6 +130,7 @@ def _damping_at_rest(
     """K of a motor in step whose axes have these voltages and currents. [pu]"""
     (ud, uq), (id_, iq) = voltage, current
     pd, pq = uq - circuit.stator_resistance * iq, circuit.stator_resistance * id_ - ud
-    forced = (pq - 1j * uq / frequency, -(pd - 1j * ud / frequency))
+    across = 1j / frequency
+    forced = (pq - uq * across, ud * across - pd)
     (did, diq), (dpd, dpq) = stator_response(circuit, frequency, np.ones(len(frequency)), forced)
     return dpd * iq + pd * diq - dpq * id_ - pq * did

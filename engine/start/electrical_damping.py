@@ -12,18 +12,25 @@ oscillations that are slow beside the windings' own rates, and often not even of
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from engine.arrays import Floats, Ints
+from engine.case.choices import TorqueFollows
 from engine.case.data import CaseData
 from engine.model.modal_train import ModalTrain
 from engine.model.motor import Motor, motors_of, voltage_factor
+from engine.motor.circuit import Circuit
 from engine.motor.damping import electrical_damping, running_damping
 from engine.motor.from_case import MotorFromData, motors_from_data
 from engine.numerics.same_bits import total
 from engine.operation.margins import percent_speed
+
+#: Fractions of synchronous speed at which K is tabulated, straight between: its narrowest features, where an axis of the
+#: stator stands still, are as wide as the resistance of the stator in per unit, 1 % of speed and more.
+LEVELS = np.linspace(0.0, 1.0, 801)
 
 
 @dataclass(frozen=True)
@@ -43,6 +50,80 @@ class ElectricalDamping:
     shift: float | None  #: Natural frequency that it adds. [Hz]
     damping_ratio: float  #: Of the mode without motors. [1]
     with_motors: float | None  #: With all of them; None unless each has a data sheet. [1]
+
+
+@dataclass(frozen=True, eq=False)
+class Swings:
+    """Motors that answer to small oscillations in a start, `TorqueFollows` = machine."""
+
+    motor: Ints  #: Their places among the motors of the compiled loop. Shape (n_swings,).
+    force: Ints  #: Their forces. Shape (n_swings,).
+    machines: tuple[
+        tuple[Circuit, float], ...
+    ]  #: Circuit, and torque over speed of 1 per unit. [pu, N m s/rad]
+    line_omega: float  #: Angular frequency of the line. [rad/s]
+
+    def torque_over_velocity(self, omega: Floats, reach: Floats) -> Floats:
+        """Torque of each motor over the velocity of each mode, at speeds from rest to synchronous speed.
+
+        The part in phase with the velocity, which damps or drives, of a vibration at the mode's own frequency. The other
+        part, which shifts the frequency, is left out: on the slow twist of the mode it would act as a spring.
+
+        Parameters
+        ----------
+        omega : ndarray, shape (n_modes,)
+            Angular frequencies; 0 of rigid modes, which answer nothing. [rad/s]
+        reach : ndarray, shape (n_modes, n_forces)
+            Forces to modes. [rad/√(kg m²)]
+
+        Returns
+        -------
+        ndarray, shape (n_swings, n_levels, n_modes)
+            Re K φ. [N m s/√(kg m²)]
+        """
+        levels = len(LEVELS) if len(self.motor) else 0
+        torque = np.zeros((len(self.motor), levels, len(omega)))
+        elastic = np.flatnonzero(omega > 0.0)
+        frequency = np.repeat(omega[elastic] / self.line_omega, levels) if levels else np.zeros(0)
+        slip = np.tile(1.0 - LEVELS, len(elastic))
+        for row, force, (circuit, scale) in zip(torque, self.force, self.machines, strict=True):
+            k = electrical_damping(circuit, slip, frequency).real.reshape(len(elastic), levels)
+            row[:, elastic] = (scale * reach[elastic, force][:, None] * k).T
+        return torque
+
+
+#: No motor answers.
+NO_SWINGS = Swings(np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64), (), 1.0)
+
+
+def swings_of(case: CaseData, motors: Sequence[Motor], column: Mapping[int, int]) -> Swings:
+    """Motors of a start that answer to small oscillations: all, where `TorqueFollows` is machine.
+
+    Parameters
+    ----------
+    case : CaseData
+        Checked. [SI]
+    motors : sequence of Motor
+        As the compiled loop takes them. [SI]
+    column : mapping of int to int
+        Force of each station. [index]
+
+    Returns
+    -------
+    Swings
+        None of them with any other choice. [SI]
+    """
+    if case.torque_follows != TorqueFollows.MACHINE or not motors:
+        return NO_SWINGS
+    sheets = {motor.station: motor for motor in motors_from_data(case)}
+    own = [sheets[str(name)] for name in case.motor_stations]
+    scale = voltage_factor(case)
+    return Swings(
+        np.arange(len(own), dtype=np.int64),
+        np.array([column[m.station] for m in motors[: len(own)]], dtype=np.int64),
+        tuple((m.starting, scale * m.torque_base / m.synchronous_speed) for m in own),
+        motors[0].pole_pairs * motors[0].synchronous_speed,
+    )
 
 
 def electrical_damping_of(case: CaseData, modal: ModalTrain) -> tuple[ElectricalDamping, ...]:

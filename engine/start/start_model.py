@@ -26,6 +26,7 @@ from engine.model.motor import (
 )
 from engine.model.train import Train
 from engine.numerics.same_bits import log, product, sin, singular_values, total
+from engine.start.electrical_damping import Swings, swings_of
 from engine.start.settings import NEGLIGIBLE, PLAIN_START
 from engine.start.time_response import PrescribedTorque, prescribed_torques, torque_tables
 from engine.start.torque_outputs import TorqueOutputs, force_reach, torque_outputs
@@ -81,6 +82,7 @@ class Machines:
     #: Transient, field and connection of each motor, before anything was switched. [SI]
     electrical: tuple[Any, ...]
     phase: Floats  #: Phase of each pulsation at t = 0. [rad] Shape (n_motors,).
+    swings: Swings  #: Motors that answer to small oscillations of each mode. [SI]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -97,6 +99,9 @@ class StartModel(Machines):
     #: Speed at which the curves of each motor are read, from the velocities of the first modes. [√(1/(kg m²))]
     #: Shape (n_motors, n_read).
     read_speed: Floats
+    #: Torque of those motors over the velocity of each mode, against speed. [N m s/√(kg m²)] Shape (n_swings,
+    #: n_levels, n_modes).
+    swing: Floats
     outputs: TorqueOutputs  #: Element torques. [SI]
     dampers: tuple[Any, ...]  #: Force and coefficient of each, for the compiled loop. [SI]
     pulsation_omega: float  #: Highest pulsation frequency, twice line. [rad/s]
@@ -211,6 +216,7 @@ def start_model(
         reach=np.ascontiguousarray(all_reach[keep]),
         mean_speed=np.ascontiguousarray(mean[keep]),
         read_speed=read_speed(case, all_reach[keep], machines["motors"][0], modes.n_rigid),
+        swing=machines["swings"].torque_over_velocity(modes.omega[keep], all_reach[keep]),
         outputs=_outputs(
             train, elastic.of_modes(keep, modes.omega, all_reach), forces, dampers, uncoupled
         ),
@@ -248,7 +254,7 @@ def read_speed(case: CaseData, reach: Floats, force: Ints, n_rigid: int) -> Floa
     ndarray, shape (n_motors, n_read)
         Of the modes on which it depends. [√(1/(kg m²))]
     """
-    mean = case.torque_follows == TorqueFollows.MEAN_SPEED
+    mean = case.torque_follows in (TorqueFollows.MEAN_SPEED, TorqueFollows.MACHINE)
     return np.ascontiguousarray(reach.T[force, : n_rigid if mean else len(reach)])
 
 
@@ -301,6 +307,7 @@ def machine_arrays(
         "timed": torque_tables(torques, stations),
         "electrical": electrical_arrays(motors, case, effects),
         "phase": np.array([m.phase for m in motors]),
+        "swings": swings_of(case, motors, column),
     }
 
 

@@ -112,6 +112,7 @@ def system_struct(
     mean_speed: Floats,
     read_speed: Floats,
     dampers: tuple[Any, Floats],
+    swings: tuple[Any, Floats] | None = None,
 ) -> Any:
     """Modes of a train as the loops take them (``system_t``).
 
@@ -127,16 +128,25 @@ def system_struct(
         Speed at which the curves of each motor are read, from the first modal velocities. [√(1/(kg m²))]
     dampers : tuple
         Force and coefficient of each damper between parts. [N m s/rad]
+    swings : tuple, optional
+        Motors that answer to oscillations, and their torque over modal velocity, shape (n_swings, n_levels,
+        n_modes). [N m s/√(kg m²)]
 
     Returns
     -------
     cdata
         Struct.
     """
+    answers = {}
+    if swings is not None:
+        motor, swing = swings
+        answers = {
+            "n_swings": len(motor), "n_levels": swing.shape[1], "swing_motor": motor, "swing": swing
+        }  # fmt: skip
     return struct(
         "system_t", n=reach.shape[1], n_forces=reach.shape[0], stiffness=stiffness, rate=rate,
         reach=reach, mean_speed=mean_speed, n_read=read_speed.shape[1], read_speed=read_speed,
-        n_dampers=len(dampers[0]), damper_force=dampers[0], viscous=dampers[1],
+        n_dampers=len(dampers[0]), damper_force=dampers[0], viscous=dampers[1], **answers,
     )  # fmt: skip
 
 

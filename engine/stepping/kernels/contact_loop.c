@@ -143,8 +143,9 @@ static void stand_in(loop_t *l, int64_t s)
     const int64_t n = p->n, nf = p->n_forces;
     l->flanks->piece = s;
     l->system = (system_t){n, nf, p->stiffness + s * n, p->rate + s * n, p->reach + s * nf * n,
-                           p->mean_speed + s * n, n, p->read_speed + s * l->drive->n_motors * n, p->n_dampers,
-                           p->damper_force, l->viscous};
+                           p->mean_speed + s * n, n, p->read_speed + s * l->drive->n_motors * n, p->n_swings,
+                           p->n_swing_levels, p->swing_motor, p->swing + s * p->n_swings * p->n_swing_levels * n,
+                           p->n_dampers, p->damper_force, l->viscous};
     l->constant = p->constant + s * n;
     l->flank_rows = p->flank_rows + s * p->n_flanks * n;
     l->shows = p->shows + s * n;
@@ -296,9 +297,11 @@ static void fresh_forces(const loop_t *l, double t, double *a)
     }
     read_speeds(l, state->v, state->v, l->read, l->read);
     for (int64_t m = 0; m < l->drive->n_motors; m++) l->read_rate[m] = 0.0;
+    for (int64_t i = 0; i < s->n; i++) a[i] = 0.0;
     for (int pass = 0; pass < 3; pass++) { /* rates depend on the acceleration that the forces cause */
         start_forces(t, t + SHORTLY * l->clock->base_step, state->phase, l->speed, l->acceleration, l->read,
                      l->read_rate, l->drive, s, (double *)l->held, state->force, state->force_rate);
+        swing_forces(s, l->drive, state->v, a, l->read, l->read_rate, state->force, state->force_rate);
         limited_forces(l, state->q, l->speed, state->force, state->force_rate);
         modal_forces(l, state->force, state->force_rate, l->u0, l->r0);
         accelerations(l, a);
@@ -356,6 +359,7 @@ static void take_step(const loop_t *l, double h, const step_t *step, const doubl
         turn_phases(l->drive, n, s->reach, h, state->q, l->q1, state->phase, l->phase1);
         machine_forces(l->drive, nf, t + h, t + 0.5 * h, l->phase1, l->speed, l->acceleration, l->read,
                        l->read_rate, l->held, l->f1, l->fr1);
+        swing_forces(s, l->drive, l->v1, l->a1, l->read, l->read_rate, l->f1, l->fr1);
         limited_forces(l, l->q1, l->speed, l->f1, l->fr1);
         modal_forces(l, l->f1, l->fr1, l->u, l->r);
         solve_dampers(l, step, solver);

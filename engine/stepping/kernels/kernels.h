@@ -52,6 +52,9 @@ typedef struct {
     const double *mean_speed;        /* (n; lanes) mean speed from modal velocities */
     int64_t n_read;                  /* the first modes, on which the next depends */
     const double *read_speed;        /* (n_motors, n_read; lanes) speed at which its curves are read [√(1/(kg m²))] */
+    int64_t n_swings, n_levels;      /* motors that answer oscillations; speeds of their tables, 0 to 1 */
+    const int64_t *swing_motor;      /* (n_swings) */
+    const double *swing;             /* (n_swings, n_levels, n; lanes) torque over modal velocity [N m s/√(kg m²)] */
     int64_t n_dampers;
     const int64_t *damper_force;     /* (n_dampers) */
     const double *viscous;           /* (n_dampers; lanes) [N m s/rad] */
@@ -105,6 +108,9 @@ typedef struct {
     const double *reach;                          /* (n_pieces, n_forces, n) */
     const double *constant, *mean_speed;          /* (n_pieces, n) */
     const double *read_speed;                     /* (n_pieces, n_motors, n) */
+    int64_t n_swings, n_swing_levels;
+    const int64_t *swing_motor;                   /* (n_swings) */
+    const double *swing;                          /* (n_pieces, n_swings, n_swing_levels, n) */
     const double *flank_rows;                     /* (n_pieces, n, n_flanks) */
     const double *viscous;                        /* (n_pieces, n_dampers) */
     const double *shows;                          /* (n_pieces, n) share of an answer's scale */

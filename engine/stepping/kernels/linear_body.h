@@ -34,11 +34,12 @@ static void speeds(const system_t *s, const drive_t *drive, const lane_t *v, con
     along_rows(s->n_read, drive->n_motors, NULL, lanes_of(s->read_speed), v, a, w->read, w->read_rate);
 }
 
-static void all_forces(lane_t t, lane_t inside, const lane_t *phase, const system_t *s, const drive_t *drive,
-                       const room_t *w)
+static void all_forces(lane_t t, lane_t inside, const lane_t *phase, const lane_t *v, const lane_t *a,
+                       const system_t *s, const drive_t *drive, const room_t *w)
 {
     machine_forces(drive, s->n_forces, t, inside, phase, w->speed, w->acceleration, w->read, w->read_rate, w->held,
                    w->f1, w->fr1);
+    swing_forces(s, drive, v, a, w->read, w->read_rate, w->f1, w->fr1);
     damper_forces(s->n_dampers, s->damper_force, s->viscous, w->speed, w->acceleration, w->f1, w->fr1);
 }
 
@@ -67,8 +68,9 @@ static void renew_forces(lane_t t, lane_t inside, const int *renewed, const syst
     speeds(s, drive, v, v, w);
     for (int64_t f = 0; f < s->n_forces; f++) w->acceleration[f] = all(0.0);
     for (int64_t m = 0; m < drive->n_motors; m++) w->read_rate[m] = all(0.0);
+    for (int64_t i = 0; i < s->n; i++) w->a1[i] = all(0.0);
     for (int pass = 0; pass < 2; pass++) {
-        all_forces(t, inside, lanes_of(state->phase), s, drive, w);
+        all_forces(t, inside, lanes_of(state->phase), v, w->a1, s, drive, w);
         modal_forces(s, w->f1, w->fr1, w);
         for (int64_t i = 0; i < s->n; i++)
             w->a1[i] = -lanes_of(s->rate)[i] * v[i] - lanes_of(s->stiffness)[i] * q[i] + w->u[i];
@@ -97,7 +99,7 @@ static void take_step(lane_t t, lane_t h, const system_t *s, const drive_t *driv
                  w->v1, w->a1);
         speeds(s, drive, w->v1, w->a1, w);
         turn_phases(drive, n, reach, h, q, w->q1, phase, w->phase1);
-        all_forces(t + h, t + 0.5 * h, w->phase1, s, drive, w);
+        all_forces(t + h, t + 0.5 * h, w->phase1, w->v1, w->a1, s, drive, w);
         if (pass == 0) modal_forces(s, w->f1, w->fr1, w);
     }
 }
