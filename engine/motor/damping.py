@@ -130,7 +130,7 @@ def _damping_at_rest(
     """K of a motor in step whose axes have these voltages and currents. [pu]"""
     (ud, uq), (id_, iq) = voltage, current
     pd, pq = uq - circuit.stator_resistance * iq, circuit.stator_resistance * id_ - ud
-    across = 1j / frequency
+    across = np.asarray(1j / frequency, dtype=np.complex128)
     forced = (pq - uq * across, ud * across - pd)
     (did, diq), (dpd, dpq) = stator_response(circuit, frequency, np.ones(len(frequency)), forced)
     return dpd * iq + pd * diq - dpq * id_ - pq * did
