@@ -523,7 +523,7 @@ def _event_model(
     mean = np.zeros(basis.vectors.shape[1])
     mean[: len(plain.mean_speed)] = plain.mean_speed
     read = np.zeros((len(plain.phase), len(mean)))
-    rows = read_speed(case, common_reach(basis, places), plain.motors[0], basis.n_rigid)
+    rows = read_speed(case, effects, common_reach(basis, places), plain.motors[0], basis.n_rigid)
     read[:, : rows.shape[1]] = rows
     pieces = ContactSystems(basis, places, mean, read, _scale(modal.train, linear), plain.swings)
     return EventModel(

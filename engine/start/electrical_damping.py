@@ -18,7 +18,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from engine.arrays import Floats, Ints
-from engine.case.choices import TorqueFollows
 from engine.case.data import CaseData
 from engine.model.modal_train import ModalTrain
 from engine.model.motor import Motor, motors_of, voltage_factor
@@ -54,7 +53,7 @@ class ElectricalDamping:
 
 @dataclass(frozen=True, eq=False)
 class Swings:
-    """Motors that answer to small oscillations in a start, `TorqueFollows` = machine."""
+    """Motors that answer to small oscillations in a start."""
 
     motor: Ints  #: Their places among the motors of the compiled loop. Shape (n_swings,).
     force: Ints  #: Their forces. Shape (n_swings,).
@@ -97,12 +96,12 @@ NO_SWINGS = Swings(np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64), (),
 
 
 def swings_of(case: CaseData, motors: Sequence[Motor], column: Mapping[int, int]) -> Swings:
-    """Motors of a start that answer to small oscillations: all, where `TorqueFollows` is machine.
+    """Motors of a start that answer to small oscillations: all of them.
 
     Parameters
     ----------
     case : CaseData
-        Checked. [SI]
+        With a data sheet of every motor. [SI]
     motors : sequence of Motor
         As the compiled loop takes them. [SI]
     column : mapping of int to int
@@ -111,10 +110,8 @@ def swings_of(case: CaseData, motors: Sequence[Motor], column: Mapping[int, int]
     Returns
     -------
     Swings
-        None of them with any other choice. [SI]
+        Their circuits and bases. [SI]
     """
-    if case.torque_follows != TorqueFollows.MACHINE or not motors:
-        return NO_SWINGS
     sheets = {motor.station: motor for motor in motors_from_data(case)}
     own = [sheets[str(name)] for name in case.motor_stations]
     scale = voltage_factor(case)

@@ -26,7 +26,7 @@ from engine.model.motor import (
 )
 from engine.model.train import Train
 from engine.numerics.same_bits import log, product, sin, singular_values, total
-from engine.start.electrical_damping import Swings, swings_of
+from engine.start.electrical_damping import NO_SWINGS, Swings, swings_of
 from engine.start.settings import NEGLIGIBLE, PLAIN_START
 from engine.start.time_response import PrescribedTorque, prescribed_torques, torque_tables
 from engine.start.torque_outputs import TorqueOutputs, force_reach, torque_outputs
@@ -215,7 +215,7 @@ def start_model(
         rate=np.ascontiguousarray(np.maximum(rate[keep], 0.0)),
         reach=np.ascontiguousarray(all_reach[keep]),
         mean_speed=np.ascontiguousarray(mean[keep]),
-        read_speed=read_speed(case, all_reach[keep], machines["motors"][0], modes.n_rigid),
+        read_speed=read_speed(case, effects, all_reach[keep], machines["motors"][0], modes.n_rigid),
         swing=machines["swings"].torque_over_velocity(modes.omega[keep], all_reach[keep]),
         outputs=_outputs(
             train, elastic.of_modes(keep, modes.omega, all_reach), forces, dampers, uncoupled
@@ -232,7 +232,9 @@ def start_model(
     )
 
 
-def read_speed(case: CaseData, reach: Floats, force: Ints, n_rigid: int) -> Floats:
+def read_speed(
+    case: CaseData, effects: StartEffects, reach: Floats, force: Ints, n_rigid: int
+) -> Floats:
     """Speed at which the curves of each motor are read, from modal velocities.
 
     The mean speed of a shaft line is that of its rigid mode: its momentum, referred to the motor's station, over its
@@ -242,6 +244,8 @@ def read_speed(case: CaseData, reach: Floats, force: Ints, n_rigid: int) -> Floa
     ----------
     case : CaseData
         The case, for `TorqueFollows`. [SI]
+    effects : StartEffects
+        Where motors answer to vibration their curves are read at the mean speed. [flags]
     reach : ndarray, shape (n_modes, n_forces)
         Forces to modes, the rigid ones first. [rad/√(kg m²)]
     force : ndarray of int, shape (n_motors,)
@@ -254,7 +258,8 @@ def read_speed(case: CaseData, reach: Floats, force: Ints, n_rigid: int) -> Floa
     ndarray, shape (n_motors, n_read)
         Of the modes on which it depends. [√(1/(kg m²))]
     """
-    mean = case.torque_follows in (TorqueFollows.MEAN_SPEED, TorqueFollows.MACHINE)
+    own = (case.torque_follows or TorqueFollows.OWN_SPEED) == TorqueFollows.OWN_SPEED
+    mean = effects.electrical_damping or not own
     return np.ascontiguousarray(reach.T[force, : n_rigid if mean else len(reach)])
 
 
@@ -307,7 +312,7 @@ def machine_arrays(
         "timed": torque_tables(torques, stations),
         "electrical": electrical_arrays(motors, case, effects),
         "phase": np.array([m.phase for m in motors]),
-        "swings": swings_of(case, motors, column),
+        "swings": swings_of(case, motors, column) if effects.electrical_damping else NO_SWINGS,
     }
 
 

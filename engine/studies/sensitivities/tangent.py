@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from engine.arrays import Floats
-from engine.case.choices import BelowEndurance, TorqueFollows
+from engine.case.choices import BelowEndurance
 from engine.case.study_inputs import SN_LINE
 from engine.fatigue.cycle_counting import counted_history, half_cycle_points
 from engine.fatigue.sn_curve import SNCurve
@@ -63,7 +63,7 @@ def tangent_of(plan: DerivativePlan) -> TangentDerivatives | None:
         None where the start has events, the motor answers to oscillations, or modes exchange places too near. [1]
     """
     case, recipe = plan.case, plan.recipe
-    answers = case.torque_follows == TorqueFollows.MACHINE  # K changes with every mode
+    answers = recipe.effects.electrical_damping  # K changes with every mode
     if plan.reason or recipe.start != LINEAR or case.torque_time_from_rest or answers:
         return None
     moving = [p for p in plan.parameters if p[0] != SN_LINE]

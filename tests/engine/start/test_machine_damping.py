@@ -1,4 +1,4 @@
-"""Starts in which the motor answers to small oscillations of each mode, `TorqueFollows` = machine."""
+"""Starts in which the motor answers to small oscillations of each mode: effect electrical damping."""
 
 from __future__ import annotations
 
@@ -31,6 +31,7 @@ SHEET = MotorDataRow(
     td_0_transient=3.0, td_0_subtransient=0.035, tq_0_subtransient=0.12, ta=0.05, discharge_resistance=9.0,
 )  # fmt: skip
 LINE = 120.0 * np.pi
+ANSWERING = StartEffects(electrical_damping=True)
 
 
 def case_from_data(**fields) -> Case:
@@ -87,7 +88,7 @@ def peaks_of_the_equations(case: Case, end: float) -> np.ndarray:
 
 def test_a_start_is_that_of_the_equations() -> None:
     case = case_from_data(tolerance_peak=1e-5, voltage=0.9, damping_ratio=0.002)
-    found = started(case)
+    found = run_start(case, modal_of(case), ANSWERING)
     expected = peaks_of_the_equations(case, found.outcome.time)
     got = peaks(found)["Low-speed shaft"][:2]
     np.testing.assert_allclose(got, expected, rtol=5e-5)
@@ -100,8 +101,8 @@ def test_modes_of_a_run_with_events_are_damped_alike() -> None:
     """A trip at the end of the plain start: up to it both loops have the same torques."""
     case = case_from_data(trip_speed=165.0, tolerance_peak=1e-4)
     modal = modal_of(case)
-    linear = run_start(replace(case, trip_speed=None, end_speed=165.0), modal)
-    tripped = run_event_start(case, modal, StartEffects(aborted_start=True))
+    linear = run_start(replace(case, trip_speed=None, end_speed=165.0), modal, ANSWERING)
+    tripped = run_event_start(case, modal, replace(ANSWERING, aborted_start=True))
     for a, b in zip(linear.peaks, tripped.peaks, strict=True):
         assert b.maximum == pytest.approx(a.maximum, abs=a.error + b.error)
 
@@ -110,7 +111,7 @@ def test_starts_side_by_side_have_the_bits_that_each_has_alone() -> None:
     simulations = []
     for i in range(LANES):
         case = case_from_data(voltage=1.0 - 0.01 * i)
-        start = prepared_start(case, modal_of(case))
+        start = prepared_start(case, modal_of(case), ANSWERING)
         simulations.append(Simulation(start.model, 1e-3, "exponential", 120.0, 3.0))
     together = turning_of_starts(simulations)
     for one, run in zip(simulations, together, strict=True):
