@@ -159,9 +159,10 @@ def exact_start(
     G = np.ascontiguousarray(G @ pick.T)
     reach = np.empty((len(stations), 0))
     none = np.zeros(0)
+    read = pick[model.motors[0]]  # curves are read at the speed of the station
     structs = (
         drive_struct(model.curves, model.motors, model.loads, model.timed, model.electrical),
-        system_struct(none, none, reach, none, model.dampers),
+        system_struct(none, none, reach, none, reach, model.dampers),
     )
     start = np.concatenate([np.zeros(len(A)), model.phase])
     largest = np.concatenate(
@@ -172,7 +173,7 @@ def exact_start(
         ]
     )
     solved = solve_ivp(
-        lambda t, y: _start_slope(t, y, (A, G, pick), n_rows, model.motors, structs),
+        lambda t, y: _start_slope(t, y, (A, G, pick, read), n_rows, model.motors, structs),
         (0.0, time[-1]),
         start,
         method="DOP853",
@@ -188,16 +189,19 @@ def exact_start(
 def _start_slope(
     t: float,
     y: Floats,
-    matrices: tuple[Floats, Floats, Floats],
+    matrices: tuple[Floats, Floats, Floats, Floats],
     n_rows: int,
     motors: Any,
     structs: tuple[Any, Any],
 ) -> Floats:
     """Rate of change of (twists, speeds, phases of the pulsations)."""
-    A, G, pick = matrices
+    A, G, pick, read = matrices
     n = len(A)
     speed = pick @ y[n_rows:n]
+    mean = read @ y[n_rows:n]
     phase = np.ascontiguousarray(y[n:])
-    force, _ = start_forces(t, t, phase, speed, np.zeros(len(pick)), *structs)
+    force, _ = start_forces(
+        t, t, phase, speed, np.zeros(len(pick)), (mean, np.zeros(len(mean))), *structs
+    )
     turning = 2.0 * (motors[5] - motors[4] * speed[motors[0]])
     return np.concatenate([A @ y[:n] + G @ force, turning])

@@ -27,6 +27,7 @@ from scipy.interpolate import PchipInterpolator
 
 from engine.case.data import GROUND, CaseData, MeshRow
 from engine.model.load import NEAR_STANDSTILL, STANDSTILL_TIME, STANDSTILL_ZONE, WIDEST_ZONE
+from tests.mean_speed import read_weights
 
 #: What a flank does: nothing, spring and damper, spring force twice, or it is still compressed but
 #: would pull.
@@ -254,7 +255,8 @@ class ClearanceReference:
         ratings = c.ratings if hasattr(c, "ratings") else None
         synchronous = ratings.synchronous_speed if ratings else None
         self.line = 2.0 * math.pi * (ratings.line_frequency or 0.0) if ratings else 0.0
-        self.motors, self.loads = [], []
+        self.motors, self.loads, self.read = [], [], []
+        turning = np.concatenate([self.ratio, np.zeros(len(self.J) - len(self.ratio))])
         for name in dict.fromkeys(r.station for r in c.motor_torque):
             rows = [r for r in c.motor_torque if r.station == name]
             i = self.stations.index(name)
@@ -267,6 +269,7 @@ class ClearanceReference:
                     synchronous * self.ratio[i],
                 )
             )
+            self.read.append(read_weights(c, self.B, self.k, self.J, turning, i))
         for name in dict.fromkeys(r.station for r in c.load_torque):
             rows = [r for r in c.load_torque if r.station == name]
             i = self.stations.index(name)
@@ -282,7 +285,8 @@ class ClearanceReference:
         rows, n = self.B.shape
         force = np.zeros(n)
         for m, (i, average, pulsating, full) in enumerate(self.motors):
-            x = min(max(y[rows + i] / full, average.x[0]), average.x[-1])
+            speed = float(self.read[m] @ y[rows : rows + n])
+            x = min(max(speed / full, average.x[0]), average.x[-1])
             force[i] += float(average(x)) + float(pulsating(x)) * math.sin(y[rows + n + m])
         for i, torque, full, soft, ends in self.loads:
             w = y[rows + i]

@@ -117,6 +117,7 @@ def clearance_response(
         basis,
         places,
         np.zeros(m),
+        np.zeros((0, m)),
         np.full(len(train.element_rows) + len(train.rigid_meshes), scale),
     )
     fastest = max(float(modes.omega.max()), 1.0 / max(float(np.ptp(t)), 1e-12))

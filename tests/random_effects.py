@@ -8,7 +8,14 @@ from dataclasses import replace
 import numpy as np
 
 from engine.case.case import Case
-from engine.case.data import ElementRow, MaterialRow, MeshRow, SNPointRow, StationRow
+from engine.case.data import (
+    ElementRow,
+    MaterialRow,
+    MeshRow,
+    MotorDataRow,
+    SNPointRow,
+    StationRow,
+)
 from engine.model.build_train import build_train
 from engine.model.modes import modes_of
 from tests.random_starts import random_start
@@ -149,3 +156,34 @@ def elastic_meshes(seed: int) -> Case:
     )
     assert len(modes_of(build_train(replace(case, elements=elements))).omega) > 1
     return replace(case, elements=elements)
+
+
+def with_motor_data(case: Case, seed: int) -> Case:
+    """The same train with the data sheet of a salient motor in place of the torque curve of its first motor."""
+    rng = np.random.default_rng(seed + 7_000_000)
+    station = case.motor_torque[0].station
+    rows = [r for r in case.motor_torque if r.station == station]
+    largest = max(r.average or 0.0 for r in rows)
+    xd = float(rng.uniform(1.0, 2.0))
+    subtransient = float(rng.uniform(0.15, 0.25))
+    synchronous = case.ratings.synchronous_speed
+    assert synchronous is not None
+    ratio = case.speed_ratios[station]
+    sheet = MotorDataRow(
+        station,
+        None,
+        largest * synchronous * ratio * float(rng.uniform(0.8, 1.2)),
+        xd=xd,
+        xq=xd * float(rng.uniform(0.55, 0.95)),
+        xd_transient=subtransient + float(rng.uniform(0.05, 0.2)),
+        xd_subtransient=subtransient,
+        xq_subtransient=subtransient * float(rng.uniform(1.0, 1.4)),
+        xl=float(rng.uniform(0.07, 0.12)),
+        td_0_transient=float(rng.uniform(1.5, 5.0)),
+        td_0_subtransient=float(rng.uniform(0.02, 0.06)),
+        tq_0_subtransient=float(rng.uniform(0.05, 0.2)),
+        ta=float(rng.uniform(0.02, 0.1)),
+        discharge_resistance=float(rng.uniform(4.0, 15.0)),
+    )
+    others = tuple(r for r in case.motor_torque if r.station != station)
+    return replace(case, motor_torque=others, motor_data=(sheet,))

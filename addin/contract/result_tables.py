@@ -42,6 +42,7 @@ from addin.contract.sources import (
     LINE,
     MIL,
     MODAL,
+    MODAL_ELECTRICAL,
     MOTOR_DATA,
     PAPER,
     PEAK,
@@ -488,6 +489,70 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 "Power factor", "ratio", "Of the part at line frequency; below 0 it feeds power back.",
                 "Re I₊ / |I₊|", CURVES_FROM_DATA,
                 of_row=("MotorCurves.Slip",), of_case=(*MOTOR_DATA, *LINE), format="0.000",
+            ),
+        ),
+    ),
+    table(
+        "ElectricalDamping", sheet="Frequencies", caption="Electrical damping",
+        help="What each motor makes of each mode that the start crosses, at that speed, and in operation at rated "
+        "load with a leading power factor. Blank where the motor has no data sheet.",
+        row_name=("Station", "Mode", "Percent speed"), later=True,
+        columns=(
+            text(
+                "Station", "Where the motor acts.", kind="station", trace=named("MotorTorque.Station"),
+            ),
+            integer(
+                "Mode", "Elastic mode.", "As in NaturalFrequencies", SVD, of_row=("NaturalFrequencies.Mode",),
+            ),
+            number(
+                "Percent speed", "fraction", "Speed of the crossing; 100 % in operation.", "100 (1 − f / 2 f_line)",
+                f"{SLIP}; Table 1", of_row=("NaturalFrequencies.Frequency",), of_case=LINE,
+                format=shown.TWO_DECIMALS,
+            ),
+            number(
+                "Slope of the curve", "torsional damping",
+                "Slope of the average torque of the start against speed; positive drives.",
+                "dT/dω of the curve at that speed", MODAL_ELECTRICAL, of_row=("MotorTorque.Average",),
+                of_case=(*MOTOR_DATA, *LINE), format=shown.SIGNED,
+            ),
+            number(
+                "Share of the slope", "fraction", "Damping ratio that the slope makes of it: with TorqueFollows = own "
+                "speed a start has it, else the estimate of what is left out.",
+                "−½ slope φ²/ω, φ at unit modal mass", MODAL_ELECTRICAL,
+                of_row=("ElectricalDamping.Slope of the curve",), of_case=MODAL, format="0.000",
+            ),
+            number(
+                "Re K", "torsional damping",
+                "Torque in phase with a small oscillation of the speed, over it; positive drives.",
+                "K = Σ± [Δψd iq* + ψd* Δiq − Δψq id* − ψq* Δid] of the oscillation, × T_base / ω_s", MODAL_ELECTRICAL, of_row=("NaturalFrequencies.Frequency",),
+                of_case=(*MOTOR_DATA, *LINE), format=shown.SIGNED,
+            ),
+            number(
+                "Im K", "torsional damping",
+                "Torque a quarter of a period ahead of that oscillation, over it; positive raises the frequency.",
+                "K = Σ± [Δψd iq* + ψd* Δiq − Δψq id* − ψq* Δid] of the oscillation, × T_base / ω_s", MODAL_ELECTRICAL, of_row=("NaturalFrequencies.Frequency",),
+                of_case=(*MOTOR_DATA, *LINE), format=shown.SIGNED,
+            ),
+            number(
+                "Share of damping ratio", "fraction", "Damping ratio that the motor adds.",
+                "ζe = −½ Re K φ²/ω, φ at unit modal mass", MODAL_ELECTRICAL,
+                of_row=("ElectricalDamping.Re K",), of_case=MODAL, format="0.000",
+            ),
+            number(
+                "Shift of frequency", "frequency", "Natural frequency that the motor adds.",
+                "½ Im K φ² / 2π, φ at unit modal mass", MODAL_ELECTRICAL,
+                of_row=("ElectricalDamping.Im K",), of_case=MODAL, format="0.0000",
+            ),
+            number(
+                "Damping ratio", "fraction", "Damping ratio of the mode without motors.",
+                "As in NaturalFrequencies", "docs/method.md, Damping",
+                of_row=("NaturalFrequencies.Damping ratio",), format="0.000",
+            ),
+            number(
+                "With motors", "fraction", "Damping ratio with all motors at that speed.",
+                "ζ + Σ ζe", MODAL_ELECTRICAL,
+                of_row=("ElectricalDamping.Damping ratio", "ElectricalDamping.Share of damping ratio"),
+                format="0.000",
             ),
         ),
     ),

@@ -123,6 +123,13 @@ _BY_GROUP: Mapping[str, tuple[Field, ...]] = {
             "(sheet Events), added to the torques of the train at synchronous speed.",
             blank="rest",
         ),
+        choice(
+            "TorqueFollows",
+            tuple(choices.TorqueFollows),
+            "Speed at which motor curves are read: own speed, with the vibration; mean speed, of the rigid shaft line; "
+            "machine: mean speed, each mode damped as the motor's data say.",
+            blank="own speed",
+        ),
         number("StartsRequired", "count", "Starts the train must survive."),
         number(
             "StartsFactor",

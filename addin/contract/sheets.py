@@ -194,10 +194,10 @@ SHEETS: tuple[Sheet, ...] = (
         "Frequencies",
         "result",
         {"A": 1.5, "B": 7, "C:D": 11, "E:F": 10, "G": 24, "H:I": 9, "J": 11, "K": 2, "L": 18,
-         "M:V": 8.5, "W": 2, "X": 18, "Y": 24, "Z:AI": 8.5},
-        {"NaturalFrequencies": "B5", "ModeShapes": "L24", "EnergyShares": "X5"},
+         "M:V": 8.5, "W": 2, "X": 18, "Y": 24, "Z:AI": 8.5, "AJ": 2, "AK": 18, "AL": 7, "AM:AU": 11},
+        {"NaturalFrequencies": "B5", "ModeShapes": "L24", "EnergyShares": "X5", "ElectricalDamping": "AK5"},
         (ChartAt("shapes", "L5", 768, 362),),
-        breaks=("L", "X"),
+        breaks=("L", "X", "AK"),
         largest=80,
         intro="Undamped torsional natural frequencies and mode shapes; rigid-body modes come "
         "first with frequency 0.",

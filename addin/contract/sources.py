@@ -88,6 +88,7 @@ IMPACT = Source(
 REFERENCES = (PAPER, MIL_STANDARD, SINGULAR_VALUES, INTEGRATORS, CURVES, RAINFLOW, IMPACT)
 
 CURVES_FROM_DATA = f"{CONCORDIA.cited}; docs/motor.md"
+MODAL_ELECTRICAL = f"{CONCORDIA.cited}; docs/motor.md, Electrical damping"
 STEADY = f"{PAPER.cited}, Steady state torsional analysis"
 TRANSIENT = f"{PAPER.cited}, Transient torsional analyses"
 SLIP = f"{TRANSIENT}, equation of the pulsation frequency"
@@ -161,7 +162,7 @@ MOTOR_DATA = (
     *(
         f"MotorData.{column}"
         for column in (
-            "Kind", "Apparent power", "Xd", "Xq", "Xd transient", "Xd subtransient", "Xq subtransient", "Xl",
+            "Kind", "Apparent power", "Power factor", "Xd", "Xq", "Xd transient", "Xd subtransient", "Xq subtransient", "Xl",
             "Td0 transient", "Td0 subtransient", "Tq0 subtransient", "Td transient", "Td subtransient",
             "Tq subtransient", "Ta", "Ra", "Discharge resistance", "Field circuit", "Start factor",
             "R1", "X1", "Xm", "R2", "X2", "R3", "X3",
@@ -178,6 +179,7 @@ MOTOR_DATA = (
 EVENTS = (
     "TorqueTime.Torque",
     "InitialState",
+    "TorqueFollows",
     "PulsationPhase",
     "ShockAmplitude",
     "ShockTimeConstant",

@@ -61,7 +61,7 @@ from engine.errors import Problem
 #: Names this product has beyond the contract; a workbook without them, and without a value beside their label,
 #: reads as blank there.
 _OPTIONAL = frozenset(
-    {"RainflowResidue", "Gear type", "ContactLaw", "DampingRange", "InitialState"}
+    {"RainflowResidue", "Gear type", "ContactLaw", "DampingRange", "InitialState", "TorqueFollows"}
 )
 
 

@@ -25,6 +25,7 @@ from engine.model.modes import Modes
 from engine.model.topology import group_heads
 from engine.model.train import Flank, ShaftEnd, Train
 from engine.numerics.same_bits import doublings, norm, product, right_basis, singular_values, solve
+from engine.start.electrical_damping import NO_SWINGS, Swings
 from engine.stepping.contact_loop import FREE
 
 #: A direction whose part outside the basis is smaller than this is in it already.
@@ -221,7 +222,13 @@ class ContactSystems:
     """The pieces met so far, as growing tables for the compiled loop."""
 
     def __init__(
-        self, basis: SharedBasis, places: ForceLocations, mean_speed: Floats, shows_scale: Floats
+        self,
+        basis: SharedBasis,
+        places: ForceLocations,
+        mean_speed: Floats,
+        read_speed: Floats,
+        shows_scale: Floats,
+        swings: Swings = NO_SWINGS,
     ) -> None:
         self.basis = basis
         self.places = places
@@ -229,8 +236,13 @@ class ContactSystems:
         self._keys: list[int] = []
         #: Mean speed from velocities in the common basis, shape (m,). [√(1/(kg m²))]
         self.mean_speed = mean_speed
+        #: Speed at which the curves of each motor are read, likewise, shape (n_motors, m). Where teeth are apart
+        #: the mean speed is still that of the whole shaft line: no contact changes its momentum, so that no torque
+        #: jumps where teeth separate and meet.
+        self.read_speed = read_speed
+        self.swings = swings
         #: Forces to the common basis, shape (m, n_forces). [rad/√(kg m²)]
-        self.common_reach = _common_reach(basis, places)
+        self.common_reach = common_reach(basis, places)
         self._scale = shows_scale
         #: As the loop takes them, with room for more pieces; those in them so far.
         self._tables: tuple[Any, ...] = (np.zeros(0, dtype=np.int64), np.zeros((0, 0)))
@@ -304,6 +316,8 @@ class ContactSystems:
             piece.reach.T,
             piece.constant,
             product(self.mean_speed, piece.turn),
+            product(self.read_speed, piece.turn),
+            self.swings.torque_over_velocity(np.sqrt(piece.stiffness), piece.reach),
             flank_rows.T,
             piece.viscous,
             self._visibility(piece, flank_rows),
@@ -371,8 +385,21 @@ class ContactSystems:
         return np.asarray(self.basis.vectors[train.node_dof[nodes]])
 
 
-def _common_reach(basis: SharedBasis, places: ForceLocations) -> Floats:
-    """Φᵀ of every force in the common basis: at nodes, across rows, on drive and on back flanks."""
+def common_reach(basis: SharedBasis, places: ForceLocations) -> Floats:
+    """Φᵀ of every force in the common basis: at nodes, across rows, on drive and on back flanks.
+
+    Parameters
+    ----------
+    basis : SharedBasis
+        The common basis. [SI]
+    places : ForceLocations
+        Where the forces act. [indices]
+
+    Returns
+    -------
+    ndarray, shape (m, n_forces)
+        Forces to the basis. [rad/√(kg m²)]
+    """
     train = basis.train
     dof, scale = train.node_dof[places.nodes], train.node_scale[places.nodes]
     return np.concatenate(

@@ -376,7 +376,7 @@ class _Simulation:
             tables = model.pieces.tables(self.step, model.sampled)
             bearings = model.pieces.bearings
             self._pieces = events.pieces_struct(
-                tables, model.damper_force, len(self.contact), bearings
+                tables, model.damper_force, len(self.contact), bearings, model.swings.motor
             )
         while True:
             done, logged, reason = events.advance_pieces(self.clock, self._pieces, *self.structs)

@@ -19,6 +19,7 @@ from engine.backlash.contact_systems import (
     ContactSystems,
     ForceLocations,
     SharedBasis,
+    common_reach,
     shared_basis,
 )
 from engine.backlash.contacts import bearing_forces, contact_records, force_histories
@@ -59,6 +60,7 @@ from engine.start.start_model import (
     StartModel,
     allowed_modes,
     machine_arrays,
+    read_speed,
     start_model,
 )
 from engine.start.time_response import PrescribedTorque, held, prescribed_torques
@@ -432,7 +434,8 @@ def _prescribed(
         np.concatenate([train.node_damping[nodes], train.viscous[rows]]),
     )
     mean = basis.vectors[train.node_dof[0]] * train.node_scale[0] / train.speed_ratio[0]
-    pieces = ContactSystems(basis, places, mean, _scale(train, linear))
+    none = np.zeros((0, len(mean)))
+    pieces = ContactSystems(basis, places, mean, none, _scale(train, linear))
     step = linear.step * 2.0 ** (linear.halvings + 1)
     model = EventModel(
         pieces=pieces,
@@ -519,7 +522,10 @@ def _event_model(
     places = ForceLocations(plain.force_nodes, plain.damper_rows, first, plain.dampers[1])
     mean = np.zeros(basis.vectors.shape[1])
     mean[: len(plain.mean_speed)] = plain.mean_speed
-    pieces = ContactSystems(basis, places, mean, _scale(modal.train, linear))
+    read = np.zeros((len(plain.phase), len(mean)))
+    rows = read_speed(case, effects, common_reach(basis, places), plain.motors[0], basis.n_rigid)
+    read[:, : rows.shape[1]] = rows
+    pieces = ContactSystems(basis, places, mean, read, _scale(modal.train, linear), plain.swings)
     return EventModel(
         **{field.name: getattr(plain, field.name) for field in fields(Machines)},
         pieces=pieces,

@@ -67,6 +67,19 @@ class InitialState(StrEnum):
     RUNNING = "running"
 
 
+class TorqueFollows(StrEnum):
+    """At which speed a motor's curves of torque against speed are read in a start.
+
+    `OWN_SPEED` is that of its station with the vibration, which the slope of the curve then damps or drives;
+    `MEAN_SPEED` that of the rigid shaft line on which the motor sits. With `MACHINE` it is the mean speed, too, and each
+    mode has the damping that a motor with a data sheet gives it at that speed.
+    """
+
+    OWN_SPEED = "own speed"
+    MEAN_SPEED = "mean speed"
+    MACHINE = "machine"
+
+
 class HistoryFile(StrEnum):
     """What every sample of a start is kept in."""
 

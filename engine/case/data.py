@@ -391,6 +391,8 @@ class CaseData:
     maximum_time: float | None = None
     #: Where the torques of `torque_time` begin: ``rest`` (default), or ``running``, an event in operation.
     initial_state: str | None = None
+    #: At which speed torque curves of motors are read: ``own speed`` (default), ``mean speed`` or ``machine``.
+    torque_follows: str | None = None
     starts_required: float | None = None  #: Starts the shaft must survive. [1]
     #: Allowable starts are divided by it before they are judged; blank = 1. [1]
     starts_factor: float | None = None

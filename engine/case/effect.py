@@ -24,6 +24,7 @@ class StartEffects:
     aborted_start: bool = False  #: Likewise.
     #: True: dampers act as torques between their ends; False: on each mode for itself.
     coupled_damping: bool = False
+    electrical_damping: bool = False  #: True: motors answer to the vibration of each mode.
     fast_modes: bool = False  #: True: no mode is left out.
     #: Only so many of the lowest modes are integrated, and no error is estimated for the others; None = no limit.
     most_modes: int | None = None

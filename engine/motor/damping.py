@@ -15,12 +15,14 @@ with those ± i and ψ for which the oscillation made Δi and Δψ.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from engine.arrays import Complexes, Floats
 from engine.motor.circuit import Circuit
 from engine.motor.curves import operational_reactances
-from engine.numerics.same_bits import inverse, times
+from engine.numerics.same_bits import hypot, inverse, times
 
 #: Two axes, d and q: currents or flux linkages at some frequency.
 Axes = tuple[Complexes, Complexes]
@@ -89,3 +91,46 @@ def electrical_damping(circuit: Circuit, slip: Floats, frequency: Floats) -> Com
         total += times(dpd, iq.conj()) + times(pd.conj(), diq)
         total -= times(dpq, id_.conj()) + times(pq.conj(), did)
     return total
+
+
+def running_damping(circuit: Circuit, power_factor: float, frequency: Floats) -> Complexes:
+    """Torque over speed of a small oscillation in step, at rated voltage and current.
+
+    The state is that of a motor with its field on: its internal voltage behind Rs + j Xq lies along axis q, and
+    currents and flux linkages of the stator stand still for the rotor. All torques of the oscillation have its
+    frequency, so there is one side only.
+
+    Parameters
+    ----------
+    circuit : Circuit
+        The motor without its discharge resistor. [pu]
+    power_factor : float
+        Of the motor, leading as that of an over-excited one. [1]
+    frequency : ndarray, shape (n,)
+        Of the oscillation, over that of the line; positive. [1]
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        K, as in `electrical_damping`. [pu of torque over pu of speed]
+    """
+    resistance = circuit.stator_resistance
+    xq = circuit.stator_leakage + circuit.magnetising_q
+    current = complex(power_factor, math.sqrt(1.0 - power_factor * power_factor))
+    behind = 1.0 - complex(resistance, xq) * current
+    turned = 1j * behind.conjugate() / hypot(behind.real, behind.imag)
+    ud, uq = turned.real, turned.imag
+    id_, iq = (current * turned).real, (current * turned).imag
+    return _damping_at_rest(circuit, (ud, uq), (id_, iq), frequency)
+
+
+def _damping_at_rest(
+    circuit: Circuit, voltage: tuple[float, float], current: tuple[float, float], frequency: Floats
+) -> Complexes:
+    """K of a motor in step whose axes have these voltages and currents. [pu]"""
+    (ud, uq), (id_, iq) = voltage, current
+    pd, pq = uq - circuit.stator_resistance * iq, circuit.stator_resistance * id_ - ud
+    across = np.asarray(1j / frequency, dtype=np.complex128)
+    forced = (pq - uq * across, ud * across - pd)
+    (did, diq), (dpd, dpq) = stator_response(circuit, frequency, np.ones(len(frequency)), forced)
+    return dpd * iq + pd * diq - dpq * id_ - pq * did

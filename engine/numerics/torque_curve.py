@@ -82,6 +82,21 @@ class TorqueCurve:
         """
         return TorqueCurve(self.knots, factor * self.cubic)
 
+    def slope(self, fraction: float) -> float:
+        """Slope at a fraction of synchronous speed; zero outside the points. [N m]
+
+        Parameters
+        ----------
+        fraction : float
+            Fraction of synchronous speed. [1]
+        """
+        if not self.knots[0] <= fraction < self.knots[-1]:
+            return 0.0
+        i = int(np.searchsorted(self.knots, fraction, side="right")) - 1
+        s = fraction - float(self.knots[i])
+        _, b, c, d = self.cubic[i].tolist()
+        return float(b + s * (2.0 * c + 3.0 * s * d))
+
     @property
     def steepest(self) -> float:
         """Largest change of torque over that of the fraction of synchronous speed. [N m]"""

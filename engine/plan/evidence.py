@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from engine.arrays import Floats
-from engine.case.choices import ElementKind
+from engine.case.choices import ElementKind, TorqueFollows
 from engine.case.data import CaseData
 from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, DEFAULT_TOLERANCE_STARTS, LONGEST_START
 from engine.case.effects import choice_of
@@ -20,6 +20,7 @@ from engine.model.motor import Motor, motors_of
 from engine.model.rigid_runup import RigidRunup, rigid_runup
 from engine.model.train import Train
 from engine.numerics.same_bits import product, total
+from engine.start.electrical_damping import electrical_damping_of
 from engine.start.settings import NEGLIGIBLE, has_start, settings_of
 from engine.start.start import Start
 from engine.start.start_fatigue import judged_shafts, sn_slope, stress_over_endurance
@@ -31,6 +32,9 @@ BEARING_GAIN = 50.0
 #: Relative change of an answer per depth of a reversal over the largest torque: the lowest torque
 #: itself is wrong by that depth; largest seen 2.
 BACKLASH_GAIN = 5.0
+#: Relative change of an answer per unit of the number of electrical damping: a resonance is in proportion to 1/ζ at
+#: the most; largest seen 1.9 (100 trains, both choices of `TorqueFollows`).
+DAMPING_GAIN = 5.0
 #: A mode with bearings is the same as one without if they share this much of their shape.
 SAME_MODE = 0.9
 #: A rigid train that comes this close to the slip of the field, or to the trip speed, may reach it:
@@ -77,6 +81,17 @@ class StartEvidence:
 
 
 @dataclass(frozen=True)
+class ElectricalNumbers:
+    """What motors make of the damping of a mode, over it, times the mode's share of a peak: the largest."""
+
+    known: bool  #: Whether every motor has a data sheet.
+    number: (
+        float  #: What they damp or drive beyond what the start has; 0 where that is unknown. [1]
+    )
+    slope: float  #: What the slope of their curves does. [1]
+
+
+@dataclass(frozen=True)
 class Evidence:
     """Cheap numbers a plan is made from."""
 
@@ -99,6 +114,8 @@ class Evidence:
     #: Shock of all motors over the least motor torque at standstill, times its largest
     #: amplification; None without shock data or motor. [1]
     shock_share: float | None
+    #: What motors make of the modes; None where no mode is crossed with a motor on.
+    electrical: ElectricalNumbers | None
     judged: int  #: Shafts whose fatigue is judged.
     clearances: tuple[str, ...]  #: Elements with a clearance.
     #: The linear start, and the latest one with events; None before it. [SI]
@@ -156,6 +173,7 @@ def collect_evidence(
         field_slip=field_slip,
         trip_share=trip_share,
         shock_share=_shock_share(case, line_omega, motors),
+        electrical=_electrical_numbers(case, modal, motors),
         judged=len(judged_shafts(case)),
         clearances=tuple(train.elements[f.element] for f in train.flanks if f.gap),
     )
@@ -269,6 +287,43 @@ def _coupling_number(modal: ModalTrain, motors: Sequence[Motor], synchronous: fl
     brought = product(np.abs(position), mixed.sum(axis=1)) + taken
     own = np.maximum(own, NEGLIGIBLE * float(np.max(own, initial=0.0)))
     return float(np.max(brought / np.where(own > 0.0, own, np.inf), initial=0.0))
+
+
+def _electrical_numbers(
+    case: CaseData, modal: ModalTrain, motors: Sequence[Motor]
+) -> ElectricalNumbers | None:
+    """Change of each mode's damping by the motors where it is crossed, times its share of an element's torque.
+
+    Its share is that of its resonance in the torque of any element, the static torque of all modes added.
+    """
+    rows = [row for row in electrical_damping_of(case, modal) if row.speed < 1.0] if motors else []
+    if not rows:
+        return None
+    train, modes, damping = modal
+    stations = np.array([m.station for m in motors], dtype=np.int64)
+    drive = product(
+        force_reach(train, modes, stations), np.array([_largest_torque(m) for m in motors])
+    )
+    static = drive / np.where(modes.omega > 0.0, modes.omega, np.inf) ** 2
+    excess = np.clip(0.5 / np.maximum(damping.ratio, 1e-9), 1.0, LARGEST_AMPLIFICATION)
+    position = torque_outputs(train, modes, stations).position
+    resonant = np.abs(position * (static * excess))
+    own = np.abs(product(position, static)) + np.max(resonant, axis=1, initial=0.0)
+    own = np.maximum(own, NEGLIGIBLE * float(np.max(own, initial=0.0)))
+    share = np.max(resonant / np.where(own > 0.0, own, np.inf)[:, None], axis=0, initial=0.0)
+    own_speed = (case.torque_follows or TorqueFollows.OWN_SPEED) == TorqueFollows.OWN_SPEED
+    known = all(row.share is not None for row in rows)
+    number = slope = 0.0
+    for mode in {row.mode for row in rows}:
+        of_mode = [row for row in rows if row.mode == mode]
+        ratio = max(of_mode[0].damping_ratio, 1e-9)
+        weight = float(share[modes.n_rigid + mode - 1]) / ratio
+        of_slope = total(row.slope_share for row in of_mode)
+        slope = max(slope, weight * abs(of_slope))
+        if known:
+            answered = total(row.share or 0.0 for row in of_mode)
+            number = max(number, weight * abs(answered - (of_slope if own_speed else 0.0)))
+    return ElectricalNumbers(known, number, slope)
 
 
 def _largest_torque(motor: Motor) -> float:

@@ -16,11 +16,13 @@ import numpy as np
 
 from engine.case.result_words import Judgement
 from engine.fatigue.stress import shear_stress, stress_of_unit_torque
+from engine.model.modal_train import ModalTrain
 from engine.motor.from_case import motor_curves
 from engine.numerics.same_bits import product
 from engine.operation.margins import percent_speed
 from engine.results.results import AccuracyRow, AtSpeed, Results
 from engine.results.verdicts import event_verdict, yield_torque
+from engine.start.electrical_damping import electrical_damping_of
 from engine.start.start_fatigue import is_counted
 
 Row = dict[str, Any]
@@ -35,6 +37,7 @@ def result_tables(results: Results) -> Mapping[str, list[Row]]:
         "Verdicts": _rows(results.verdicts),
         **speed_tables(results),
         "MotorCurves": motor_curves(results.case),
+        "ElectricalDamping": _electrical_damping(results),
         "StartupPeaks": _startup_peaks(results),
         "StartupCrossings": _startup_crossings(results),
         "TorqueReversals": _torque_reversals(results),
@@ -74,6 +77,27 @@ def _torque_reversals(results: Results) -> list[Row]:
         for key in REVERSAL_DETAILS:
             del row[key]
     return rows
+
+
+def _electrical_damping(results: Results) -> list[Row]:
+    """What each motor makes of each mode that the start crosses."""
+    modal = ModalTrain(results.train, results.modes, results.damping)
+    return [
+        {
+            "station": row.station,
+            "mode": row.mode,
+            "percent_speed": row.speed,
+            "slope_of_the_curve": row.slope,
+            "share_of_the_slope": row.slope_share,
+            "re_k": row.real,
+            "im_k": row.imaginary,
+            "share_of_damping_ratio": row.share,
+            "shift_of_frequency": row.shift,
+            "damping_ratio": row.damping_ratio,
+            "with_motors": row.with_motors,
+        }
+        for row in electrical_damping_of(results.case, modal)
+    ]
 
 
 def _startup_crossings(results: Results) -> list[Row]:

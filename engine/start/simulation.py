@@ -54,7 +54,9 @@ class _Loop:
             _beside([m.rate for m in models]),
             _beside([m.reach.T for m in models]),
             _beside([m.mean_speed for m in models]),
+            _beside([m.read_speed for m in models]),
             (models[0].dampers[0], _beside([m.dampers[1] for m in models])),
+            (models[0].swings.motor, _beside([m.swing for m in models])),
         )
         self.drive = kernels.drive_struct(*_machines_beside(models))
         velocity = [m.outputs.velocity for m in models]
@@ -269,8 +271,8 @@ def form_of(simulation: Simulation) -> tuple[Any, ...]:
         model.timed[0], model.dampers[0],
     )  # fmt: skip
     return (
-        simulation.method, model.reach.shape, model.outputs.position.shape, model.curves[0].shape,
-        model.timed[1].shape, *(tuple(np.asarray(i).tolist()) for i in indices),
+        simulation.method, model.reach.shape, model.read_speed.shape, model.swing.shape, model.outputs.position.shape,
+        model.curves[0].shape, model.timed[1].shape, *(tuple(np.asarray(i).tolist()) for i in indices),
     )  # fmt: skip
 
 

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from engine.arrays import Floats, Ints, Mask
+from engine.case.choices import TorqueFollows
 from engine.case.data import CaseData
 from engine.case.effect import StartEffects
 from engine.errors import ModelError
@@ -24,6 +25,7 @@ from engine.model.motor import (
 )
 from engine.model.train import Train
 from engine.numerics.same_bits import log, product, sin, singular_values, total
+from engine.start.electrical_damping import NO_SWINGS, Swings, swings_of
 from engine.start.settings import NEGLIGIBLE, PLAIN_START
 from engine.start.time_response import PrescribedTorque, prescribed_torques, torque_tables
 from engine.start.torque_outputs import TorqueOutputs, force_reach, torque_outputs
@@ -79,6 +81,7 @@ class Machines:
     #: Transient, field and connection of each motor, before anything was switched. [SI]
     electrical: tuple[Any, ...]
     phase: Floats  #: Phase of each pulsation at t = 0. [rad] Shape (n_motors,).
+    swings: Swings  #: Motors that answer to small oscillations of each mode. [SI]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -92,6 +95,12 @@ class StartModel(Machines):
     #: Rigid-body speed of the reference shaft from modal velocities. [√(1/(kg m²))] Shape
     #: (n_modes,).
     mean_speed: Floats
+    #: Speed at which the curves of each motor are read, from the velocities of the first modes. [√(1/(kg m²))]
+    #: Shape (n_motors, n_read).
+    read_speed: Floats
+    #: Torque of those motors over the velocity of each mode, against speed. [N m s/√(kg m²)] Shape (n_swings,
+    #: n_levels, n_modes).
+    swing: Floats
     outputs: TorqueOutputs  #: Element torques. [SI]
     dampers: tuple[Any, ...]  #: Force and coefficient of each, for the compiled loop. [SI]
     pulsation_omega: float  #: Highest pulsation frequency, twice line. [rad/s]
@@ -198,12 +207,15 @@ def start_model(
             f"Station '{train.stations[motors[0].station]}' is held to ground by a spring; its "
             "motor cannot start. Remove the spring, or its rows in table MotorTorque."
         )
+    machines = machine_arrays(case, motors, loads, torques, stations, effects)
     return StartModel(
-        **machine_arrays(case, motors, loads, torques, stations, effects),
+        **machines,
         stiffness=np.ascontiguousarray(modes.omega[keep] ** 2),
         rate=np.ascontiguousarray(np.maximum(rate[keep], 0.0)),
         reach=np.ascontiguousarray(all_reach[keep]),
         mean_speed=np.ascontiguousarray(mean[keep]),
+        read_speed=read_speed(case, effects, all_reach[keep], machines["motors"][0], modes.n_rigid),
+        swing=machines["swings"].torque_over_velocity(modes.omega[keep], all_reach[keep]),
         outputs=_outputs(
             train, elastic.of_modes(keep, modes.omega, all_reach), forces, dampers, uncoupled
         ),
@@ -217,6 +229,37 @@ def start_model(
         damper_rows=dampers.rows,
         uncoupled_dampers=tuple(uncoupled),
     )
+
+
+def read_speed(
+    case: CaseData, effects: StartEffects, reach: Floats, force: Ints, n_rigid: int
+) -> Floats:
+    """Speed at which the curves of each motor are read, from modal velocities.
+
+    The mean speed of a shaft line is that of its rigid mode: its momentum, referred to the motor's station, over its
+    inertia. Elastic modes have no part in it.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case, for `TorqueFollows`. [SI]
+    effects : StartEffects
+        Where motors answer to vibration their curves are read at the mean speed. [flags]
+    reach : ndarray, shape (n_modes, n_forces)
+        Forces to modes, the rigid ones first. [rad/√(kg m²)]
+    force : ndarray of int, shape (n_motors,)
+        Force of each motor. [indices]
+    n_rigid : int
+        Rigid modes. [count]
+
+    Returns
+    -------
+    ndarray, shape (n_motors, n_read)
+        Of the modes on which it depends. [√(1/(kg m²))]
+    """
+    own = (case.torque_follows or TorqueFollows.OWN_SPEED) == TorqueFollows.OWN_SPEED
+    mean = effects.electrical_damping or not own
+    return np.ascontiguousarray(reach.T[force, : n_rigid if mean else len(reach)])
 
 
 def machine_arrays(
@@ -268,6 +311,7 @@ def machine_arrays(
         "timed": torque_tables(torques, stations),
         "electrical": electrical_arrays(motors, case, effects),
         "phase": np.array([m.phase for m in motors]),
+        "swings": swings_of(case, motors, column) if effects.electrical_damping else NO_SWINGS,
     }
 
 

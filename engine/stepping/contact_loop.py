@@ -41,7 +41,7 @@ NEW_PIECE, STUCK, DIVIDED = library.NEW_PIECE, library.STUCK, library.DIVIDED
 
 #: Tables of the pieces in the order of `pieces_t`.
 TABLES = (
-    "keys", "stiffness", "rate", "reach", "constant", "mean_speed", "flank_rows", "viscous", "shows",
+    "keys", "stiffness", "rate", "reach", "constant", "mean_speed", "read_speed", "swing", "flank_rows", "viscous", "shows",
     "turns", "position", "velocity", "direct", "offset", "damped", "centres", "free", "forced", "solver", "made",
 )  # fmt: skip
 
@@ -77,6 +77,7 @@ def pieces_struct(
     damper_force: NDArray[np.int64],
     n_flanks: int,
     bearings: tuple[Floats, Floats],
+    swing_motor: NDArray[np.int64],
 ) -> Any:
     """The pieces as the loop takes them.
 
@@ -90,6 +91,8 @@ def pieces_struct(
         Flanks. [count]
     bearings : tuple of ndarray
         Stiffness and damping of the bearings of each gear that moves laterally. [N/m, N s/m]
+    swing_motor : ndarray of int, shape (n_swings,)
+        Motors that answer to oscillations. [index]
 
     Returns
     -------
@@ -102,7 +105,8 @@ def pieces_struct(
         "pieces_t", n_pieces=n_pieces, n=n, n_forces=n_forces, n_flanks=n_flanks,
         n_dampers=len(damper_force), levels=named["made"].shape[1], damper_force=damper_force,
         n_outputs=named["offset"].shape[1], n_bodies=len(bearings[0]),
-        bearing_stiffness=bearings[0], bearing_damping=bearings[1], **named,
+        bearing_stiffness=bearings[0], bearing_damping=bearings[1],
+        n_swings=len(swing_motor), n_swing_levels=named["swing"].shape[2], swing_motor=swing_motor, **named,
     )  # fmt: skip
 
 

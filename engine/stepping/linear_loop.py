@@ -110,7 +110,9 @@ def system_struct(
     rate: Floats,
     reach: Floats,
     mean_speed: Floats,
+    read_speed: Floats,
     dampers: tuple[Any, Floats],
+    swings: tuple[Any, Floats] | None = None,
 ) -> Any:
     """Modes of a train as the loops take them (``system_t``).
 
@@ -122,18 +124,29 @@ def system_struct(
         Forces to modes. [rad/√(kg m²)]
     mean_speed : ndarray, shape (n_modes,)
         Mean speed from modal velocities. [√(1/(kg m²))]
+    read_speed : ndarray, shape (n_motors, n_read)
+        Speed at which the curves of each motor are read, from the first modal velocities. [√(1/(kg m²))]
     dampers : tuple
         Force and coefficient of each damper between parts. [N m s/rad]
+    swings : tuple, optional
+        Motors that answer to oscillations, and their torque over modal velocity, shape (n_swings, n_levels,
+        n_modes). [N m s/√(kg m²)]
 
     Returns
     -------
     cdata
         Struct.
     """
+    answers = {}
+    if swings is not None:
+        motor, swing = swings
+        answers = {
+            "n_swings": len(motor), "n_levels": swing.shape[1], "swing_motor": motor, "swing": swing
+        }  # fmt: skip
     return struct(
         "system_t", n=reach.shape[1], n_forces=reach.shape[0], stiffness=stiffness, rate=rate,
-        reach=reach, mean_speed=mean_speed, n_dampers=len(dampers[0]), damper_force=dampers[0],
-        viscous=dampers[1],
+        reach=reach, mean_speed=mean_speed, n_read=read_speed.shape[1], read_speed=read_speed,
+        n_dampers=len(dampers[0]), damper_force=dampers[0], viscous=dampers[1], **answers,
     )  # fmt: skip
 
 
@@ -143,6 +156,7 @@ def start_forces(
     phase: Floats,
     speed: Floats,
     acceleration: Floats,
+    read: tuple[Floats, Floats],
     drive: Any,
     system: Any,
 ) -> tuple[Floats, Floats]:
@@ -164,6 +178,8 @@ def start_forces(
         Phase of each pulsation at that time, modulo 4π. [rad]
     speed, acceleration : ndarray, shape (n_forces,)
         Of the station (or across the damper) of each force. [rad/s, rad/s²]
+    read : tuple of ndarray, shape (n_motors,)
+        Speed at which the curves of each motor are read, and its rate. [rad/s, rad/s²]
     drive, system : cdata
         From `drive_struct` and `system_struct`. [SI]
 
@@ -175,7 +191,7 @@ def start_forces(
     force, rate = np.empty(len(speed)), np.empty(len(speed))
     room = room_for(1, system, drive, struct("torques_t", n=0))
     library.start_forces(
-        t, inside, address(phase), address(speed), address(acceleration), drive, system,
+        t, inside, *map(address, (phase, speed, acceleration, *read)), drive, system,
         address(room), address(force), address(rate),
     )  # fmt: skip
     return force, rate

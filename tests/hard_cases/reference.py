@@ -30,8 +30,10 @@ from numpy.typing import NDArray
 from scipy.integrate._ivp import dop853_coefficients as dop
 from scipy.interpolate import PchipInterpolator
 
+from engine.case.choices import TorqueFollows
 from engine.case.data import CaseData
 from engine.model.load import NEAR_STANDSTILL, STANDSTILL_TIME, STANDSTILL_ZONE, WIDEST_ZONE
+from tests.mean_speed import read_weights
 
 __all__ = ["Answer", "Clearance", "RigidLink", "integrate", "rates_of", "state_size"]
 
@@ -148,6 +150,11 @@ def arrays_of(
     assert line is not None
     assert synchronous is not None
     curves, motor_rows, load_rows = [], [], []
+    read: list[Floats] = []
+    rows_of = np.zeros((len(first), len(names)))
+    rows_of[np.arange(len(first)), first] = 1.0
+    rows_of[np.arange(len(first)), second] = -ratio[first] / ratio[second]
+    assert not breaks or case.torque_follows != TorqueFollows.MEAN_SPEED
     voltage = (1.0 if case.voltage is None else case.voltage) ** 2
     for name in dict.fromkeys(r.station for r in case.motor_torque):
         rows = [r for r in case.motor_torque if r.station == name]
@@ -157,6 +164,7 @@ def arrays_of(
         curves.append(_curve(x, [voltage * r.pulsating for r in rows]))
         full = synchronous * ratio[at]
         motor_rows.append((at, full, 2.0 * np.pi * line / full))
+        read.append(read_weights(case, rows_of, train[4], inertia, ratio, at))
     for name in dict.fromkeys(r.station for r in case.load_torque):
         rows = [r for r in case.load_torque if r.station == name]
         at = names.index(name)
@@ -172,6 +180,7 @@ def arrays_of(
         np.array(load_rows, dtype=float).reshape(-1, 3),
         2.0 * np.pi * line,
         np.array(breaks, dtype=float).reshape(-1, 2),
+        np.array(read).reshape(-1, len(names)),
     )
     return train, drives
 
@@ -217,7 +226,7 @@ def _drive(y, train, drives, level, force):
     force[:] = 0.0
     for m in range(len(motors)):
         at, full = int(motors[m, 0]), motors[m, 1]
-        x = y[rows + at] / full
+        x = drives[7][m] @ y[rows : rows + stations] / full
         for i in range(len(breaks)):
             x = max(x, breaks[i, 1]) if level[i] == ABOVE else min(x, breaks[i, 0])
         average, pulsating = _value(drives, 2 * m, x), _value(drives, 2 * m + 1, x)

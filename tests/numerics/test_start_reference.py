@@ -26,6 +26,7 @@ from engine.start.simulation import simulate
 from engine.start.start import run_start
 from engine.start.start_model import start_model
 from engine.start.trajectory import Trajectory, turning_of
+from tests.mean_speed import read_weights
 from tests.sample_case import sample_case
 from tests.trains import geared, load, motor, peaks, prepared, started
 
@@ -57,6 +58,7 @@ class Reference:
         omega[0] = 0.0
         # J^-1 C of the modal damping
         self.C = (V * (2.0 * (c.damping_ratio or 0.0) * omega)) @ V.T / root[:, None] * root[None]
+        self.read: list[np.ndarray] = []
         self.motors = [self._torque(names, c.motor_torque, s) for s in _names(c.motor_torque)]
         self.loads = [self._torque(names, c.load_torque, s) for s in _names(c.load_torque)]
 
@@ -65,6 +67,7 @@ class Reference:
         i = names.index(station)
         x = [r.speed for r in rows]
         if hasattr(rows[0], "average"):
+            self.read.append(read_weights(self.case, self.B, self.k, self.J, self.n, i))
             return (
                 i,
                 PchipInterpolator(x, [r.average for r in rows]),
@@ -83,7 +86,7 @@ class Reference:
         twist, w, angle = state[:rows], state[rows : rows + stations], state[rows + stations :]
         force = -self.B.T @ (self.k * twist)
         for m, (i, average, pulsating, full) in enumerate(self.motors):
-            x = min(max(w[i] / full, 0.0), 1.0)
+            x = min(max(self.read[m] @ w / full, 0.0), 1.0)
             force[i] += average(x) + pulsating(x) * np.sin(angle[m])
         for i, torque, full, soft in self.loads:
             z = min(max(w[i] / soft, -1.0), 1.0)
@@ -290,6 +293,19 @@ def test_a_link_of_1e16_does_not_make_the_start_endless(damping: float | None) -
 
 
 # --- the motor's phase, two motors ----------------------------------------------------------------
+
+
+def test_curves_read_at_the_mean_speed() -> None:
+    elements = tuple(
+        ElementRow(e.element, e.kind, e.from_, e.to, e.stiffness or 5e7) for e in geared().elements
+    )
+    case = geared(torque_follows="mean speed", elements=elements)
+    times = np.arange(0.0, 0.25, 2.5e-4)
+    truth = Reference(case).run(0.25, times)
+    run = simulated(case, 2.5e-4, 0.249)
+    assert trajectory_error(case, run, truth, times) < 2e-5
+    own = Reference(replace(case, torque_follows=None)).run(0.25, times)
+    assert trajectory_error(case, run, own, times) > 1e-4
 
 
 @pytest.mark.first_ones(1)

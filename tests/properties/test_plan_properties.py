@@ -19,6 +19,7 @@ import pytest
 from engine.case.case import Case
 from engine.case.data import EffectChoiceRow
 from engine.model.modal_analysis import analyse
+from engine.plan.evidence import DAMPING_GAIN
 from engine.run import PlannedStart, judged_starts, planned_start
 from tests.random_effects import (
     elastic_meshes,
@@ -26,6 +27,7 @@ from tests.random_effects import (
     with_clearances,
     with_dampers,
     with_judged_shafts,
+    with_motor_data,
     with_shock,
 )
 from tests.random_starts import random_start
@@ -223,6 +225,39 @@ def test_leaving_an_effect_out_holds_on_hundreds_of_trains(effect, first):
     tried, left_out = check(effect, range(first, first + 50))
     assert tried >= 20
     assert left_out >= 5
+
+
+def electrical_both_ways(seeds: range) -> int:
+    """The bound of electrical damping against what forcing it on and off changes, of both ways to read curves."""
+    tried = 0
+    for seed in seeds:
+        data = with_motor_data(random_start(seed), seed)
+        for follows in ("own speed", "mean speed"):
+            cases = [
+                with_choices(replace(data, torque_follows=follows), electrical_damping=choice)
+                for choice in ("on", "off")
+            ]
+            on, off = (planned_start(case, analyse(case)) for case in cases)
+            numbers = off.evidence.electrical
+            if numbers is None:  # no mode is crossed
+                continue
+            tried += 1
+            assert on.plan.decision("electrical damping").on
+            bound = DAMPING_GAIN * numbers.number
+            numerical = on.start.estimated_error + off.start.estimated_error
+            assert peak_change(on, off) <= bound + numerical, (seed, follows)
+    return tried
+
+
+@pytest.mark.first_ones(1)
+@pytest.mark.parametrize("first", [4, 36])
+def test_the_bound_of_electrical_damping_holds(first):
+    assert electrical_both_ways(range(first, first + 4)) >= 4
+
+
+@pytest.mark.slow
+def test_the_bound_of_electrical_damping_holds_on_a_hundred_trains():
+    assert electrical_both_ways(range(100)) >= 150
 
 
 # --- effects whose absence is exact ---------------------------------------------------------------

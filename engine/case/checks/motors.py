@@ -11,6 +11,7 @@ from collections.abc import Iterator, Sequence
 from engine.case.checks.problem import (
     NOT_NEGATIVE,
     POSITIVE,
+    SCALARS,
     STATION_NAME,
     Allowed,
     Cells,
@@ -21,7 +22,7 @@ from engine.case.checks.problem import (
     number_text,
     quote_quantity,
 )
-from engine.case.choices import FieldCircuit, MotorKind
+from engine.case.choices import FieldCircuit, MotorKind, TorqueFollows
 from engine.case.data import CaseData, MotorCircuitRow, MotorDataRow, value_of
 from engine.errors import Problem
 
@@ -142,6 +143,7 @@ def check_motors(case: CaseData) -> Iterator[Problem]:
             yield from _sheet(cells, motor)
         yield from _field_in_the_start(cells, motor)
     yield from _circuits(case)
+    yield from _machine_without_data(case)
 
 
 def _base(case: CaseData, cells: Cells, motor: MotorDataRow) -> Iterator[Problem]:
@@ -304,6 +306,22 @@ def _field_in_the_start(cells: Cells, motor: MotorDataRow) -> Iterator[Problem]:
             value,
             "blank where Field circuit is open",
             "Clear one of the two.",
+        )
+
+
+def _machine_without_data(case: CaseData) -> Iterator[Problem]:
+    """What a motor answers to oscillations follows from its data sheet."""
+    if case.torque_follows != TorqueFollows.MACHINE:
+        return
+    sheets = {m.station for m in case.motor_data}
+    missing = [str(name) for name in case.motor_stations if name not in sheets]
+    if missing or not case.motor_stations:
+        names = ", ".join(f"'{name}'" for name in missing) or "a motor"
+        yield SCALARS.wrong(
+            "TorqueFollows",
+            case.torque_follows,
+            "own speed or mean speed where a motor has no data sheet",
+            f"Give {names} a row in table MotorData, or choose mean speed.",
         )
 
 

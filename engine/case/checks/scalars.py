@@ -27,6 +27,7 @@ from engine.case.choices import (
     Method,
     RainflowResidue,
     StressBasis,
+    TorqueFollows,
 )
 from engine.case.data import CaseData, value_of
 from engine.case.defaults import (
@@ -69,6 +70,7 @@ CHOICES: dict[str, type[StrEnum]] = {
     "MarginBasis": MarginBasis,
     "StressBasis": StressBasis,
     "InitialState": InitialState,
+    "TorqueFollows": TorqueFollows,
     "Method": Method,
     "KeepHistory": HistoryFile,
     "RainflowResidue": RainflowResidue,

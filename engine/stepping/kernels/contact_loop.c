@@ -58,6 +58,7 @@ typedef struct {
     double *q1, *v1, *a1, *phase1, *f1, *fr1; /* end of the step */
     double *before, *after;          /* motion of the flanks at both ends: x, y, z of `motion_t`, (3, n_flanks) */
     double *base_q, *base_v, *u, *r, *end_q, *end_v, *end_a, *speed, *acceleration;
+    double *read, *read_rate;        /* speeds at which curves are read */
     held_t *held;                    /* pieces of the curves */
     double *free, *forced, *solver, *matrix, *rotated; /* of a step of any length; room */
     double *torque, *torque_rate, *share, *share_rate, *direct_rate, *centre, *centre_rate; /* of a row of output */
@@ -70,7 +71,7 @@ static int64_t largest_of(int64_t a, int64_t b) { return a > b ? a : b; }
 int64_t contact_room(const pieces_t *p, const drive_t *drive)
 {
     int64_t wide = largest_of(largest_of(p->n, p->n_forces), p->n_dampers);
-    return 14 * p->n + 6 * p->n_flanks + 3 * p->n_forces + 4 * wide + drive->n_motors + 12 * p->n
+    return 14 * p->n + 6 * p->n_flanks + 3 * p->n_forces + 4 * wide + 3 * drive->n_motors + 12 * p->n
            + 8 * p->n_dampers * p->n_dampers + held_room(drive) + 5 * p->n_outputs + 4 * p->n_bodies;
 }
 
@@ -98,6 +99,8 @@ static void lay_out(loop_t *l, double *room)
     l->acting = (int64_t *)take(&room, wide);
     l->needed = (int64_t *)take(&room, nf);
     l->phase1 = take(&room, l->drive->n_motors);
+    l->read = take(&room, l->drive->n_motors);
+    l->read_rate = take(&room, l->drive->n_motors);
     l->free = take(&room, 4 * n);
     l->forced = take(&room, 8 * n);
     l->solver = take(&room, 4 * nd * nd);
@@ -140,7 +143,9 @@ static void stand_in(loop_t *l, int64_t s)
     const int64_t n = p->n, nf = p->n_forces;
     l->flanks->piece = s;
     l->system = (system_t){n, nf, p->stiffness + s * n, p->rate + s * n, p->reach + s * nf * n,
-                           p->mean_speed + s * n, p->n_dampers, p->damper_force, l->viscous};
+                           p->mean_speed + s * n, n, p->read_speed + s * l->drive->n_motors * n, p->n_swings,
+                           p->n_swing_levels, p->swing_motor, p->swing + s * p->n_swings * p->n_swing_levels * n,
+                           p->n_dampers, p->damper_force, l->viscous};
     l->constant = p->constant + s * n;
     l->flank_rows = p->flank_rows + s * p->n_flanks * n;
     l->shows = p->shows + s * n;
@@ -300,6 +305,14 @@ static void accelerations(const loop_t *l, double *a)
     for (int64_t i = 0; i < s->n; i++) a[i] = l->u0[i] - s->rate[i] * v[i] - s->stiffness[i] * q[i];
 }
 
+/* Speeds at which curves are read, and their rates. */
+static void read_speeds(const loop_t *l, const double *v, const double *a, double *read, double *read_rate)
+{
+    const system_t *s = &l->system;
+    for (int64_t m = 0; m < l->drive->n_motors; m++)
+        along(s->n_read, s->read_speed + m * s->n_read, v, a, read + m, read_rate + m);
+}
+
 /* Forces, rates and accelerations of the state, after something has jumped. */
 static void fresh_forces(const loop_t *l, double t, double *a)
 {
@@ -310,10 +323,13 @@ static void fresh_forces(const loop_t *l, double t, double *a)
         along(s->n, s->reach + f * s->n, state->v, state->v, l->speed + f, &unused);
         l->acceleration[f] = 0.0;
     }
+    read_speeds(l, state->v, state->v, l->read, l->read);
+    for (int64_t m = 0; m < l->drive->n_motors; m++) l->read_rate[m] = 0.0;
+    for (int64_t i = 0; i < s->n; i++) a[i] = 0.0;
     for (int pass = 0; pass < 3; pass++) { /* rates depend on the acceleration that the forces cause */
-        start_forces(t, t + SHORTLY * l->clock->base_step, state->phase, l->speed, l->acceleration, l->drive, s,
-                     (double *)l->held,
-                     state->force, state->force_rate);
+        start_forces(t, t + SHORTLY * l->clock->base_step, state->phase, l->speed, l->acceleration, l->read,
+                     l->read_rate, l->drive, s, (double *)l->held, state->force, state->force_rate);
+        swing_forces(s, l->drive, state->v, a, l->read, l->read_rate, state->force, state->force_rate);
         limited_forces(l, state->q, l->speed, state->force, state->force_rate);
         modal_forces(l, state->force, state->force_rate, l->u0, l->r0);
         accelerations(l, a);
@@ -321,6 +337,7 @@ static void fresh_forces(const loop_t *l, double t, double *a)
             double unused;
             along(s->n, s->reach + f * s->n, a, a, l->acceleration + f, &unused);
         }
+        read_speeds(l, a, a, l->read_rate, l->read_rate);
     }
 }
 
@@ -366,9 +383,11 @@ static void take_step(const loop_t *l, double h, const step_t *step, const doubl
     for (int pass = l->limits ? 0 : 1; pass < 2; pass++) {
         end_step(n, step, s->stiffness, s->rate, l->base_q, l->base_v, l->u, l->r, l->q1, l->v1, l->a1);
         along_rows(n, l->n_needed, l->needed, s->reach, l->v1, l->a1, l->speed, l->acceleration);
+        read_speeds(l, l->v1, l->a1, l->read, l->read_rate);
         turn_phases(l->drive, n, s->reach, h, state->q, l->q1, state->phase, l->phase1);
-        machine_forces(l->drive, nf, t + h, t + 0.5 * h, l->phase1, l->speed, l->acceleration, l->held, l->f1,
-                       l->fr1);
+        machine_forces(l->drive, nf, t + h, t + 0.5 * h, l->phase1, l->speed, l->acceleration, l->read,
+                       l->read_rate, l->held, l->f1, l->fr1);
+        swing_forces(s, l->drive, l->v1, l->a1, l->read, l->read_rate, l->f1, l->fr1);
         limited_forces(l, l->q1, l->speed, l->f1, l->fr1);
         modal_forces(l, l->f1, l->fr1, l->u, l->r);
         solve_dampers(l, step, solver);

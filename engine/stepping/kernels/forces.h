@@ -112,14 +112,16 @@ static inline point_t with_field(const drive_t *d, int64_t m, int l, double x, d
     return torque;
 }
 
+/* Curves are read at a speed of their own, `read`; the phase of the pulsation follows that of the station. */
 static inline void motor_forces(const drive_t *d, lane_t t, lane_t inside, const lane_t *phase, const lane_t *speed,
-                                const lane_t *acceleration, held_t *held, lane_t *force, lane_t *force_rate)
+                                const lane_t *read, const lane_t *read_rate, held_t *held, lane_t *force,
+                                lane_t *force_rate)
 {
     const lane_t line = *lanes_of(d->line_omega);
     for (int64_t m = 0; m < d->n_motors; m++, held += CURVES_OF_MOTOR) {
         const int64_t f = d->motor_force[m];
         const lane_t own = lanes_of(d->motor_speed)[m];
-        const lane_t x = speed[f] / own, dx = acceleration[f] / own;
+        const lane_t x = read[m] / own, dx = read_rate[m] / own;
         const lane_t phase_rate = 2.0 * (line - lanes_of(d->pole_pairs)[m] * speed[f]);
         const mask_t on = inside >= lanes_of(d->field_time)[m];
         lane_t average, steepness, pulsating, growth, more = all(0.0), more_rate = all(0.0);
@@ -133,7 +135,7 @@ static inline void motor_forces(const drive_t *d, lane_t t, lane_t inside, const
             AT(more, l) = torque.value;
             AT(more_rate, l) = torque.slope;
             if (!AT(on, l)) continue;
-            torque = with_field(d, m, l, AT(x, l), AT(speed[f], l));
+            torque = with_field(d, m, l, AT(x, l), AT(read[m], l));
             AT(average, l) = torque.value;
             AT(steepness, l) = torque.slope;
         }
@@ -201,11 +203,11 @@ static inline void tone_forces(const drive_t *d, lane_t t, lane_t *force, lane_t
 
 /* Every force but those of dampers, and its rate. */
 static inline void machine_forces(const drive_t *d, int64_t n_forces, lane_t t, lane_t inside, const lane_t *phase,
-                                  const lane_t *speed, const lane_t *acceleration, held_t *held, lane_t *force,
-                                  lane_t *force_rate)
+                                  const lane_t *speed, const lane_t *acceleration, const lane_t *read,
+                                  const lane_t *read_rate, held_t *held, lane_t *force, lane_t *force_rate)
 {
     for (int64_t f = 0; f < n_forces; f++) force[f] = force_rate[f] = all(0.0);
-    motor_forces(d, t, inside, phase, speed, acceleration, held, force, force_rate);
+    motor_forces(d, t, inside, phase, speed, read, read_rate, held, force, force_rate);
     load_forces(d, speed, acceleration, held + CURVES_OF_MOTOR * d->n_motors, force, force_rate);
     timed_forces(d, t, inside, force, force_rate);
     tone_forces(d, t, force, force_rate);

@@ -50,6 +50,11 @@ typedef struct {
     const double *stiffness, *rate;  /* (n; lanes) λ and d [1/s², 1/s] */
     const double *reach;             /* (n_forces, n; lanes) [rad/√(kg m²)] */
     const double *mean_speed;        /* (n; lanes) mean speed from modal velocities */
+    int64_t n_read;                  /* the first modes, on which the next depends */
+    const double *read_speed;        /* (n_motors, n_read; lanes) speed at which its curves are read [√(1/(kg m²))] */
+    int64_t n_swings, n_levels;      /* motors that answer oscillations; speeds of their tables, 0 to 1 */
+    const int64_t *swing_motor;      /* (n_swings) */
+    const double *swing;             /* (n_swings, n_levels, n; lanes) torque over modal velocity [N m s/√(kg m²)] */
     int64_t n_dampers;
     const int64_t *damper_force;     /* (n_dampers) */
     const double *viscous;           /* (n_dampers; lanes) [N m s/rad] */
@@ -102,6 +107,10 @@ typedef struct {
     const double *stiffness, *rate;               /* (n_pieces, n) */
     const double *reach;                          /* (n_pieces, n_forces, n) */
     const double *constant, *mean_speed;          /* (n_pieces, n) */
+    const double *read_speed;                     /* (n_pieces, n_motors, n) */
+    int64_t n_swings, n_swing_levels;
+    const int64_t *swing_motor;                   /* (n_swings) */
+    const double *swing;                          /* (n_pieces, n_swings, n_swing_levels, n) */
     const double *flank_rows;                     /* (n_pieces, n, n_flanks) */
     const double *viscous;                        /* (n_pieces, n_dampers) */
     const double *shows;                          /* (n_pieces, n) share of an answer's scale */
@@ -164,7 +173,8 @@ enum { MORE, AT_TIME, SPEED, ANGLE, NEW_PIECE, STUCK, DIVIDED };
 int64_t linear_room(int64_t lanes, const system_t *system, const drive_t *drive, const torques_t *torques);
 int64_t contact_room(const pieces_t *pieces, const drive_t *drive);
 void start_forces(double t, double inside, const double *phase, const double *speed,
-                  const double *acceleration, const drive_t *drive, const system_t *system, double *room,
+                  const double *acceleration, const double *read, const double *read_rate, const drive_t *drive,
+                  const system_t *system, double *room,
                   double *force, double *force_rate);
 /* Of starts without events, and how many lanes are calculated at once; lanes: how many the arrays have. */
 int64_t lanes_at_once(void);

@@ -7,10 +7,10 @@
 /* Room to work in: coefficients of the step, its forces without and with its end, its end. What many lanes take as it
  * comes a single start takes ROWS at a time, from copies: `q` … `largest` are the state and what it leaves. */
 typedef struct {
-    int64_t modes, forces, outputs; /* how many wide_t these are */
-    wide_t *free, *forced, *base_q, *base_v, *u, *r, *q1, *v1, *a1, *speed, *acceleration;
+    int64_t modes, forces, motors, outputs; /* how many wide_t these are */
+    wide_t *free, *forced, *base_q, *base_v, *u, *r, *q1, *v1, *a1, *speed, *acceleration, *read, *read_rate;
     wide_t *stiffness, *rate, *reach, *q, *v;
-    wide_t *along_forces, *position, *velocity, *of_force; /* blocks: (n_blocks, n, ROWS; lanes) */
+    wide_t *along_forces, *along_read, *position, *velocity, *of_force; /* blocks: (n_blocks, n, ROWS; lanes) */
     wide_t *last, *last_rate, *before, *before_rate, *largest;
     lane_t *f1, *fr1, *phase1;
     held_t *held;
@@ -54,21 +54,26 @@ static void give_back(int64_t n, const wide_t *from, double *to)
 static room_t laid_out(const system_t *s, const drive_t *drive, const torques_t *y, state_t *state, samples_t *out,
                        double *room)
 {
-    const int64_t n = s->n, nf = s->n_forces, modes = blocks(n), forces = blocks(nf);
+    const int64_t n = s->n, nf = s->n_forces, modes = blocks(n), forces = blocks(nf), motors = blocks(drive->n_motors);
     wide_t *at = (wide_t *)room;
-    room_t w = {.modes = modes, .forces = forces, .outputs = blocks(y->n), .free = at, .forced = at + 4 * modes};
+    room_t w = {.modes = modes, .forces = forces, .motors = motors, .outputs = blocks(y->n), .free = at,
+                .forced = at + 4 * modes};
     wide_t **of_modes[] = {&w.base_q, &w.base_v, &w.u, &w.r, &w.q1, &w.v1, &w.a1};
     at += 12 * modes;
     for (int i = 0; i < 7; i++, at += modes) *of_modes[i] = at;
     w.speed = at;
     w.acceleration = at + forces;
     at += 2 * forces;
+    w.read = at;
+    w.read_rate = at + motors;
+    at += 2 * motors;
     w.stiffness = as_rows(1, n, s->stiffness, &at);
     w.rate = as_rows(1, n, s->rate, &at);
     w.reach = as_rows(nf, n, s->reach, &at);
     w.q = as_rows(1, n, state->q, &at);
     w.v = as_rows(1, n, state->v, &at);
     w.along_forces = as_blocks(nf, n, s->reach, &at);
+    w.along_read = as_blocks(drive->n_motors, s->n_read, s->read_speed, &at);
     w.position = as_blocks(y->n, n, y->position, &at);
     w.velocity = as_blocks(y->n, n, y->velocity, &at);
     w.of_force = as_blocks(y->n, nf, y->force, &at);
@@ -96,11 +101,21 @@ static void returned(const room_t *w, const system_t *s, const torques_t *y, sta
     give_back(y->n, w->largest, out->largest);
 }
 
-static void all_forces(lane_t t, lane_t inside, const lane_t *phase, const system_t *s, const drive_t *drive,
-                       const room_t *w)
+/* Speeds of stations and dampers, and those at which curves are read. */
+static void speeds(const system_t *s, const wide_t *v, const wide_t *a, const room_t *w, wide_t *speed,
+                   wide_t *acceleration, wide_t *read, wide_t *read_rate)
+{
+    along_blocks(s->n, w->forces, w->along_forces, (const lane_t *)v, (const lane_t *)a, speed, acceleration);
+    along_blocks(s->n_read, w->motors, w->along_read, (const lane_t *)v, (const lane_t *)a, read, read_rate);
+}
+
+static void all_forces(lane_t t, lane_t inside, const lane_t *phase, const wide_t *v, const wide_t *a,
+                       const system_t *s, const drive_t *drive, const room_t *w)
 {
     const lane_t *speed = (const lane_t *)w->speed, *acceleration = (const lane_t *)w->acceleration;
-    machine_forces(drive, s->n_forces, t, inside, phase, speed, acceleration, w->held, w->f1, w->fr1);
+    const lane_t *read = (const lane_t *)w->read, *read_rate = (const lane_t *)w->read_rate;
+    machine_forces(drive, s->n_forces, t, inside, phase, speed, acceleration, read, read_rate, w->held, w->f1, w->fr1);
+    swing_forces(s, drive, (const lane_t *)v, (const lane_t *)a, read, read_rate, w->f1, w->fr1);
     damper_forces(s->n_dampers, s->damper_force, s->viscous, speed, acceleration, w->f1, w->fr1);
 }
 
@@ -147,15 +162,17 @@ static inline void keep_wide(int64_t n, const wide_t *from, mask_t named, wide_t
 static void renew_forces(lane_t t, lane_t inside, mask_t renewed, const system_t *s, const drive_t *drive,
                          state_t *state, const room_t *w)
 {
-    const lane_t *v = (const lane_t *)w->v, *a1 = (const lane_t *)w->a1;
-    along_blocks(s->n, w->forces, w->along_forces, v, v, w->speed, w->acceleration);
-    for (int64_t f = 0; f < w->forces; f++) w->acceleration[f] = spread(all(0.0));
+    const wide_t none = spread(all(0.0));
+    speeds(s, w->v, w->v, w, w->speed, w->acceleration, w->read, w->read_rate);
+    for (int64_t f = 0; f < w->forces; f++) w->acceleration[f] = none;
+    for (int64_t m = 0; m < w->motors; m++) w->read_rate[m] = none;
+    for (int64_t i = 0; i < w->modes; i++) w->a1[i] = none;
     for (int pass = 0; pass < 2; pass++) {
-        all_forces(t, inside, lanes_of(state->phase), s, drive, w);
+        all_forces(t, inside, lanes_of(state->phase), w->v, w->a1, s, drive, w);
         modal_forces(s->n_forces, w->f1, w->fr1, w);
         for (int64_t i = 0; i < w->modes; i++)
             w->a1[i] = -w->rate[i] * w->v[i] - w->stiffness[i] * w->q[i] + w->u[i];
-        along_blocks(s->n, w->forces, w->along_forces, a1, a1, w->acceleration, w->acceleration);
+        speeds(s, w->a1, w->a1, w, w->acceleration, w->acceleration, w->read_rate, w->read_rate);
     }
     keep(s->n_forces, w->f1, renewed, state->force);
     keep(s->n_forces, w->fr1, renewed, state->force_rate);
@@ -171,10 +188,9 @@ static void take_step(lane_t t, lane_t h, const system_t *s, const drive_t *driv
     begin_step(w->modes, &step, h, w->q, w->v, w->u, w->r, w->base_q, w->base_v);
     for (int pass = 0; pass < 2; pass++) {
         end_step(w->modes, &step, w->stiffness, w->rate, w->base_q, w->base_v, w->u, w->r, w->q1, w->v1, w->a1);
-        along_blocks(s->n, w->forces, w->along_forces, (const lane_t *)w->v1, (const lane_t *)w->a1, w->speed,
-                     w->acceleration);
+        speeds(s, w->v1, w->a1, w, w->speed, w->acceleration, w->read, w->read_rate);
         turn_phases(drive, s->n, lanes_of(s->reach), h, q0, q1, lanes_of(state->phase), w->phase1);
-        all_forces(t + h, t + 0.5 * h, w->phase1, s, drive, w);
+        all_forces(t + h, t + 0.5 * h, w->phase1, w->v1, w->a1, s, drive, w);
         if (pass == 0) modal_forces(s->n_forces, w->f1, w->fr1, w);
     }
 }

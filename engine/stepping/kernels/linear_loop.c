@@ -4,16 +4,17 @@
 #include "turning.h"
 #include "vector_units.h"
 
-/* Numbers of each mode, force and output that a loop keeps: of its work, and of its copies (`laid_out`). */
-enum { OF_MODES = 12 + 7 + 4, OF_FORCES = 4, OF_OUTPUTS = 5 };
+/* Numbers of each mode, force, output and motor that a loop keeps: of its work, and of its copies (`laid_out`). */
+enum { OF_MODES = 12 + 7 + 4, OF_FORCES = 4, OF_OUTPUTS = 5, OF_MOTORS = 2 };
 
 static int64_t padded(int64_t n) { return (n + MANY - 1) / MANY * MANY; }
 
 int64_t linear_room(int64_t lanes, const system_t *system, const drive_t *drive, const torques_t *torques)
 {
     const int64_t modes = padded(system->n), forces = padded(system->n_forces), outputs = padded(torques->n);
-    return lanes * ((OF_MODES + 2 * forces + 2 * outputs) * modes + OF_FORCES * forces + (OF_OUTPUTS + forces) * outputs
-                    + drive->n_motors + held_room(drive));
+    const int64_t motors = padded(drive->n_motors);
+    return lanes * ((OF_MODES + 2 * forces + 2 * outputs + motors) * modes + OF_FORCES * forces
+                    + (OF_OUTPUTS + forces) * outputs + OF_MOTORS * motors + drive->n_motors + held_room(drive));
 }
 
 int64_t lanes_at_once(void) { return MANY; }
@@ -58,11 +59,12 @@ void newmark_step(int64_t n, const double *stiffness, const double *rate, double
 }
 
 void start_forces(double t, double inside, const double *phase, const double *speed,
-                  const double *acceleration, const drive_t *drive, const system_t *system, double *room,
-                  double *force, double *force_rate)
+                  const double *acceleration, const double *read, const double *read_rate, const drive_t *drive,
+                  const system_t *system, double *room, double *force, double *force_rate)
 {
     hold_none(drive, (held_t *)room);
-    machine_forces(drive, system->n_forces, t, inside, phase, speed, acceleration, (held_t *)room, force, force_rate);
+    machine_forces(drive, system->n_forces, t, inside, phase, speed, acceleration, read, read_rate, (held_t *)room,
+                   force, force_rate);
     damper_forces(system->n_dampers, system->damper_force, system->viscous, speed, acceleration, force,
                   force_rate);
 }

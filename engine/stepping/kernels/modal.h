@@ -66,6 +66,33 @@ static inline void along_blocks(int64_t n, int64_t n_blocks, const wide_t *block
     }
 }
 
+/* What motors answer to small oscillations of each mode, by tables against the speed at which their curves are read:
+ * straight between its levels, constant outside. */
+static inline void swing_forces(const system_t *s, const drive_t *d, const lane_t *v, const lane_t *a,
+                                const lane_t *read, const lane_t *read_rate, lane_t *force, lane_t *force_rate)
+{
+    for (int64_t k = 0; k < s->n_swings; k++) {
+        const int64_t m = s->swing_motor[k], f = d->motor_force[m], n = s->n, last = s->n_levels - 1;
+        if (d->connected[m * LANES] == 0.0) continue; /* in all lanes */
+        for (int l = 0; l < LANES; l++) {
+            const double scale = (double)last / d->motor_speed[m * LANES + l], x = scale * AT(read[m], l);
+            const int inside = x > 0.0 && x < (double)last;
+            const int64_t low = inside ? (int64_t)x : x > 0.0 ? last - 1 : 0;
+            const double share = inside ? x - (double)low : x > 0.0 ? 1.0 : 0.0;
+            const double moves = inside ? scale * AT(read_rate[m], l) : 0.0;
+            const double *row = s->swing + ((k * s->n_levels + low) * n) * LANES + l, *next = row + n * LANES;
+            double value = 0.0, rate = 0.0;
+            for (int64_t i = 0; i < n; i++) {
+                const double rise = next[i * LANES] - row[i * LANES], gain = row[i * LANES] + share * rise;
+                value += gain * AT(v[i], l);
+                rate += gain * AT(a[i], l) + rise * moves * AT(v[i], l);
+            }
+            AT(force[f], l) += value;
+            AT(force_rate[f], l) += rate;
+        }
+    }
+}
+
 /* What does not depend on the end of the step; u becomes the force at its end if the rates stood. */
 static inline void begin_step(int64_t n, const step_t *s, lane_t h, const wide_t *restrict q,
                               const wide_t *restrict v, wide_t *restrict u, const wide_t *restrict r,

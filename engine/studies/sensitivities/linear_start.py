@@ -44,6 +44,8 @@ class TangentModel:
     rate: Floats  #: Likewise. [1/s², 1/s] Shape (n_parameters, n_modes).
     #: Of the shapes at the forces. [rad/√(kg m²)] Shape (n_parameters, n_modes, n_forces).
     reach: Floats
+    #: Of the speeds at which curves are read. [√(1/(kg m²))] Shape (n_parameters, n_motors, n_read).
+    read_speed: Floats
     position: Floats  #: Of the outputs. [N m, N m s] Shape (n_parameters, n_outputs, n_modes).
     velocity: Floats  #: Likewise. [N m, N m s] Shape (n_parameters, n_outputs, n_modes).
     force: Floats  #: Of the outputs. [1] Shape (n_parameters, n_outputs, n_forces).
@@ -115,6 +117,7 @@ def _aligned(
         "stiffness": other.stiffness,
         "rate": other.rate,
         "reach": sign[:, None] * other.reach,
+        "read_speed": sign[: other.read_speed.shape[1]] * other.read_speed,
         "position": sign * y.position,
         "velocity": sign * y.velocity,
         "force": y.force,
@@ -134,10 +137,11 @@ class _Forces:
         self.t, self.m = tangent, tangent.model
         self.shock = self.m.electrical[:3]
 
-    def at(self, time: float, speed: Floats, phase: Floats) -> Floats:
-        """Forces from speeds, shape (n_forces, 1 + P), and phases, shape (n_motors, 1 + P)."""
+    def at(self, time: float, speed: Floats, read: Floats, phase: Floats) -> Floats:
+        """Forces from speeds, shape (n_forces, 1 + P), and of each motor, shape (n_motors, 1 + P), the speed at which
+        its curves are read, and the phase."""
         force = np.zeros_like(speed)
-        self._motors(time, speed, phase, force)
+        self._motors(time, read, phase, force)
         self._loads(speed, force)
         self._timed(time, force)
         where, viscous = self.m.dampers
@@ -160,10 +164,10 @@ class _Forces:
         out[1:] = slope * change + self.t.cubics[:, curve, i] @ powers
         return out
 
-    def _motors(self, time: float, speed: Floats, phase: Floats, force: Floats) -> None:
+    def _motors(self, time: float, read: Floats, phase: Floats, force: Floats) -> None:
         station, average, pulsating, synchronous = self.m.motors[:4]
         for k, f in enumerate(station):
-            x, change = speed[f, 0] / synchronous[k], speed[f, 1:] / synchronous[k]
+            x, change = read[k, 0] / synchronous[k], read[k, 1:] / synchronous[k]
             steady = self._curve(int(average[k]), x, change)
             swing = self._curve(int(pulsating[k]), x, change)
             s, c = math.sin(phase[k, 0]), math.cos(phase[k, 0])
@@ -239,6 +243,13 @@ class _Motion:
         speed[:, 1:] += (v[:, 0] @ self.change_of_speed).reshape(len(speed), -1)
         return np.asarray(speed)
 
+    def read_speeds(self, v: Floats) -> Floats:
+        """Speed at which the curves of each motor are read, shape (n_motors, 1 + P)."""
+        n = self.m.read_speed.shape[1]
+        read = self.m.read_speed @ v[:n]
+        read[:, 1:] += (self.t.read_speed @ v[:n, 0]).T
+        return np.asarray(read)
+
     def drive(self, force: Floats, q: Floats, v: Floats) -> Floats:
         """Right-hand side of every mode, shape (n, 1 + P)."""
         g = self.m.reach @ force
@@ -257,7 +268,8 @@ class _Motion:
         h, t = step.h, self.time
         q0, v0, phase0 = self.q, self.v, self.phase
         speed0 = self.speeds(v0)
-        force = np.stack([self.forces.at(t, speed0, phase0)] * 3)
+        read0 = self.read_speeds(v0)
+        force = np.stack([self.forces.at(t, speed0, read0, phase0)] * 3)
         drive, slip = self._guess(h, self.drive(force[0], q0, v0), self.slip(speed0))
         rounds = 1 if self.last is not None and self.last[0] == h else FIRST_ROUNDS
         for _ in range(rounds):
@@ -266,7 +278,8 @@ class _Motion:
                 q, v = _moved(maps, q0, v0, shape, share)
                 speed = self.speeds(v)
                 phase = phase0 + _integral(turned, share, h)
-                force[place] = self.forces.at(t + share * h, speed, phase)
+                read = self.read_speeds(v)
+                force[place] = self.forces.at(t + share * h, speed, read, phase)
                 drive[place] = self.drive(force[place], q, v)
                 slip[place] = self.slip(speed)
         shape, turned = _parabola(drive), _parabola(slip)

@@ -60,10 +60,11 @@ def tangent_of(plan: DerivativePlan) -> TangentDerivatives | None:
     Returns
     -------
     TangentDerivatives or None
-        None where the start has events, or modes exchange places too near. [1]
+        None where the start has events, the motor answers to oscillations, or modes exchange places too near. [1]
     """
     case, recipe = plan.case, plan.recipe
-    if plan.reason or recipe.start != LINEAR or case.torque_time_from_rest:
+    answers = recipe.effects.electrical_damping  # K changes with every mode
+    if plan.reason or recipe.start != LINEAR or case.torque_time_from_rest or answers:
         return None
     moving = [p for p in plan.parameters if p[0] != SN_LINE]
     nearby = near_train(case, recipe)

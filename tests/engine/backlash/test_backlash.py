@@ -40,8 +40,9 @@ TOLERANCE = 1e-3
 # --- against the independent integrator -----------------------------------------------------------
 
 
-def compared(seed: int, bearings: bool, law: str) -> None:
+def compared(seed: int, bearings: bool, law: str, follows: str = "own speed") -> None:
     case, effects = start_with_clearances(seed, bearings=bearings, end=0.35, share=0.25)
+    case = replace(case, torque_follows=follows)
     found = run_event_start(case, prepared(case), replace(effects, contact_law=law))
     assert found.met_tolerance
     reference = ClearanceReference(case, law)
@@ -67,6 +68,12 @@ def compared(seed: int, bearings: bool, law: str) -> None:
 @pytest.mark.parametrize(("seed", "bearings"), [(11, False), (23, False), (25, True)])
 def test_random_starts(seed: int, bearings: bool, law: str) -> None:
     compared(seed, bearings, law)
+
+
+@pytest.mark.parametrize(("seed", "bearings"), [(11, False), (25, True)])
+def test_curves_read_at_the_mean_speed(seed: int, bearings: bool) -> None:
+    """That of the whole shaft line, also while its teeth are apart."""
+    compared(seed, bearings, ContactLaw.LIMITED, "mean speed")
 
 
 @pytest.mark.slow

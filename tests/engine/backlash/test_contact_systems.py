@@ -32,7 +32,8 @@ def pieces_of(
     stations = np.arange(train.n_stations)
     places = ForceLocations(stations, np.zeros(0, dtype=np.int64), len(stations), np.zeros(0))
     scale = np.ones(len(train.element_rows) + len(train.rigid_meshes))
-    return train, ContactSystems(basis, places, np.zeros(basis.vectors.shape[1]), scale)
+    m = basis.vectors.shape[1]
+    return train, ContactSystems(basis, places, np.zeros(m), np.zeros((0, m)), scale)
 
 
 def contacts(count: int) -> list[tuple[int, ...]]:

@@ -125,6 +125,7 @@ def structs_of(model: StartModel) -> tuple[Any, Any]:
             model.rate,
             np.ascontiguousarray(model.reach.T),
             model.mean_speed,
+            model.read_speed,
             model.dampers,
         ),
     )
@@ -201,6 +202,7 @@ def test_a_tripped_motor_gives_nothing() -> None:
     model = start_model(case, ModalTrain(train, modes, damping), motors, loads, 1e-6, 1.0, FIELD)
     model.electrical[3][:] = 0.0
     state = (np.ones(1), np.array([0.95 * SYNCHRONOUS]), np.ones(1))
+    state = (*state, state[1:])
     assert kernels.start_forces(0.3, 0.3, *state, *structs_of(model))[0][0] > 0.0
     model.electrical[8][:] = 0.0
     force, rate = kernels.start_forces(0.3, 0.3, *state, *structs_of(model))

@@ -1,0 +1,34 @@
+"""How much of a peak is what the motors damp of a mode, or drive?"""
+
+from engine.case.choices import TorqueFollows
+from engine.case.data import CaseData
+from engine.plan.decision import Finding, percent
+from engine.plan.evidence import DAMPING_GAIN, Evidence
+
+
+def finding(case: CaseData, e: Evidence, modelled: tuple[str, ...]) -> Finding:
+    """What the motors change of a mode's damping ratio, over it, times its share of a peak."""
+    if e.electrical is None:
+        return Finding.impossible("No mode is crossed with a motor on.")
+    if not e.electrical.known:
+        why = (
+            "Not every motor has a row in table MotorData: what it damps of a mode is unknown. The slope of the "
+            f"torque curves, as an estimate, changes a peak by {percent(e.electrical.slope)}: the start "
+            f"{'has' if _own(case) else 'leaves out'} it (TorqueFollows)."
+        )
+        return Finding.impossible(why, None)
+    number, limit = e.electrical.number, e.tolerance / DAMPING_GAIN
+    bound = DAMPING_GAIN * number
+    if case.torque_follows == TorqueFollows.MACHINE:
+        why = f"TorqueFollows is machine. Without it a peak changes by about {percent(number)}."
+        return Finding(True, True, number, limit, bound, why)
+    wanted = number > limit
+    why = (
+        f"What the motors damp of a mode, or drive, beyond what the start has changes a peak by about "
+        f"{percent(number)}, {'above' if wanted else 'at most'} the limit {percent(limit)}."
+    )
+    return Finding(wanted, True, number, limit, bound, why)
+
+
+def _own(case: CaseData) -> bool:
+    return (case.torque_follows or TorqueFollows.OWN_SPEED) == TorqueFollows.OWN_SPEED
