@@ -25,7 +25,7 @@ from addin.xlsx.references import (
     whole_number,
 )
 from addin.xlsx.values import Constant, ErrorValue, are_plain_numbers
-from addin.xlsx.xml_part import CHART, Element, is_utf8, parse_part, serialise
+from addin.xlsx.xml_part import CHART, Element, has_misleading_tags, is_utf8, parse_part, serialise
 
 Area = tuple[str, Rect]
 Shown = Callable[[str, Rect], Sequence[Constant]]
@@ -88,7 +88,7 @@ class ChartPart:
     def _without_points(self, data: bytes) -> bytes:
         """The part with places for its plain points, where what looks like a point is one."""
         declared_once = data.count(b"xmlns:c=") == 1 and _PREFIX in data
-        misleading = b"<!" in data or data.find(b"<?", 2) >= 0 or _PLACE_INDEX.encode() in data
+        misleading = has_misleading_tags(data) or _PLACE_INDEX.encode() in data
         if not declared_once or misleading or not is_utf8(data):
             return data
 

@@ -16,7 +16,7 @@ from html import escape
 
 from addin.xlsx.references import MAX_COLUMN, Rect, column_number
 from addin.xlsx.values import FORMULA_CUT, unescaped
-from addin.xlsx.xml_part import is_utf8
+from addin.xlsx.xml_part import has_misleading_tags, is_utf8
 
 # What a parser and a writer leave as it is, to the last byte: neither control characters nor brackets nor what could be
 # written shorter. Taken in runs, as sheets are long.
@@ -31,7 +31,7 @@ _CELL = (
 )
 _ROW = re.compile(rb"(<row [^<>]*+>)((?:%s)++)(?=</row>)" % _CELL)
 _ROW_NUMBER = re.compile(rb' r="([1-9][0-9]{0,6})"')
-_NO_CHARACTERS = (b"\xef\xbf\xbe", b"\xef\xbf\xbf")
+_NO_CHARACTERS = ("\ufffe", "\uffff")
 _CELL_START = '<c r="'
 # Place and style of a cell in the shape of a row.
 _SHAPE = re.compile(
@@ -58,25 +58,17 @@ def with_places(data: bytes, place: Callable[[bytes, int | None], bytes]) -> byt
         return tag + place(cells, int(number[1])) if number else row[0]
 
     start, end = data.find(b"<sheetData>"), data.rfind(b"</sheetData>")
-    if (
-        not 0 <= start < end
-        # In comments and the like, what looks like a row is none; but a part begins with a declaration.
-        or b"<!" in data
-        or data.find(b"<?", 2) >= 0
-        or not is_utf8(data)
-        or not _is_text(data)
-    ):
+    if not 0 <= start < end or has_misleading_tags(data) or not is_utf8(data) or not _is_text(data):
         return data
     return data[:start] + _ROW.sub(with_place, data[start:end]) + data[end:]
 
 
 def _is_text(data: bytes) -> bool:
     try:
-        return data.isascii() or (
-            bool(data.decode()) and not any(one in data for one in _NO_CHARACTERS)
-        )
+        text = data.decode()
     except UnicodeDecodeError:
         return False
+    return not any(one in text for one in _NO_CHARACTERS)
 
 
 @dataclass(slots=True)

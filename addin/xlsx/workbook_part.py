@@ -14,7 +14,14 @@ from urllib.parse import unquote
 from addin.xlsx.container import Container, shown_name
 from addin.xlsx.errors import WorkbookRefused, damaged
 from addin.xlsx.references import Rect, parse_range, split_sheet, whole_number
-from addin.xlsx.xml_part import CONTENT_TYPES, RELATIONSHIP_IDS, STRICT_HOST, Element, main
+from addin.xlsx.xml_part import (
+    CONTENT_TYPES,
+    RELATIONSHIP_IDS,
+    STRICT_HOST,
+    Element,
+    has_misleading_tags,
+    main,
+)
 
 CONTENT_TYPES_PART = "[Content_Types].xml"
 XLSX_TYPE = "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet.main+xml"
@@ -291,7 +298,7 @@ def _defined_name(name: str, text: str, local_sheet: str, sheets: list[str]) -> 
 
 def _masked(data: bytes) -> bytes:
     """The part with blanks for its comments and the like, in which tags are no tags; places stay the same."""
-    if b"<!" not in data and data.find(b"<?", 2) < 0:
+    if not has_misleading_tags(data):
         return data
     return _NO_TAGS.sub(lambda found: b" " * len(found[0]), data)
 
