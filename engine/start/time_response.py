@@ -203,9 +203,8 @@ class TimeResponse:
     coupled: bool  #: True if damping coupled the modes and the full matrix was used.
     #: Modal positions and velocities. [rad √(kg m²), rad √(kg m²)/s] Shape (n_modes, n_times).
     modal: tuple[Floats, Floats]
-    to_stations: (
-        Floats  #: What a mode turns each station by. [1/√(kg m²)] Shape (n_stations, n_modes).
-    )
+    #: What a mode turns each station by. [1/√(kg m²)] Shape (n_stations, n_modes).
+    to_stations: Floats
 
     @cached_property
     def station_angle(self) -> Floats:
