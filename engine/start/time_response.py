@@ -203,17 +203,18 @@ class TimeResponse:
     coupled: bool  #: True if damping coupled the modes and the full matrix was used.
     #: Modal positions and velocities. [rad √(kg m²), rad √(kg m²)/s] Shape (n_modes, n_times).
     modal: tuple[Floats, Floats]
-    to_stations: Floats  #: What a mode turns each station by. [1/√(kg m²)] Shape (n_stations, n_modes).
+    #: What a mode turns each station by. [1/√(kg m²)] Shape (n_stations, n_modes).
+    to_stations: Floats
 
     @cached_property
     def station_angle(self) -> Floats:
         """In each station's running direction, at its own speed, shape (n_stations, n_times). [rad]"""
-        return product(self.to_stations, self.modal[0])
+        return np.asarray(product(self.to_stations, self.modal[0]))
 
     @cached_property
     def station_speed(self) -> Floats:
         """Likewise. [rad/s]"""
-        return product(self.to_stations, self.modal[1])
+        return np.asarray(product(self.to_stations, self.modal[1]))
 
 
 def time_response(
@@ -332,9 +333,7 @@ class ModalSystem:
             torque_rate += product(outputs.velocity, acceleration) + product(outputs.force, rate)
         angle = self.modes.shape[np.ix_(train.node_dof[: train.n_stations], self.keep)]
         angle = angle * train.node_scale[: train.n_stations, None]
-        return TimeResponse(
-            time, torque, torque_rate, outputs.element, self.coupled, (q, v), angle
-        )
+        return TimeResponse(time, torque, torque_rate, outputs.element, self.coupled, (q, v), angle)
 
 
 def modal_system(

@@ -180,7 +180,15 @@ class Recorder:
             )
         return (
             Trajectory(
-                time, speed, torque, rate, self._element, reached, n_steps, turning, self._stride > 1
+                time,
+                speed,
+                torque,
+                rate,
+                self._element,
+                reached,
+                n_steps,
+                turning,
+                self._stride > 1,
             ),
             further,
         )

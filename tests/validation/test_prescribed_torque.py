@@ -10,6 +10,7 @@ A07  step torque on two masses, closed form;  A08  energy and momentum, closed f
 from __future__ import annotations
 
 import csv
+from dataclasses import replace
 from typing import Any
 
 import mpmath
@@ -80,6 +81,20 @@ def test_t01_ramps_instead_of_steps_are_another_answer() -> None:
     stepped = time_response(train, modes, [held(0, t, np.array(u["torque"]))], t)
     ramped = time_response(train, modes, [linear(0, t, np.array(u["torque"]))], t)
     assert np.max(np.abs(stepped.torque - ramped.torque)) > 50.0
+
+
+def test_t01_straight_lines_are_what_a_cubic_through_four_points_of_them_is() -> None:
+    data = load_case("T01")
+    train, modes, _ = prepared(train_of(data["model"]))
+    u = data["excitation"]
+    knots = u["dt"] * np.arange(u["n_samples"])
+    times = np.linspace(0.0, 1.1 * knots[-1], 3 * len(knots))  # steps between the knots, too
+    ramps = linear(0, knots, np.array(u["torque"]))
+    line = time_response(train, modes, [ramps], times)
+    cubic = time_response(train, modes, [replace(ramps, linear=False)], times)
+    for name in ("torque", "station_speed"):
+        found, other = getattr(line, name), getattr(cubic, name)
+        np.testing.assert_allclose(found, other, rtol=0.0, atol=1e-12 * np.max(np.abs(other)))
 
 
 # --- T03 ------------------------------------------------------------------------------------------

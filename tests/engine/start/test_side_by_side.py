@@ -15,7 +15,13 @@ from engine.model.build_train import build_train
 from engine.model.modal_train import ModalTrain
 from engine.model.modes import modes_of
 from engine.start.side_by_side import side_by_side, turning_of_start
-from engine.start.simulation import Simulation, form_of, simulate, turning_of_starts
+from engine.start.simulation import (
+    Simulation,
+    form_of,
+    simulate,
+    start_with_histories,
+    turning_of_starts,
+)
 from engine.start.start import PreparedStart, prepared_start
 from engine.start.trajectory import SingleRun
 from engine.stepping.linear_loop import LANES
@@ -85,7 +91,9 @@ def test_turning_points_are_those_of_the_histories(number: int) -> None:
         one.model, one.step, one.method, one.target_speed, one.maximum_time, keep_all=True
     )
     run = turning_of_start(one)
-    alike(run, SingleRun.until(whole, whole.end_at(one.target_speed)))
+    samples = replace(whole, turning=None)  # without those that the loop found
+    alike(run, SingleRun.until(samples, samples.end_at(one.target_speed)))
+    alike(run, start_with_histories(one, keep_all=True))
 
 
 def test_room_that_has_to_grow_changes_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -105,11 +113,18 @@ def test_histories_in_several_parts_are_those_of_one(monkeypatch: pytest.MonkeyP
     whole = simulate(*asked, keep_all=True)
     monkeypatch.setattr("engine.start.simulation.KEPT_VALUES", 0)
     monkeypatch.setattr("engine.start.simulation.CHUNK", 100)
+    monkeypatch.setattr("engine.start.simulation.TURNING_ROOM", 4)
     parts = simulate(*asked, keep_all=True)
     assert whole.n_steps == len(whole.time) - 1 > 100
     assert parts.n_steps == whole.n_steps
     for name in ("time", "mean_speed", "torque", "torque_rate"):
         assert np.array_equal(getattr(parts, name), getattr(whole, name))
+    assert parts.turning is not None
+    assert whole.turning is not None
+    for (when, value), (other_when, other_value) in zip(parts.turning, whole.turning, strict=True):
+        assert len(when) > 4
+        assert np.array_equal(when, other_when)
+        assert np.array_equal(value, other_value)
 
 
 def test_a_group_of_calculations_gives_the_answers_of_each_alone() -> None:
