@@ -85,9 +85,8 @@ class ElectricalNumbers:
     """What motors make of the damping of a mode, over it, times the mode's share of a peak: the largest."""
 
     known: bool  #: Whether every motor has a data sheet.
-    number: (
-        float  #: What they damp or drive beyond what the start has; 0 where that is unknown. [1]
-    )
+    #: What they damp or drive beyond what the start has; 0 where that is unknown. [1]
+    number: float
     slope: float  #: What the slope of their curves does. [1]
 
 

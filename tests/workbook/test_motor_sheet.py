@@ -19,7 +19,7 @@ from addin.verify.file import verify_file
 from addin.writing.recalculate import recalculate
 from addin.writing.workbook import write_results
 from addin.xlsx import open_workbook
-from engine.case.data import case_digest
+from engine.case.data import EffectChoiceRow, case_digest
 from engine.motor.curves import slip_curves
 from engine.motor.from_case import motors_from_data
 from tests.opened import rows_of
@@ -73,6 +73,24 @@ def test_the_table_holds_the_curves(written: Path) -> None:
     assert motor.torque_base == pytest.approx(12e6 / (60.0 * np.pi), rel=1e-12)
 
 
+def test_what_the_motor_damps_stands_beside_the_frequencies(written: Path) -> None:
+    """A row a mode at its crossing; without a power factor none in operation. The start has it."""
+    rows = rows_of(written, "ElectricalDamping")
+    crossed = [row for row in rows_of(written, "NaturalFrequencies") if row["Percent speed"]]
+    assert [row["Mode"] for row in rows] == [row["Mode"] for row in crossed]
+    for row, mode in zip(rows, crossed, strict=True):
+        assert row["Percent speed"] == pytest.approx(mode["Percent speed"], rel=1e-9)
+        assert row["Damping ratio"] == mode["Damping ratio"]
+        whole = row["Damping ratio"] + row["Share of damping ratio"]
+        assert row["With motors"] == pytest.approx(whole, rel=1e-9)
+        # both are half the torque over speed, times the same share of the mode
+        assert row["Share of the slope"] * row["Re K"] == pytest.approx(
+            row["Share of damping ratio"] * row["Slope of the curve"], rel=1e-9
+        )
+    effects = {row["Effect"]: row for row in rows_of(written, "Effects")}
+    assert effects["electrical damping"]["On"] in ("yes", True, "on")
+
+
 def test_the_start_uses_them(written: Path) -> None:
     """The average torque at a crossing is that of the curve there."""
     motor = next(motors_from_data(read_workbook(written).case()))
@@ -95,11 +113,13 @@ def test_the_results_follow_from_the_inputs(written: Path) -> None:
 
 def test_typed_curves_win_with_a_note(folder: Path) -> None:
     source = built(folder / "both.xlsx")
-    run = calculate(read_workbook(source).case())
+    off = (EffectChoiceRow("electrical damping", "off"),)  # that is of the data sheet
+    run = calculate(replace(read_workbook(source).case(), effect_choices=off))
     plain = calculate(
         read_workbook(template.build_template(folder / "plain.xlsx", "us", "proposed")).case()
     )
-    assert run.results.start.peaks == plain.results.start.peaks
+    for ours, typed in zip(run.results.start.peaks, plain.results.start.peaks, strict=True):
+        assert (ours.maximum, ours.minimum) == (typed.maximum, typed.minimum)
     notes = [
         note
         for note in run.results.warnings
