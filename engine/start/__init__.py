@@ -14,6 +14,7 @@ module            responsibility
 `torque_outputs`  element torques as linear functions of modal coordinates and applied torques
 `time_response`   any train under prescribed torques, untwisted at the beginning
 `decaying_harmonics`  any train under torques A e^(−t/τ) cos(m ω t + φ), untwisted at the beginning: exact, whatever the step
+`machine_motion`  a train with one motor in time: modes and fluxes of the motor advance together
 `start_model`     a start in arrays: as few modes as the tolerance allows, forces, dampers and
                   curves
 `outcome`         how a start ended: the word, and the sentence with its numbers
