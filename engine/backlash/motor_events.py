@@ -15,6 +15,7 @@ import numpy as np
 from engine.arrays import Floats, Mask
 from engine.case.choices import MotorEventKind
 from engine.case.data import CaseData, MotorEventRow
+from engine.case.defaults import LEAST_PEAK_ERROR
 from engine.errors import InternalError
 from engine.model.excitation import transmitted_torque
 from engine.model.modal_train import ModalTrain
@@ -61,10 +62,12 @@ class AirGapTorque:
 
     largest: float  #: The largest in magnitude; negative brakes. [N m]
     time: float  #: When. [s]
-    error: float  #: Change of its magnitude from spacing h to h/2. [1]
+    error: float  #: Change of its magnitude from spacing h to h/2, relative. [1]
     #: Largest magnitude in the first cycle without any resistance, the speed kept; None where the angle of closing
     #: follows from the motion. [N m]
     closed_form: float | None
+    #: Turns by which the rotor has lost its step against a line with voltage; 0: it stays in step. [count]
+    slipped: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -223,18 +226,35 @@ def air_gap_torque_of(modal: ModalTrain, drive: MotorDrive) -> AirGapTorque:
     AirGapTorque
         [N m, s]
     """
-    (coarse, _), (largest, time) = (_largest(motion) for motion in drive.motions)
-    size = abs(largest) or 1.0
+    coarse, fine = (_turning(motion) for motion in drive.motions)
+    largest, time = _largest(*fine)
+    # of both extremes: one alone may agree by chance
+    change = max(abs(float(f(fine[1]) - f(coarse[1]))) for f in (np.max, np.min))
+    change /= abs(largest) or 1.0
     return AirGapTorque(
-        largest, time, abs(abs(coarse) - abs(largest)) / size, _closed_form(modal, drive.event)
-    )
+        largest, time, max(change, LEAST_PEAK_ERROR),
+        _closed_form(modal, drive.event), _turns(drive.event, drive.motions[-1]),
+    )  # fmt: skip
 
 
-def _largest(motion: MachineMotion) -> tuple[float, float]:
-    """Largest torque in magnitude, also between samples, and when."""
+def _turns(event: MotorEvent, motion: MachineMotion) -> int:
+    """Turns of the rotor against a line with voltage since its last change, in electrical angle."""
+    if event.supplies[-1].forward[0] == 0.0:
+        return 0
+    since = motion.rotor[motion.time >= event.last_change]
+    turned = event.machine.pole_pairs * float(since[-1] - since[0]) if len(since) else 0.0
+    return round(abs(turned) / (2.0 * math.pi))
+
+
+def _turning(motion: MachineMotion) -> tuple[Floats, Floats]:
+    """Times and values of the turning points of the torque, also between samples, and its ends."""
     when, value = turning_points(motion.time, motion.torque, motion.torque_rate)
-    when = np.concatenate([when, motion.time[[0, -1]]])
-    value = np.concatenate([value, motion.torque[[0, -1]]])
+    ends = [0, -1]
+    return np.append(when, motion.time[ends]), np.append(value, motion.torque[ends])
+
+
+def _largest(when: Floats, value: Floats) -> tuple[float, float]:
+    """Largest torque in magnitude, and when."""
     i = int(np.argmax(np.abs(value)))
     return float(value[i]), float(when[i])
 
@@ -267,4 +287,4 @@ def _closed_form(modal: ModalTrain, event: MotorEvent) -> float | None:
         still, replace(machine, circuit=without), supplies, replace(event.state, field_voltage=0.0),
         cycle, LINE_PHASE / machine.line_omega, held=0.0,
     )  # fmt: skip
-    return abs(_largest(motion)[0])
+    return abs(_largest(*_turning(motion))[0])

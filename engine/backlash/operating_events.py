@@ -178,10 +178,17 @@ def _event(case: CaseData, analysis: ModalAnalysis, name: str) -> OperatingEvent
             "Type Backlash or Angular backlash in table Meshes, 0 where there is none."
         )
     unbounded = bool(notes)
+    if air_gap and air_gap.slipped:
+        notes.append(
+            f"Event '{name}' throws the motor out of step: it slips {air_gap.slipped} pole pairs within {end:g} s. "
+            "Its loads keep their torque meanwhile, and no protection trips it."
+        )
     if dies_out > end:
-        until = "MaximumTime, " if case.maximum_time else ""
-        notes.append(f"Event '{name}' is followed to {until}{end:g} s: {why}.")
-        unbounded |= row is None or not _falls(response, end)
+        over = row is not None and _falls(response, end)
+        if case.maximum_time or not over:
+            until = "MaximumTime, " if case.maximum_time else ""
+            notes.append(f"Event '{name}' is followed to {until}{end:g} s: {why}.")
+        unbounded |= not over
     if unbounded:
         response = with_left_out(response, None, tolerance)
     starts, errors = starts_of(case, response)

@@ -77,6 +77,7 @@ class MachineMotion:
     time: Floats  #: [s] Shape (n_times,).
     q: Floats  #: Modal positions. [rad √(kg m²)] Shape (n_kept, n_times).
     v: Floats  #: Modal velocities. [rad √(kg m²)/s] Shape (n_kept, n_times).
+    rotor: Floats  #: Angle of the rotor beyond that in balance. [rad] Shape (n_times,).
     flux: Floats  #: In the order of `FluxSystem`. [pu] Shape (n_flux, n_times).
     torque: Floats  #: Air-gap torque and its rate. [N m, N m/s] Shape (n_times,).
     torque_rate: Floats  #: Likewise. [N m/s] Shape (n_times,).
@@ -204,10 +205,12 @@ class _Stretch:
         by_block = states.reshape(count + 1, n_blocks, 2, block)
         q, v = by_block.transpose(2, 1, 3, 0).reshape(2, n, count + 1)
         flux = np.ascontiguousarray(flux.T)
-        slope = self._flux_rate(time, q, v, flux)
+        reach = system.reach[:, 0]
+        rotor = product(reach, q)
+        slope = self._flux_rate(time, rotor, product(reach, v), flux)
         base = self.machine.torque_base
         torque, rate = air_gap_torque(self.fluxes, flux), torque_rate(self.fluxes, flux, slope)
-        return MachineMotion(time, q, v, flux, base * torque, base * rate)
+        return MachineMotion(time, q, v, rotor, flux, base * torque, base * rate)
 
     def _described(self, h: float) -> Any:
         """``machine_t`` for steps of one length."""
@@ -241,12 +244,11 @@ class _Stretch:
         described.backward[0:2] = _parts(*self.supply.backward)
         return described
 
-    def _flux_rate(self, time: Floats, q: Floats, v: Floats, flux: Floats) -> Floats:
-        """Rates of the fluxes from their equations."""
+    def _flux_rate(self, time: Floats, rotor: Floats, speed: Floats, flux: Floats) -> Floats:
+        """Rates of the fluxes from their equations; angle and speed of the rotor are those beyond balance."""
         machine, supply, fluxes = self.machine, self.supply, self.fluxes
-        reach = self.system.reach[:, 0]
-        turned = self.angle + machine.pole_pairs * product(reach, q)
-        beyond = product(reach, v) / machine.synchronous_speed
+        turned = self.angle + machine.pole_pairs * rotor
+        beyond = speed / machine.synchronous_speed
         line = machine.line_omega * time
         ahead = supply.forward[1] + (1.0 - self.speed) * line - turned
         back = supply.backward[1] - (1.0 + self.speed) * line - turned
