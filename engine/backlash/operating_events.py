@@ -13,12 +13,13 @@ by contact, as a start is, from the twisted train.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
 
+from engine.arrays import Floats
 from engine.backlash.event_start import EventTorques, clearances_of, run_event_start
 from engine.backlash.motor_events import (
     AirGapTorque,
@@ -60,9 +61,21 @@ SHORTEST = 0.1
 #: An event of a motor is followed so long after the last change of its supply: several swings of the rotor, whose
 #: frequency is 1 to 10 Hz. [s]
 MOTOR_FOLLOWED = 2.0
+#: A chart shows so much after the last change, with at most so many points (twice as many). [s, count]
+DRAWN_AFTER, MOST_DRAWN = 0.3, 1000
 #: Peaks are over where the range of every torque in the last part of an event is below this share of all of it; of
 #: one that grows, or beats slowly, it is not. [1]
 LATE, PEAKS_ARE_OVER = 0.75, 0.9
+
+
+@dataclass(frozen=True, eq=False)
+class EventHistory:
+    """Air-gap torque of an event of a motor, and the element with the largest torque, at its beginning."""
+
+    time: Floats  #: From the event on. [s] Shape (n_times,).
+    air_gap: Floats  #: Torque of the motor. [N m] Shape (n_times,).
+    element: str  #: Which element.
+    torque: Floats  #: Its torque. [N m] Shape (n_times,).
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,6 +90,7 @@ class OperatingEvent:
     #: Of each judged shaft, relative error of its damage; None where it has none. [1]
     damage_errors: tuple[tuple[str, float | None], ...] = ()
     air_gap: AirGapTorque | None = None  #: Torque of the motor, in an event of `MotorEvents`. [SI]
+    history: EventHistory | None = None  #: Likewise, for a chart. [SI]
     #: What a reader must know of it: why it was not calculated, or what was not followed to its end.
     note: str = ""
 
@@ -198,6 +212,7 @@ def _event(case: CaseData, analysis: ModalAnalysis, name: str) -> OperatingEvent
         () if starts is None else starts.shafts,
         errors,
         air_gap,
+        _history(response, drive, modal.train.elements),
         " ".join(notes),
     )
 
@@ -216,6 +231,18 @@ def _with_errors(response: Start, pieces: Mapping[str, float], tolerance: float)
     response, faded = with_pieces_error(response, pieces, tolerance), FADED * tolerance
     peaks = tuple(p.with_error(faded * p.size) for p in response.peaks)
     return replace(response, peaks=peaks, estimated_error=response.estimated_error + faded)
+
+
+def _history(response: Start, drive: Drive, elements: Sequence[str]) -> EventHistory | None:
+    """What a chart shows of an event of a motor: until a little after the last change of its supply."""
+    if not isinstance(drive, MotorDrive) or not response.peaks:
+        return None
+    motion, name = drive.motions[-1], max(response.peaks, key=lambda p: p.size).element
+    output = response.output_of_element[elements.index(name)]
+    torque = response.trajectory.torque[output]
+    last = int(np.searchsorted(motion.time, drive.event.last_change + DRAWN_AFTER, "right"))
+    drawn = slice(0, last, max(last // MOST_DRAWN, 1))
+    return EventHistory(motion.time[drawn], motion.torque[drawn], name, torque[drawn])
 
 
 def _pieces_errors(

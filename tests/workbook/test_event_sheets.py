@@ -118,6 +118,10 @@ def test_events_of_a_motor_on_the_sheet(tmp_path: Path) -> None:
         [row["largest"] for row in results["air_gap_torque"]], rel=1e-12
     )
     assert verify_file(book).outcome == "follows"
+    drawn = [row for row in shown(open_workbook(book), "ChartMotorEvent") if row[0] is not None]
+    largest = max(abs(row[1]) for row in sheet)
+    assert max(abs(row[1]) for row in drawn) == pytest.approx(largest, rel=0.02)
+    assert drawn[0] == [0.0, pytest.approx(drawn[0][2], rel=1e-9), drawn[0][2]]  # in balance
 
 
 def test_verify_follows_it_and_finds_an_edited_peak(calculated: Path, tmp_path: Path) -> None:
