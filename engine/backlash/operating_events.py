@@ -194,7 +194,7 @@ def _event(case: CaseData, analysis: ModalAnalysis, name: str) -> OperatingEvent
     unbounded = bool(notes)
     if air_gap and air_gap.slipped:
         notes.append(
-            f"Event '{name}' throws the motor out of step: it slips {air_gap.slipped} pole pairs within {end:g} s. "
+            f"Event '{name}' throws the motor out of step (pole pairs slipped within {end:g} s: {air_gap.slipped}). "
             "Its loads keep their torque meanwhile, and no protection trips it."
         )
     if dies_out > end:

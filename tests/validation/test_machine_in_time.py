@@ -20,6 +20,7 @@ from engine.case.case import Case
 from engine.case.data import StationRow
 from engine.motor.circuit import Circuit, Winding
 from engine.motor.curves import slip_curves
+from engine.motor.fault_torques import fault_torque
 from engine.motor.two_axis import MachineState, flux_system, open_circuit_state, running_state
 from engine.start.machine_motion import Machine, MachineMotion, Supply, machine_motion
 from engine.start.time_response import ModalSystem, modal_system
@@ -152,6 +153,17 @@ def test_line_to_line_fault_without_resistance(circuit, phase):
     stator = stator + axis * (np.sin(t + phase) - np.sin(phase))
     flux = stator * np.exp(-1j * (state.angle + t))
     exact = flux.real * (flux.imag - behind[1]) / xq - flux.imag * (flux.real - behind[0]) / xd
+    assert np.max(np.abs(motion.torque - exact)) < 1e-8
+
+
+@pytest.mark.parametrize("degrees", [100.0, -40.0])
+def test_closing_without_resistance(degrees):
+    bare, angle = lossless(UNEQUAL), math.radians(degrees)
+    motion = at_constant_speed(bare, [Supply(0.0)], open_circuit_state(bare, 1.0, angle), 0.05)
+    turned = LINE * motion.time
+    exact = fault_torque(
+        "out-of-phase closing", *subtransient(bare), turned, np.full(len(turned), angle)
+    )
     assert np.max(np.abs(motion.torque - exact)) < 1e-8
 
 
