@@ -256,7 +256,9 @@ def _motor_event_rows(run: RunView | None, units: ShownUnits, labels: dict[str, 
         labels["Air-gap element"] = "(no element)"
         return [[None] * 3]
     name, history = run.motor_event
-    labels["Air-gap title"] = f"Air-gap torque in event '{name}'"
+    labels["Air-gap title"] = (
+        f"Air-gap torque in event '{name}', and the element with the largest torque"
+    )
     labels["Air-gap element"] = history.element
     unit = units.factor("AirGapTorque", "Largest")
     columns = (history.time, history.air_gap / unit, history.torque / unit)

@@ -290,7 +290,6 @@ _SPECS = (
             _curve("ChartMotorEvent", "Time", "Element", Label("Air-gap element"), "navy", 1.75),
         ),
         legend=True,
-        caption="Air-gap torque and largest torque of an element",
     ),
     # stress against life, and how often a start (and all starts) reaches a stress
     ChartSpec(

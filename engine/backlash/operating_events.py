@@ -198,7 +198,7 @@ def _event(case: CaseData, analysis: ModalAnalysis, name: str) -> OperatingEvent
             "Its loads keep their torque meanwhile, and no protection trips it."
         )
     if dies_out > end:
-        over = row is not None and _falls(response, end)
+        over = row is not None and end >= _followed(row) and _falls(response, end)
         if case.maximum_time or not over:
             until = "MaximumTime, " if case.maximum_time else ""
             notes.append(f"Event '{name}' is followed to {until}{end:g} s: {why}.")

@@ -148,3 +148,45 @@ def test_one_phase_as_before_is_no_event():
     peak = rows(results)["event", "Low-speed shaft"]
     assert peak["maximum"] == pytest.approx(0.9 * RATED, rel=1e-6)
     assert peak["minimum"] == pytest.approx(0.9 * RATED, rel=1e-6)
+
+
+@pytest.mark.parametrize("share", [1e-2, 1e-3])
+def test_a_light_rotor_needs_shorter_steps_only(share):
+    """The motor alone swings with hundreds of hertz against its shaft."""
+    stations = motor(DIP).stations
+    light = replace(stations[0], inertia=share * stations[0].inertia)
+    (found,) = run(motor(DIP, stations=(light, *stations[1:]))).events
+    assert found.response.met_tolerance
+    assert found.response.step < 1e-4
+    assert found.air_gap.error < 1e-4
+
+
+def test_a_stiff_link_does_not_matter():
+    """A shaft of 1e14 N m/rad as one of 1e10: the same torques."""
+    elements = train().elements
+    peaks = [
+        rows(run(motor(DIP, elements=(*elements[:2], replace(elements[2], stiffness=stiffness)))))[
+            "dip", "Low-speed shaft"
+        ]["maximum"]
+        for stiffness in (1e10, 1e14)
+    ]
+    assert peaks[0] == pytest.approx(peaks[1], rel=1e-4)
+
+
+def test_what_comes_after_an_early_end_has_no_bound():
+    results = run(motor(replace(FAULT, clears_after=0.1), maximum_time=0.05))
+    assert results.events[0].response.left_out is None
+    assert "is followed to MaximumTime, 0.05 s" in results.events[0].note
+
+
+def test_a_second_motor_keeps_its_torque():
+    """It carries its share of the load before and during the event of the first."""
+    two = {
+        "motor_data": (SHEET, replace(SHEET, station="Bull gear")),
+        "motor_circuit": (CIRCUIT, replace(CIRCUIT, station="Bull gear")),
+    }
+    steady = event("voltage unbalance", residual_voltage=1.0)
+    (found,) = run(motor(steady, **two)).events
+    assert 0.3 * RATED < found.air_gap.largest < 0.6 * RATED
+    (alone,) = run(motor(steady)).events
+    assert alone.air_gap.largest == pytest.approx(0.9 * RATED, rel=1e-6)
