@@ -128,15 +128,14 @@ def operating_events(case: CaseData, analysis: ModalAnalysis) -> tuple[Operating
 def _event(case: CaseData, analysis: ModalAnalysis, name: str) -> OperatingEvent:
     tolerance = case.tolerance_peak or DEFAULT_TOLERANCE_PEAK
     row = _motor_row(case, name)
-    try:
+    if row is None:
         dies_out, why = _length(case, analysis.reported, name, tolerance)
-    except ModelError as error:
-        return OperatingEvent(
-            name,
-            None,
-            note=f"Event '{name}' is not calculated: the motor at '{row and row.station}' {error}.",
-        )
-    longest = case.maximum_time or (LONGEST_START if row is None else _followed(row))
+        longest = case.maximum_time or LONGEST_START
+    elif words := _unable(case, analysis.reported.train, row):
+        return OperatingEvent(name, None, note=f"Event '{name}' is not calculated: {words}.")
+    else:
+        dies_out, why = math.inf, "larger torques may follow"
+        longest = case.maximum_time or _followed(row)
     if dies_out > longest and case.maximum_time is None and row is None:
         return OperatingEvent(
             name, None,
@@ -199,7 +198,7 @@ def _event(case: CaseData, analysis: ModalAnalysis, name: str) -> OperatingEvent
         )
     if dies_out > end:
         over = row is not None and end >= _followed(row) and _falls(response, end)
-        if case.maximum_time or not over:
+        if not over:
             until = "MaximumTime, " if case.maximum_time else ""
             notes.append(f"Event '{name}' is followed to {until}{end:g} s: {why}.")
         unbounded |= not over
@@ -215,12 +214,6 @@ def _event(case: CaseData, analysis: ModalAnalysis, name: str) -> OperatingEvent
         _history(response, drive, modal.train.elements),
         " ".join(notes),
     )
-
-
-def _linear(case: CaseData, modal: ModalTrain, name: str, end: float, tolerance: float) -> Start:
-    """The response with teeth that stay together, added to the torques in operation."""
-    running = transmitted_torque(case, modal.train).element
-    return follow(modal, _drive(case, modal, name), end, tolerance, running)
 
 
 def _with_errors(response: Start, pieces: Mapping[str, float], tolerance: float) -> Start:
@@ -251,7 +244,13 @@ def _pieces_errors(
     """Relative error of the torque of each element from the pieces of distributed shafts."""
     assert analysis.rough_reported is not None
     fine, rough = (
-        _linear(case, modal, name, end, COMPARED_AT)
+        follow(
+            modal,
+            _drive(case, modal, name),
+            end,
+            COMPARED_AT,
+            transmitted_torque(case, modal.train).element,
+        )
         for modal in (analysis.reported, analysis.rough_reported)
     )
     return pieces_errors(case, fine, rough)
@@ -311,6 +310,15 @@ def _torques(
 def _motor_row(case: CaseData, name: str) -> MotorEventRow | None:
     """The row of table `MotorEvents` that an event is; None: it is one of the other tables."""
     return next((row for row in case.motor_events if row.event == name), None)
+
+
+def _unable(case: CaseData, train: Train, row: MotorEventRow) -> str:
+    """Why a motor does not run as its event supposes; empty where it does."""
+    try:
+        motor_event(case, train, row)
+    except ModelError as error:
+        return f"the motor at '{row.station}' {error}"
+    return ""
 
 
 def _drive(case: CaseData, modal: ModalTrain, name: str) -> Drive:
@@ -398,10 +406,7 @@ def _length(case: CaseData, modal: ModalTrain, name: str, tolerance: float) -> t
     decay go on: the longest beat between them is added.
     """
     rows = _rows(case, name)
-    if motor := _motor_row(case, name):
-        begins = motor.clears_after or 0.0
-    else:
-        begins = 0.0 if rows else max(float(row.time or 0.0) for row in case.torque_time)
+    begins = 0.0 if rows else max(float(row.time or 0.0) for row in case.torque_time)
     rates = [
         (1.0 / r.time_constant, "a torque that decays slowly") for r in rows if r.time_constant
     ]
@@ -418,5 +423,4 @@ def _length(case: CaseData, modal: ModalTrain, name: str, tolerance: float) -> t
     lasting = [r.multiple or 0.0 for r in rows if not r.time_constant]
     gaps = np.diff(distinct([0.0], lasting)) * (case.ratings.line_frequency or 0.0)
     beat = 1.0 / float(gaps.min()) if len(gaps) else 0.0
-    shortest = _followed(motor) if motor and not math.isfinite(slowest) else SHORTEST
-    return max(fades + beat, shortest), f"{what} dies out after {fades:.3g} s only"
+    return max(fades + beat, SHORTEST), f"{what} dies out after {fades:.3g} s only"

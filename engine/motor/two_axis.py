@@ -163,11 +163,13 @@ def running_state(circuit: Circuit, torque: float, power_factor: float) -> Machi
         If the machine has no field, or its torque does not reach so far.
     """
     if circuit.field is None:
-        raise ModelError("a motor without a field winding has no steady state in step")
+        raise ModelError("has no field winding, which keeps it in step")
     resistance, share = circuit.stator_resistance, abs(power_factor)
     room = share * share - 4.0 * resistance * torque  # T = U I cos φ − R I²
     if share == 0.0 or room < 0.0:
-        raise ModelError(f"at power factor {power_factor:g} it does not reach {torque:.4g} pu")
+        raise ModelError(
+            f"does not carry its torque in operation, {torque:.4g} pu, at power factor {share:g}"
+        )
     active = 2.0 * torque * share / (share + math.sqrt(room))
     reactive = -math.copysign(abs(active) * math.sqrt(1.0 - share * share) / share, power_factor)
     x, xq = _reactances(circuit), circuit.stator_leakage + circuit.magnetising_q
@@ -210,7 +212,7 @@ def open_circuit_state(circuit: Circuit, voltage: float, angle: float) -> Machin
         If the machine has no field.
     """
     if circuit.field is None:
-        raise ModelError("a motor without a field winding has no voltage with an open stator")
+        raise ModelError("has no field winding, which gives it a voltage with an open stator")
     x = _reactances(circuit)
     current = np.zeros(len(x))
     current[1] = voltage / circuit.magnetising_d

@@ -129,7 +129,10 @@ def test_a_motor_that_loses_its_step_says_so():
 def test_a_motor_that_cannot_carry_its_load_is_not_calculated():
     results = run(motor(DIP, motor_circuit=(replace(CIRCUIT, rs=0.9),)))
     assert results.events[0].response is None
-    assert "is not calculated: the motor at 'Motor' at power factor" in results.events[0].note
+    assert (
+        "is not calculated: the motor at 'Motor' does not carry its torque in operation"
+        in results.events[0].note
+    )
 
 
 def test_the_field_of_the_motor_follows_from_its_power_factor():
