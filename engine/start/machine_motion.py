@@ -240,8 +240,7 @@ class _Stretch:
             line_omega=machine.line_omega, axes_speed=self.speed, pole_pairs=machine.pole_pairs,
             torque_base=machine.torque_base, held=self.held, angle=self.angle,
         )  # fmt: skip
-        described.forward[0:2] = _parts(*self.supply.forward)
-        described.backward[0:2] = _parts(*self.supply.backward)
+        described.forward[0:2], described.backward[0:2] = self.supply.forward, self.supply.backward
         return described
 
     def _flux_rate(self, time: Floats, rotor: Floats, speed: Floats, flux: Floats) -> Floats:
@@ -257,11 +256,6 @@ class _Stretch:
         u_q = size * sin(ahead) + against * sin(back) - beyond * flux[0]
         slope = product(fluxes.rate, flux) + product(fluxes.voltage, np.stack([u_d, u_q]))
         return np.asarray(slope + fluxes.field[:, None])
-
-
-def _parts(size: float, angle: float) -> list[float]:
-    """Real and imaginary part."""
-    return [size * cos(angle), size * sin(angle)]
 
 
 def _block(system: ModalSystem) -> int:

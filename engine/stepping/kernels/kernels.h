@@ -133,7 +133,7 @@ typedef struct {
     double line_omega, axes_speed; /* [rad/s], of the axes in which fluxes advance by `flux_free` [1] */
     double pole_pairs, torque_base, held; /* [1, N m, N m]; the torque that the train is in balance with */
     double angle;                /* of axis d against the line at t = 0, the train in balance [rad] */
-    double forward[2], backward[2]; /* voltages that turn with the line and against it, at t = 0 [1] */
+    double forward[2], backward[2]; /* voltages that turn with the line and against it: size, angle at t = 0 [1, rad] */
 } machine_t;
 
 /* Flanks: all drive flanks, then all back flanks. */

@@ -32,14 +32,12 @@ static inputs_t inputs_at(const machine_t *m, double time, double angle, double 
 {
     const double turned = m->angle + m->pole_pairs * angle, line = m->line_omega * time;
     const double beyond = m->pole_pairs * speed / m->line_omega;
-    const sincos_t ahead = sin_cos((1.0 - m->axes_speed) * line - turned);
-    const sincos_t back = sin_cos(-((1.0 + m->axes_speed) * line + turned));
+    const sincos_t ahead = sin_cos(m->forward[1] + (1.0 - m->axes_speed) * line - turned);
+    const sincos_t back = sin_cos(m->backward[1] - (1.0 + m->axes_speed) * line - turned);
     const double d = flux[0], q = flux[m->q];
     inputs_t in;
-    in.d = m->forward[0] * ahead.cosine - m->forward[1] * ahead.sine;
-    in.q = m->forward[0] * ahead.sine + m->forward[1] * ahead.cosine;
-    in.d += m->backward[0] * back.cosine - m->backward[1] * back.sine + beyond * q;
-    in.q += m->backward[0] * back.sine + m->backward[1] * back.cosine - beyond * d;
+    in.d = m->forward[0] * ahead.cosine + m->backward[0] * back.cosine + beyond * q;
+    in.q = m->forward[0] * ahead.sine + m->backward[0] * back.sine - beyond * d;
     in.torque = d * row(m->n_flux, m->current + m->n_flux, flux) - q * row(m->n_flux, m->current, flux);
     in.torque = m->torque_base * in.torque - m->held;
     return in;
