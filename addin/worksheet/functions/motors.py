@@ -118,7 +118,7 @@ def tv_motor_curves(
     Argument("Kind", "text", f"{', '.join(KINDS[:-1])} or {KINDS[-1]}."),
     Argument("Xd subtransient", "number", "Subtransient reactance Xd'' [pu]."),
     Argument("Xq subtransient", "number", "Subtransient reactance Xq'' [pu]."),
-    Argument("Time", "number", "Cycles of the line since the event; blank: the largest torque.", True),
+    Argument("Cycles", "number", "Cycles of the line since the event; blank: the largest torque.", True),
     Argument(
         "Angle", "number",
         "Angle of the motor's voltage ahead of the line's at closing [deg]; blank: the worst.", True,
@@ -127,7 +127,7 @@ def tv_motor_curves(
     example='=TV_FAULT_TORQUE("three-phase fault", 0.2, 0.25)',
 )  # fmt: skip
 def tv_fault_torque(
-    kind: str, xd: float, xq: float, time: float | None, angle: float | None
+    kind: str, xd: float, xq: float, cycles: float | None, angle: float | None
 ) -> float:
     """Air-gap torque of a fault by the formula of constant flux linkages, over S / ω_s: no load, no resistance.
 
@@ -139,9 +139,9 @@ def tv_fault_torque(
         largest = largest_fault_torque(kind, xd, xq, closing)
     except ModelError as error:
         raise FunctionError(f"No torque: {error}.") from error
-    if time is None:
+    if cycles is None:
         return largest
     if kind == MotorEventKind.OUT_OF_PHASE_CLOSING and closing is None:
         raise FunctionError("Angle: give it in degrees; at a time there is no worst one.")
-    turned, ahead = np.array([2.0 * math.pi * time]), np.array([closing or 0.0])
+    turned, ahead = np.array([2.0 * math.pi * cycles]), np.array([closing or 0.0])
     return float(fault_torque(kind, xd, xq, turned, ahead)[0])
