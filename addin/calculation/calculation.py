@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from addin.calculation.audit import Stamp, audit_rows
 from addin.contract.result_tables import SHARE_MODES
+from engine.backlash.operating_events import EventHistory
 from engine.case.case import Case
 from engine.case.data import CaseData
 from engine.operation.full_speed import FullSpeed, full_speed
@@ -60,6 +61,8 @@ class RunView:
     load_angle: tuple[Floats, Floats, Floats] | None = None
     energies: Rows = ()  #: Energy shares of every stiffness and inertia in the first modes. [1]
     full_speed: FullSpeed | None = None  #: The train at full speed in a few numbers. [SI]
+    #: Name and history of the event of a motor with the largest air-gap torque. [SI]
+    motor_event: tuple[str, EventHistory] | None = None
 
 
 def view_of(results: Results, audit: Rows = ()) -> RunView:
@@ -95,7 +98,14 @@ def view_of(results: Results, audit: Rows = ()) -> RunView:
         load_angle=_load_angle(results),
         energies=energy_rows(results, SHARE_MODES),
         full_speed=full_speed(results.case, results.train),
+        motor_event=_motor_event(results),
     )
+
+
+def _motor_event(results: Results) -> tuple[str, EventHistory] | None:
+    drawn = [e for e in results.events if e.history is not None and e.air_gap is not None]
+    largest = max(drawn, key=lambda e: abs(e.air_gap.largest) if e.air_gap else 0.0, default=None)
+    return None if largest is None or largest.history is None else (largest.name, largest.history)
 
 
 def _load_angle(results: Results) -> tuple[Floats, Floats, Floats] | None:

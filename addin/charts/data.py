@@ -77,6 +77,7 @@ def chart_blocks(
         "ChartTrain": _train_rows(case, labels),
         "ChartTorque": _torque_rows(case, run),
         "ChartMotor": _motor_rows(case, run, units, labels),
+        "ChartMotorEvent": _motor_event_rows(run, units, labels),
         "ChartSpeedTime": _speed_time_rows(run),
         "ChartCrossings": _crossing_rows(case, run, labels),
         "ChartSN": _sn_rows(case, run, units, labels),
@@ -245,6 +246,23 @@ def _motor_rows(
         for k, scale in enumerate(scales)
     ]
     return side_by_side(columns) or [[None] * len(columns)]
+
+
+def _motor_event_rows(run: RunView | None, units: ShownUnits, labels: dict[str, Cell]) -> Rows:
+    """Air-gap torque and the worst element's, in the unit of table `AirGapTorque`."""
+    labels["Air-gap axis"] = f"Torque at own speed [{units.name('AirGapTorque', 'Largest')}]"
+    if run is None or run.motor_event is None:
+        labels["Air-gap title"] = "Air-gap torque: no event of table MotorEvents"
+        labels["Air-gap element"] = "(no element)"
+        return [[None] * 3]
+    name, history = run.motor_event
+    labels["Air-gap title"] = (
+        f"Air-gap torque in event '{name}', and the element with the largest torque"
+    )
+    labels["Air-gap element"] = history.element
+    unit = units.factor("AirGapTorque", "Largest")
+    columns = (history.time, history.air_gap / unit, history.torque / unit)
+    return side_by_side([plain(column) for column in columns])
 
 
 def _calculated_curves(run: RunView | None) -> dict[str, tuple[list[float], ...]]:

@@ -59,6 +59,9 @@ LABELS: tuple[str, ...] = (
     "Accuracy axis",
     "Motor title",
     "Motor axis",
+    "Air-gap title",
+    "Air-gap axis",
+    "Air-gap element",
 )
 
 CHART_TABLES: tuple[ChartTable, ...] = (
@@ -128,5 +131,10 @@ CHART_TABLES: tuple[ChartTable, ...] = (
         "ChartMotor",
         ("Speed", "Average", "Pulsating", "Typed speed", "Typed average", "Typed pulsating"),
         "Torques of motors with a data sheet against speed [% of synchronous], calculated and typed.",
+    ),
+    ChartTable(
+        "ChartMotorEvent",
+        ("Time", "Air gap", "Element"),
+        "Air-gap torque and the largest torque of an element against time [s], in the event with the largest air-gap torque.",
     ),
 )

@@ -280,6 +280,17 @@ _SPECS = (
         legend=True,
         caption="Motor torque calculated from its data, beside typed curves",
     ),
+    # the fault that is hardest on the motor, and what becomes of it in the train
+    ChartSpec(
+        "air-gap", "curves", Label("Air-gap title", r"Air-gap torque.*"),
+        Axis("Time from the event [s]", least=0, number="General", low=True),
+        Axis(Label("Air-gap axis", r"Torque.*"), number="General"),
+        (
+            _curve("ChartMotorEvent", "Time", "Air gap", "Air-gap torque", "rust", 1.25),
+            _curve("ChartMotorEvent", "Time", "Element", Label("Air-gap element"), "navy", 1.75),
+        ),
+        legend=True,
+    ),
     # stress against life, and how often a start (and all starts) reaches a stress
     ChartSpec(
         "sn", "curves", Label("S-N title", r"S-N line.*"),

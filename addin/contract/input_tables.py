@@ -9,6 +9,7 @@ from engine.case.choices import (
     ElementKind,
     FieldCircuit,
     GearType,
+    MotorEventKind,
     MotorKind,
     SNBasis,
 )
@@ -298,6 +299,36 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
             number("Multiple", "ratio", "m: multiple of the line frequency, 0 = no oscillation.", blank="0"),
             number("Phase", "angle", "φ: phase of the cosine at the event.", blank="0"),
             number("Time constant", "time", "τ: time constant of the decay.", blank="it does not decay"),
+        ),
+    ),
+    table(
+        "MotorEvents", sheet="Excitation", caption="Events of a motor (optional)",
+        help="Faults and switching of a motor of table MotorData in operation; its torque follows from its fluxes and "
+        "its motion.",
+        rows=12, row_name=("Event",), later=True,
+        columns=(
+            text("Event", "Name of the event."),
+            text("Station", "Station of a row of table MotorData.", kind="station"),
+            choice("Kind", tuple(MotorEventKind), "What happens."),
+            number(
+                "Phase", "angle",
+                "Of the voltage of the healthy phase (line-to-line fault), or of the phase that changes (unbalance), at "
+                "the event.",
+                blank="0",
+            ),
+            number(
+                "Angle", "angle", "Of the motor's voltage ahead of the line's at closing: rotor ahead, torque brakes.",
+                blank="as the rotor is then (reclosing)",
+            ),
+            number(
+                "Residual voltage", "fraction",
+                "At the motor's terminals before closing; or what a dip, or an unbalanced phase, keeps.",
+                us="pu", si="pu", units=("pu", "%"), blank="1 (closing), what is left (reclosing)",
+            ),
+            number(
+                "Clears after", "time", "How long the line is faulted, changed or off.",
+                blank="for good; reclosing at once",
+            ),
         ),
     ),
     table(

@@ -24,6 +24,7 @@ from addin.contract.field import (
     verdict,
 )
 from addin.contract.sources import (
+    AIR_GAP,
     ASTM,
     CLEARANCE,
     CLEARANCES,
@@ -923,6 +924,38 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 "Left out", "fraction", "Bound on the relative change by what is left out; blank: none is known.",
                 "0; no bound where teeth would separate and backlash is forced off, or MaximumTime ends the event early",
                 EVENT_METHOD, of_case=("EffectChoices.Choice", "MaximumTime", *CLEARANCES),
+                format=shown.ERROR, error=ReportedError.ESTIMATE, pane=Pane.MINOR,
+            ),
+        ),
+    ),
+    table(
+        "AirGapTorque", sheet="Events", caption="Air-gap torque of events of motors",
+        help="Torque of the motor at its own speed in each event of table MotorEvents; negative brakes.",
+        row_name=("Event",), changes_shown=("Largest",), of_the_start=True, rank=7, later=True,
+        columns=(
+            text("Event", "Name of the event.", trace=named("MotorEvents.Event")),
+            number(
+                "Largest", "torque", "Largest torque in magnitude.", f"{AIR_GAP} × S / ω_s; extreme, also between samples",
+                EVENT_METHOD, us="lbf*ft", of_case=EVENT, format=shown.SIGNED, error=ReportedError.EVENTS,
+            ),
+            number(
+                "Time", "time", "When, from the event on.", "Instant of the largest torque", EVENT_METHOD,
+                of_row=("AirGapTorque.Largest",), of_case=EVENT, pane=Pane.MINOR,
+            ),
+            number(
+                "Closed form", "torque",
+                "Largest magnitude in the first cycle with constant flux linkages: no resistance, one speed. A check, no "
+                "bound.",
+                "T = ψd (ψq − ψ''q) / Xq'' − ψq (ψd − ψ''d) / Xd'' with fluxes of the rotor that stay",
+                EVENT_METHOD, us="lbf*ft", of_case=EVENT, format=shown.SIGNED,
+            ),
+            number(
+                "Ratio", "ratio", "Largest torque over the closed form.", "|largest| / closed form", EVENT_METHOD,
+                of_row=("AirGapTorque.Largest", "AirGapTorque.Closed form"), format=shown.TWO_DECIMALS,
+            ),
+            number(
+                "Error", "fraction", "Estimated error of the largest torque.",
+                "Change of the largest torque from spacing h to h/2", EVENT_METHOD, of_case=("TolerancePeak",),
                 format=shown.ERROR, error=ReportedError.ESTIMATE, pane=Pane.MINOR,
             ),
         ),

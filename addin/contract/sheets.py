@@ -91,8 +91,10 @@ FACT_LINES: tuple[tuple[str, str, str, str, str, float], ...] = (
         "B4",
         "N4",
         _said(
-            'IF(COUNTIF(EventPeaks[Event],"?*")=0,"No event in operation: table EventTorque on sheet Excitation '
-            'is blank.","")'
+            # by the inputs: each table that formulas name counts for the calculator, `MOST_COLUMNS`
+            'IF(AND(COUNTIF(EventTorque[Event],"?*")=0,COUNTIF(MotorEvents[Event],"?*")=0,'
+            'InitialState<>"running"),"No event in operation: tables EventTorque and MotorEvents on sheet '
+            'Excitation are blank.","")'
         ),
         "note",
         15.0,
@@ -186,7 +188,7 @@ SHEETS: tuple[Sheet, ...] = (
         "Excitation",
         "input",
         {"A": 1.5, "B": 30, "C": 14, "D": 22, "E": 13, "F": 22, "G": 14, "H:J": 18},
-        {"Excitations": "B5", "EventTorque": "B24"},
+        {"Excitations": "B5", "EventTorque": "B24", "MotorEvents": "B49"},
         intro="Excitations in continuous operation. Leave the table blank for the defaults: 1× and "
               "2× of every shaft speed, 1× and 2× line frequency. Below: torques of faults in operation.",
     ),
@@ -276,12 +278,14 @@ SHEETS: tuple[Sheet, ...] = (
     Sheet(
         "Events",
         "result",
-        {"A": 1.5, "B": 24, "C": 22, "D:E": 12, "F:H": 10, "I:J": 11, "K": 12, "L": 20, "M:N": 10},
-        {"EventPeaks": "B5"},
+        {"A": 1.5, "B": 24, "C": 22, "D:E": 12, "F:H": 10, "I:J": 11, "K": 12, "L": 20, "M:N": 10,
+         "O": 2, "P": 24, "Q:U": 12},
+        {"EventPeaks": "B5", "AirGapTorque": "P5"},
+        (ChartAt("air-gap", "W5", 640, 334),),
         freeze="A8",
         header_rows=7,
-        intro="Faults in operation: torques of table EventTorque (sheet Excitation) upon the train that runs at "
-        "synchronous speed under its running loads. They count as no starts.",
+        intro="Faults in operation: events of tables EventTorque and MotorEvents (sheet Excitation) upon the train that "
+        "runs at synchronous speed under its running loads. They count as no starts.",
     ),
     Sheet(
         "Effects",

@@ -207,6 +207,14 @@ EVENT = (
     "EventTorque.Multiple",
     "EventTorque.Phase",
     "EventTorque.Time constant",
+    *MOTOR_DATA,
+    "MotorData.Power factor",
+    "MotorEvents.Station",
+    "MotorEvents.Kind",
+    "MotorEvents.Phase",
+    "MotorEvents.Angle",
+    "MotorEvents.Residual voltage",
+    "MotorEvents.Clears after",
     "TorqueTime.Torque",
     "InitialState",
     "Stations.Running load",
@@ -251,6 +259,10 @@ PEAK = (
 )
 STRESS = "τ = 16 T D / (π (D⁴ − d⁴))"
 EVENT_RESPONSE = "torque in operation + response to Σ A e^(−t/τ) cos(m ω t + φ), exact at the samples: M θ̈ + C θ̇ + K θ = T(t)"
+#: Torque of a motor from its fluxes.
+AIR_GAP = (
+    "ψd iq − ψq id, ψ̇d = ω₀ (ud − Rs id + ω ψq), ψ̇q = ω₀ (uq − Rs iq − ω ψd), ψ̇f = ω₀ (ef − Rf if)"
+)
 EVENT_METHOD = "docs/method.md, Events in operation"
 EQUATION_OF_MOTION = "q̈ + 2ζω q̇ + ω² q = Φᵀ T(t, θ, ω); torque of an element = k · twist"
 

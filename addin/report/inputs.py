@@ -187,6 +187,7 @@ def _torques(subject: Subject) -> Section:
         ("LoadTorque", "no load torque"),
         ("TorqueTime", "no prescribed torque against time"),
         ("EventTorque", "no torque of an event in operation"),
+        ("MotorEvents", "no event of a motor"),
     ):
         table = _table(subject, name)
         if table is None:

@@ -171,4 +171,6 @@ def events(subject: Subject) -> Section:
         "are not counted as starts."
     )
     peaks = folded(subject.table("EventPeaks", note=note, rows=rows)) if rows else ()
-    return section("Events in operation", *notes, *peaks)
+    air_gap = folded(subject.table("AirGapTorque")) if subject.rows("AirGapTorque") else ()
+    picture = subject.pictures.chart("air-gap")
+    return section("Events in operation", *notes, *peaks, *air_gap, picture)

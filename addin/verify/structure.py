@@ -36,7 +36,7 @@ def missing_tables(workbook: Workbook) -> Iterator[Finding]:
         One a table. Templates of earlier versions lack tables of `WORKBOOK_TABLES` and those that came later:
         these are missed only where their headers still stand in cells.
     """
-    earlier = not any(spec.name in workbook.tables for spec in INPUT_TABLES if spec.later)
+    earlier = not all(spec.name in workbook.tables for spec in INPUT_TABLES if spec.later)
     for spec in (*RESULT_TABLES, *WORKBOOK_TABLES):
         if spec.name in workbook.tables:
             continue

@@ -64,6 +64,7 @@ _OPTIONAL = frozenset(
     "ChartAccuracy",
     *(table.name for table in fields.RESULT_TABLES if table.later),
     "ChartMotor",
+    "ChartMotorEvent",
 }
 #: What the rows of a plain recalculation are, below `NO_STUDY`.
 ANALYSES = (

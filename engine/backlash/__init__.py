@@ -12,6 +12,7 @@ module                responsibility
                       forces
 `event_start`         starts with clearances, lateral motion of gears, field application and
                       trip: the event runs
+`motor_events`        faults and switching of a motor in operation, by the two-axis machine in time
 `operating_events`    events in operation: a fault, or any torque that comes upon a train that runs at
                       synchronous speed
 ====================  ============================================================================

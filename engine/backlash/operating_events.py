@@ -3,7 +3,8 @@
 Before the event the running loads twist the train and the motor balances them. Its equations are linear, so
 the torques of the running train stay and the response to the torques of the event is added; the motor's torque
 in operation goes on unchanged beside them. Events are those of table `EventTorque`, sums of decaying
-harmonics, and table `TorqueTime` where `InitialState` is ``running``. An event is no start and none is counted.
+harmonics, those of table `MotorEvents`, where the torque follows from the motor's fluxes and its motion, and table
+`TorqueTime` where `InitialState` is ``running``. An event is no start and none is counted.
 
 Where the torque of an element with a clearance may fall to zero, teeth separate: the response is then simulated contact
 by contact, as a start is, from the twisted train.
@@ -12,18 +13,27 @@ by contact, as a start is, from the twisted train.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
 
+from engine.arrays import Floats
 from engine.backlash.event_start import EventTorques, clearances_of, run_event_start
+from engine.backlash.motor_events import (
+    AirGapTorque,
+    MotorDrive,
+    air_gap_torque_of,
+    motor_drive,
+    motor_event,
+)
 from engine.case.choices import ContactLaw, EffectChoice, ElementKind
-from engine.case.data import CaseData, EventTorqueRow
+from engine.case.data import CaseData, EventTorqueRow, MotorEventRow
 from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, LONGEST_START, NOTABLE_REVERSAL
 from engine.case.effect import StartEffects
 from engine.case.effects import choice_of
+from engine.errors import ModelError
 from engine.fatigue.allowable_starts import ShaftFatigue
 from engine.model.excitation import transmitted_torque
 from engine.model.modal_analysis import ModalAnalysis
@@ -48,6 +58,24 @@ from engine.start.time_response import PrescribedTorque, TimeResponse, tabled_to
 LARGEST_GAIN = 1e3
 #: An event is followed so long at the least: a constant torque on a rigid train has no time of its own. [s]
 SHORTEST = 0.1
+#: An event of a motor is followed so long after the last change of its supply: several swings of the rotor, whose
+#: frequency is 1 to 10 Hz. [s]
+MOTOR_FOLLOWED = 2.0
+#: A chart shows so much after the last change, with at most so many points (twice as many). [s, count]
+DRAWN_AFTER, MOST_DRAWN = 0.3, 1000
+#: Peaks are over where the range of every torque in the last part of an event is below this share of all of it; of
+#: one that grows, or beats slowly, it is not. [1]
+LATE, PEAKS_ARE_OVER = 0.75, 0.9
+
+
+@dataclass(frozen=True, eq=False)
+class EventHistory:
+    """Air-gap torque of an event of a motor, and the element with the largest torque, at its beginning."""
+
+    time: Floats  #: From the event on. [s] Shape (n_times,).
+    air_gap: Floats  #: Torque of the motor. [N m] Shape (n_times,).
+    element: str  #: Which element.
+    torque: Floats  #: Its torque. [N m] Shape (n_times,).
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,6 +89,8 @@ class OperatingEvent:
     shafts: tuple[ShaftFatigue, ...] = ()  #: Damage of each judged shaft by one such event. [1]
     #: Of each judged shaft, relative error of its damage; None where it has none. [1]
     damage_errors: tuple[tuple[str, float | None], ...] = ()
+    air_gap: AirGapTorque | None = None  #: Torque of the motor, in an event of `MotorEvents`. [SI]
+    history: EventHistory | None = None  #: Likewise, for a chart. [SI]
     #: What a reader must know of it: why it was not calculated, or what was not followed to its end.
     note: str = ""
 
@@ -97,9 +127,16 @@ def operating_events(case: CaseData, analysis: ModalAnalysis) -> tuple[Operating
 
 def _event(case: CaseData, analysis: ModalAnalysis, name: str) -> OperatingEvent:
     tolerance = case.tolerance_peak or DEFAULT_TOLERANCE_PEAK
-    dies_out, why = _length(case, analysis.reported, name, tolerance)
-    longest = case.maximum_time or LONGEST_START
-    if dies_out > longest and case.maximum_time is None:
+    row = _motor_row(case, name)
+    if row is None:
+        dies_out, why = _length(case, analysis.reported, name, tolerance)
+        longest = case.maximum_time or LONGEST_START
+    elif words := _unable(case, analysis.reported.train, row):
+        return OperatingEvent(name, None, note=f"Event '{name}' is not calculated: {words}.")
+    else:
+        dies_out, why = math.inf, "larger torques may follow"
+        longest = case.maximum_time or _followed(row)
+    if dies_out > longest and case.maximum_time is None and row is None:
         return OperatingEvent(
             name, None,
             note=f"Event '{name}' is not calculated: {why}. Type DampingRatio or a Time constant, or "
@@ -113,7 +150,10 @@ def _event(case: CaseData, analysis: ModalAnalysis, name: str) -> OperatingEvent
     modal = analysis.reported
     running = transmitted_torque(case, modal.train).element
     left = max((1.0 - FADED) * tolerance - max(pieces.values(), default=0.0), 0.5 * tolerance)
-    response = _with_errors(_linear(case, modal, name, end, left), pieces, tolerance)
+    drive = _drive(case, modal, name)
+    response = follow(modal, drive, end, left, running)
+    response = _with_errors(response, pieces, tolerance)
+    air_gap = air_gap_torque_of(modal, drive) if isinstance(drive, MotorDrive) else None
     notes = []
     if names := list(_separating(modal.train, response)):
         quoted = ", ".join(f"'{element}'" for element in names)
@@ -122,6 +162,13 @@ def _event(case: CaseData, analysis: ModalAnalysis, name: str) -> OperatingEvent
                 f"Event '{name}' brings the torque of {quoted} to zero, but teeth stay together, since backlash is "
                 "forced off."
             )
+        elif row is not None:
+            return OperatingEvent(
+                name, None, air_gap=air_gap,
+                note=f"Event '{name}' is not calculated: it brings the torque of {quoted} to zero, where teeth "
+                "separate, and the torque of the motor is not yet calculated with teeth apart. Force effect backlash "
+                "off to keep them together.",
+            )  # fmt: skip
         elif idle := [e for e in names if running[modal.train.elements.index(e)] <= 0.0]:
             return OperatingEvent(
                 name,
@@ -143,20 +190,30 @@ def _event(case: CaseData, analysis: ModalAnalysis, name: str) -> OperatingEvent
             f"Event '{name}' reverses the torque of {reversing}, but teeth stay together, since no clearance is given. "
             "Type Backlash or Angular backlash in table Meshes, 0 where there is none."
         )
+    unbounded = bool(notes)
+    if air_gap and air_gap.slipped:
+        notes.append(
+            f"Event '{name}' throws the motor out of step (pole pairs slipped within {end:g} s: {air_gap.slipped}). "
+            "Its loads keep their torque meanwhile, and no protection trips it."
+        )
     if dies_out > end:
-        notes.append(f"Event '{name}' is followed to MaximumTime, {end:g} s: {why}.")
-    if notes:
+        over = row is not None and end >= _followed(row) and _falls(response, end)
+        if not over:
+            until = "MaximumTime, " if case.maximum_time else ""
+            notes.append(f"Event '{name}' is followed to {until}{end:g} s: {why}.")
+        unbounded |= not over
+    if unbounded:
         response = with_left_out(response, None, tolerance)
     starts, errors = starts_of(case, response)
     return OperatingEvent(
-        name, response, () if starts is None else starts.shafts, errors, " ".join(notes)
+        name,
+        response,
+        () if starts is None else starts.shafts,
+        errors,
+        air_gap,
+        _history(response, drive, modal.train.elements),
+        " ".join(notes),
     )
-
-
-def _linear(case: CaseData, modal: ModalTrain, name: str, end: float, tolerance: float) -> Start:
-    """The response with teeth that stay together, added to the torques in operation."""
-    running = transmitted_torque(case, modal.train).element
-    return follow(modal, _drive(case, modal, name), end, tolerance, running)
 
 
 def _with_errors(response: Start, pieces: Mapping[str, float], tolerance: float) -> Start:
@@ -169,13 +226,31 @@ def _with_errors(response: Start, pieces: Mapping[str, float], tolerance: float)
     return replace(response, peaks=peaks, estimated_error=response.estimated_error + faded)
 
 
+def _history(response: Start, drive: Drive, elements: Sequence[str]) -> EventHistory | None:
+    """What a chart shows of an event of a motor: until a little after the last change of its supply."""
+    if not isinstance(drive, MotorDrive) or not response.peaks:
+        return None
+    motion, name = drive.motions[-1], max(response.peaks, key=lambda p: p.size).element
+    output = response.output_of_element[elements.index(name)]
+    torque = response.trajectory.torque[output]
+    last = int(np.searchsorted(motion.time, drive.event.last_change + DRAWN_AFTER, "right"))
+    drawn = slice(0, last, max(last // MOST_DRAWN, 1))
+    return EventHistory(motion.time[drawn], motion.torque[drawn], name, torque[drawn])
+
+
 def _pieces_errors(
     case: CaseData, name: str, end: float, analysis: ModalAnalysis
 ) -> dict[str, float]:
     """Relative error of the torque of each element from the pieces of distributed shafts."""
     assert analysis.rough_reported is not None
     fine, rough = (
-        _linear(case, modal, name, end, COMPARED_AT)
+        follow(
+            modal,
+            _drive(case, modal, name),
+            end,
+            COMPARED_AT,
+            transmitted_torque(case, modal.train).element,
+        )
         for modal in (analysis.reported, analysis.rough_reported)
     )
     return pieces_errors(case, fine, rough)
@@ -232,7 +307,23 @@ def _torques(
     return [] if terms else tabled_torques(case.torque_time, train), terms
 
 
+def _motor_row(case: CaseData, name: str) -> MotorEventRow | None:
+    """The row of table `MotorEvents` that an event is; None: it is one of the other tables."""
+    return next((row for row in case.motor_events if row.event == name), None)
+
+
+def _unable(case: CaseData, train: Train, row: MotorEventRow) -> str:
+    """Why a motor does not run as its event supposes; empty where it does."""
+    try:
+        motor_event(case, train, row)
+    except ModelError as error:
+        return f"the motor at '{row.station}' {error}"
+    return ""
+
+
 def _drive(case: CaseData, modal: ModalTrain, name: str) -> Drive:
+    if row := _motor_row(case, name):
+        return motor_drive(modal, motor_event(case, modal.train, row))
     tabled, terms = _torques(case, modal.train, name)
     return harmonic_drive(modal, Tones.of(terms)) if terms else tabled_drive(modal, tabled)
 
@@ -292,6 +383,20 @@ def harmonic_drive(modal: ModalTrain, tones: Tones) -> Drive:
 
 
 # --- how long ---------------------------------------------------------------------------------------
+
+
+def _followed(row: MotorEventRow) -> float:
+    """How long a motor is followed where nothing ends it sooner. [s]"""
+    return (row.clears_after or 0.0) + MOTOR_FOLLOWED
+
+
+def _falls(response: Start, end: float) -> bool:
+    """Whether what still moves at the end is so far below the peaks that none can follow."""
+    for when, value in response.turning_of_element().values():
+        late = value[when >= LATE * end]
+        if len(late) and np.ptp(late) > PEAKS_ARE_OVER * np.ptp(value):
+            return False
+    return True
 
 
 def _length(case: CaseData, modal: ModalTrain, name: str, tolerance: float) -> tuple[float, str]:

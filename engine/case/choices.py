@@ -129,3 +129,14 @@ class FieldCircuit(StrEnum):
 
     CLOSED = "closed"
     OPEN = "open"
+
+
+class MotorEventKind(StrEnum):
+    """What happens to a motor in operation."""
+
+    THREE_PHASE_FAULT = "three-phase fault"
+    LINE_TO_LINE_FAULT = "line-to-line fault"
+    OUT_OF_PHASE_CLOSING = "out-of-phase closing"
+    RECLOSING = "reclosing"
+    VOLTAGE_DIP = "voltage dip"
+    VOLTAGE_UNBALANCE = "voltage unbalance"

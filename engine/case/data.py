@@ -268,6 +268,22 @@ class EventTorqueRow:
 
 
 @dataclass(frozen=True)
+class MotorEventRow:
+    """One row of `MotorEvents`: what happens to a motor of `MotorData` in operation."""
+
+    event: str | None = None  #: Its name.
+    station: str | None = None  #: Where the motor acts.
+    kind: str | None = None  #: One of `MotorEventKind`.
+    #: Voltage of the healthy phase, or of the one that changes, at the event; blank = 0. [rad]
+    phase: float | None = None
+    angle: float | None = None  #: Of the motor's voltage ahead of the line's at closing. [rad]
+    #: At the motor's terminals just before it closes, or what a dip leaves. [1]
+    residual_voltage: float | None = None
+    #: How long the line is faulted, changed or off; blank = for good, reclosing at once. [s]
+    clears_after: float | None = None
+
+
+@dataclass(frozen=True)
 class MaterialRow:
     """One row of `Materials`."""
 
@@ -325,6 +341,7 @@ TABLES: dict[str, tuple[str, type]] = {
     "LoadTorque": ("load_torque", LoadTorqueRow),
     "TorqueTime": ("torque_time", TorqueTimeRow),
     "EventTorque": ("event_torque", EventTorqueRow),
+    "MotorEvents": ("motor_events", MotorEventRow),
     "Materials": ("materials", MaterialRow),
     "SNPoints": ("sn_points", SNPointRow),
     "Excitations": ("excitations", ExcitationRow),
@@ -426,6 +443,7 @@ class CaseData:
     load_torque: tuple[LoadTorqueRow, ...] = ()  #: Likewise. [rows]
     torque_time: tuple[TorqueTimeRow, ...] = ()  #: Likewise. [rows]
     event_torque: tuple[EventTorqueRow, ...] = ()  #: Likewise. [rows]
+    motor_events: tuple[MotorEventRow, ...] = ()  #: Likewise. [rows]
     materials: tuple[MaterialRow, ...] = ()  #: Rows of the tables of the same name. [rows]
     sn_points: tuple[SNPointRow, ...] = ()  #: Likewise. [rows]
     excitations: tuple[ExcitationRow, ...] = ()  #: Likewise. [rows]
@@ -459,6 +477,7 @@ class CaseData:
         """Events in operation, in the order of their tables."""
         tabled = self.torque_time and not self.torque_time_from_rest
         names = dict.fromkeys(str(row.event) for row in self.event_torque)
+        names |= dict.fromkeys(str(row.event) for row in self.motor_events)
         return (*names, TABLED_EVENT) if tabled else tuple(names)
 
     @property

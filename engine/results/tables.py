@@ -43,6 +43,7 @@ def result_tables(results: Results) -> Mapping[str, list[Row]]:
         "TorqueReversals": _torque_reversals(results),
         "AllowableStarts": _allowable_starts(results),
         "EventPeaks": _event_peaks(results),
+        "AirGapTorque": _air_gap_torques(results),
         "Effects": _rows(results.plans[-1].decisions),
         "AccuracyCost": accuracy_cost(results.accuracy),
     }
@@ -231,6 +232,25 @@ def _event_peaks(results: Results) -> list[Row]:
                     "left_out": event.response.left_out,
                 }
             )
+    return rows
+
+
+def _air_gap_torques(results: Results) -> list[Row]:
+    """One an event of a motor; blank where the motor does not carry its running torque."""
+    rows: list[Row] = []
+    names = {row.event for row in results.case.motor_events}
+    for event in results.events:
+        if event.name not in names:
+            continue
+        rows.append({"event": event.name})
+        if torque := event.air_gap:
+            rows[-1] |= {
+                "largest": torque.largest,
+                "time": torque.time,
+                "closed_form": torque.closed_form,
+                "ratio": abs(torque.largest) / torque.closed_form if torque.closed_form else None,
+                "error": torque.error,
+            }
     return rows
 
 

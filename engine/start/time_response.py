@@ -505,22 +505,37 @@ class _CoupledSteps:
         self._ahead = 0.0
 
     def step(self, h: float, count: int) -> tuple[Floats, Floats]:
-        """What `_coupled_step` gives, for a number of steps in a row."""
+        """What `coupled_step` gives, for a number of steps in a row."""
         near = min(self._known, key=lambda known: abs(known - h), default=np.inf)
         ahead = self._ahead + count * (near - h)
         if abs(ahead) <= self._slack:
             self._ahead = ahead
             found = self._known.pop(near)
         else:
-            near, found = h, _coupled_step(*self._system, h)
+            near, found = h, coupled_step(*self._system, h)
         self._known[near] = found
         if len(self._known) > KNOWN_STEPS:
             del self._known[next(iter(self._known))]
         return found
 
 
-def _coupled_step(omega: Floats, matrix: Floats, h: float) -> tuple[Floats, Floats]:
-    """Exact step of the coupled system under cubic modal forces (Van Loan's block exponential)."""
+def coupled_step(omega: Floats, matrix: Floats, h: float) -> tuple[Floats, Floats]:
+    """Exact step of the coupled system under cubic modal forces (Van Loan's block exponential).
+
+    Parameters
+    ----------
+    omega : ndarray, shape (n,)
+        Natural frequencies. [rad/s]
+    matrix : ndarray, shape (n, n)
+        Damping matrix of the modes. [1/s]
+    h : float
+        Step. [s]
+
+    Returns
+    -------
+    free, forced : ndarray, shapes (2 n, 2 n) and (2 n, n, 4)
+        Of positions and velocities before, and of the coefficients of the modal forces over the step. [SI]
+    """
     n = len(omega)
     A = np.zeros((6 * n, 6 * n))
     eye = np.eye(n)

@@ -51,6 +51,13 @@ ALONE = {
     ],
     "TV_MOTOR_CIRCUIT": [("[.AD13:.AO15];60", [MOTOR, 60.0])],
     "TV_MOTOR_CURVES": [("[.AD13:.AO15];0.05;60", [MOTOR, 0.05, 60.0])],
+    "TV_FAULT_TORQUE": [
+        ('"three-phase fault";0.2;0.25', ["three-phase fault", 0.2, 0.25]),
+        (
+            '"out-of-phase closing";0.2;0.25;0.3;120',
+            ["out-of-phase closing", 0.2, 0.25, 0.3, 120.0],
+        ),
+    ],
     "TV_LIFE": [("0.001;12;30;2", [0.001, 12.0, 30.0, 2.0])],
     "TV_CONVERT": [('0.1;"lbf*in";"N*m"', [0.1, "lbf*in", "N*m"])],
 }

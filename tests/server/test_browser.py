@@ -105,6 +105,7 @@ def test_every_function_shows_the_same_doubles(excel):
         "TV_LIFE": [[[1e-3, 2e-4]], [[12.0, None]], None, 2],
         "TV_MOTOR_CIRCUIT": [MOTOR, 60],
         "TV_MOTOR_CURVES": [MOTOR, [[1, 0.05]], 60],
+        "TV_FAULT_TORQUE": ["out-of-phase closing", 0.2, 0.25, None, 120],
         "TV_CALIBRATE": [handle, [[30.1, 52.7]], 0.01],
         "TV_TUNE": [handle, TUNING],
         "TV_TOLERANCES": [handle, SCATTER, "starts", 30],

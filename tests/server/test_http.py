@@ -81,6 +81,7 @@ def every_call(handle):
     found["TV_STIFFNESS"] = [200.1, None, 501.7, 79300]
     found["TV_MOTOR_CIRCUIT"] = [MOTOR, 60]
     found["TV_MOTOR_CURVES"] = [MOTOR, [[1, 0.5], [0.05, None]], 60]
+    found["TV_FAULT_TORQUE"] = ["line-to-line fault", 0.2, 0.25]
     found["TV_LIFE"] = [[[1e-3, 2e-4]], [[12.0, None]], None, 2]
     found["TV_CONVERT"] = [[[0.1, None], [1e-300, 3.3]], "lbf*in", "N*m"]
     return found

@@ -18,7 +18,8 @@ from addin.verify.structure import missing_tables
 from addin.writing.recalculate import recalculate
 from addin.xlsx import Workbook, open_workbook
 from addin.xlsx.references import cell_name
-from engine.case.data import EventTorqueRow
+from engine.case.data import EventTorqueRow, MotorEventRow
+from tests.engine.results.test_motor_events import motor
 from tests.reading.small_workbook import SmallWorkbook
 from tests.trains import geared
 
@@ -74,6 +75,53 @@ def test_the_sheet_shows_what_the_json_has(calculated: Path) -> None:
     assert {r["event"] for r in rows} == {"Fault"}
     checks = {row["check"]: row["verdict"] for row in results["verdicts"]}
     assert checks["Peak torque in events"] == "not judged"
+
+
+def test_events_of_a_motor_on_the_sheet(tmp_path: Path) -> None:
+    events = (
+        MotorEventRow("Short", "Motor", "line-to-line fault", math.radians(30.0), clears_after=0.1),
+        MotorEventRow("Dip", "Motor", "voltage dip", residual_voltage=0.8),
+    )
+    data = motor(*events)
+    (tmp_path / "case.json").write_text(json.dumps(case_to_json(data)), encoding="utf-8")
+    words = [
+        "new",
+        str(tmp_path / "typed.xlsx"),
+        "--units",
+        "us",
+        "--from",
+        str(tmp_path / "case.json"),
+    ]
+    assert CliRunner().invoke(app, words).exit_code == 0
+    book = tmp_path / "book.xlsx"
+    done = recalculate(
+        tmp_path / "typed.xlsx", destination=book, json_file=tmp_path / "results.json"
+    )
+    assert not done.problems
+    results = json.loads((tmp_path / "results.json").read_text(encoding="utf-8"))
+    first, second, *rest = shown(open_workbook(book), "MotorEvents")
+    assert first == [
+        "Short",
+        "Motor",
+        "line-to-line fault",
+        pytest.approx(math.radians(30.0)),
+        None,
+        None,
+        0.1,
+    ]
+    assert second[:3] == ["Dip", "Motor", "voltage dip"]
+    assert second[5] == pytest.approx(0.8)
+    sheet = shown(open_workbook(book), "AirGapTorque")
+    pound_foot = 1.3558179483314004
+    assert [row[0] for row in sheet] == ["Short", "Dip"]
+    assert [row[1] * pound_foot for row in sheet] == pytest.approx(
+        [row["largest"] for row in results["air_gap_torque"]], rel=1e-12
+    )
+    assert verify_file(book).outcome == "follows"
+    drawn = [row for row in shown(open_workbook(book), "ChartMotorEvent") if row[0] is not None]
+    largest = max(abs(row[1]) for row in sheet)
+    assert max(abs(row[1]) for row in drawn) == pytest.approx(largest, rel=0.02)
+    assert drawn[0] == [0.0, pytest.approx(drawn[0][2], rel=1e-9), drawn[0][2]]  # in balance
 
 
 def test_verify_follows_it_and_finds_an_edited_peak(calculated: Path, tmp_path: Path) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 
 import pytest
@@ -104,3 +105,47 @@ def test_what_is_wrong_is_said(arguments, words):
     with pytest.raises(FunctionError) as caught:
         call("TV_MOTOR_CURVES", arguments)
     assert words in caught.value.message
+
+
+# --- faults -------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("kind", "times"),
+    [
+        ("three-phase fault", 1.0),
+        ("line-to-line fault", 0.75 * math.sqrt(3.0)),
+        ("out-of-phase closing", 1.5 * math.sqrt(3.0)),  # at 120 degrees
+    ],
+)
+def test_largest_torques_of_equal_reactances(kind, times):
+    assert call("TV_FAULT_TORQUE", [kind, 0.2, 0.2])[0][0] == pytest.approx(times / 0.2, rel=1e-9)
+
+
+def test_closing_at_an_angle():
+    for degrees in (30.0, 90.0, -120.0):
+        half = 0.5 * math.radians(abs(degrees))
+        expected = (math.sin(2.0 * half) + 2.0 * math.sin(half)) / 0.15
+        given = ["out-of-phase closing", 0.15, 0.15, None, degrees]
+        assert call("TV_FAULT_TORQUE", given)[0][0] == pytest.approx(expected, rel=1e-9)
+
+
+def test_torque_at_a_time():
+    """T = −[sin ω₀t / Xd'' − ½ (1/Xd'' − 1/Xq'') sin 2ω₀t]."""
+    t = 2.0 * math.pi * 0.3
+    expected = -(math.sin(t) / 0.2 - 0.5 * (1.0 / 0.2 - 1.0 / 0.3) * math.sin(2.0 * t))
+    found = call("TV_FAULT_TORQUE", ["three-phase fault", 0.2, 0.3, 0.3])[0][0]
+    assert found == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        (["short circuit", 0.2, 0.2], "is none of three-phase fault"),
+        (["three-phase fault", 0.0, 0.2], "both reactances must be positive"),
+        (["out-of-phase closing", 0.2, 0.2, 0.5], "at a time there is no worst one"),
+    ],
+)
+def test_wrong_faults(given, words):
+    with pytest.raises(FunctionError, match=words):
+        call("TV_FAULT_TORQUE", given)

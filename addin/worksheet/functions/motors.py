@@ -11,8 +11,11 @@ from addin.contract.tables import input_table
 from addin.worksheet.answers import Rows
 from addin.worksheet.blocks import case_of_motors, problems_in_words
 from addin.worksheet.registry import Argument, Block, FunctionError, registered
+from engine.case.choices import MotorEventKind
+from engine.errors import ModelError
 from engine.motor.circuit import Circuit
 from engine.motor.curves import slip_curves
+from engine.motor.fault_torques import KINDS, fault_torque, largest_fault_torque
 from engine.motor.from_case import SHOWN_SLIPS, as_it_starts, circuit_of, row_of_circuit
 
 #: Place of these functions among all, in lists and in the documentation.
@@ -108,3 +111,37 @@ def tv_motor_curves(
         values = zip(*(column.tolist() for column in columns), strict=True)
         rows += [[station, *row] for row in values]
     return rows
+
+
+@registered(
+    "TV_FAULT_TORQUE",
+    Argument("Kind", "text", f"{', '.join(KINDS[:-1])} or {KINDS[-1]}."),
+    Argument("Xd subtransient", "number", "Subtransient reactance Xd'' [pu]."),
+    Argument("Xq subtransient", "number", "Subtransient reactance Xq'' [pu]."),
+    Argument("Cycles", "number", "Cycles of the line since the event; blank: the largest torque.", True),
+    Argument(
+        "Angle", "number",
+        "Angle of the motor's voltage ahead of the line's at closing [deg]; blank: the worst.", True,
+    ),
+    scalar=True,
+    example='=TV_FAULT_TORQUE("three-phase fault", 0.2, 0.25)',
+)  # fmt: skip
+def tv_fault_torque(
+    kind: str, xd: float, xq: float, cycles: float | None, angle: float | None
+) -> float:
+    """Air-gap torque of a fault by the formula of constant flux linkages, over S / ω_s: no load, no resistance.
+
+    The largest is a magnitude; at a time, negative brakes. A line-to-line fault is that of a motor off the line, with the
+    largest offset; table MotorEvents calculates one on the line. It is a check and no bound.
+    """
+    closing = None if angle is None else math.radians(angle)
+    try:
+        largest = largest_fault_torque(kind, xd, xq, closing)
+    except ModelError as error:
+        raise FunctionError(f"No torque: {error}.") from error
+    if cycles is None:
+        return largest
+    if kind == MotorEventKind.OUT_OF_PHASE_CLOSING and closing is None:
+        raise FunctionError("Angle: give it in degrees; at a time there is no worst one.")
+    turned, ahead = np.array([2.0 * math.pi * cycles]), np.array([closing or 0.0])
+    return float(fault_torque(kind, xd, xq, turned, ahead)[0])

@@ -54,5 +54,7 @@ def tv_events(run: Any) -> Any:
     """Largest and least torque, stress and damage of every element in every event in operation."""
     rows = run.tables.get("EventPeaks")
     if not rows:
-        raise FunctionError("The case has no event in operation: fill table EventTorque.", "#N/A")
+        raise FunctionError(
+            "The case has no event in operation: fill table EventTorque or MotorEvents.", "#N/A"
+        )
     return rows

@@ -12,6 +12,7 @@ module           responsibility
 `torques`        checks of torque curves and of the excitations in continuous operation
 `events`         checks of events in operation: table EventTorque, and TorqueTime where the train
                  runs before it
+`motor_events`   checks of table MotorEvents: what happens to a motor in operation
 `train`          checks of stations, elements and modal damping: names, stiffness, and one open
                  train
 `gears`          checks of gear meshes: numbers, ratios, the line of action, gears on bearings

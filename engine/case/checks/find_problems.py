@@ -13,6 +13,7 @@ from engine.case.checks.effects import check_effect_choices
 from engine.case.checks.events import check_events
 from engine.case.checks.fatigue import check_materials, check_sn_points
 from engine.case.checks.gears import check_meshes
+from engine.case.checks.motor_events import check_motor_events
 from engine.case.checks.motors import check_motors
 from engine.case.checks.problem import first_of_each_cell
 from engine.case.checks.scalars import check_scalars
@@ -34,6 +35,7 @@ CHECKS: tuple[Callable[[CaseData], Iterator[Problem]], ...] = (
     check_mode_damping,
     check_torques,
     check_events,
+    check_motor_events,
     check_motors,
     check_materials,
     check_sn_points,

@@ -126,6 +126,25 @@ typedef struct {
     const int64_t *damper_force;                  /* (n_dampers) */
 } pieces_t;
 
+/* A motor on a train in time, over steps of one length. Points of a step: its beginning, middle and end. */
+typedef struct {
+    int64_t n_blocks, block;     /* groups of modes that damping couples; state of each, positions before velocities */
+    const double *free;          /* (n_blocks, block, block) over the step */
+    const double *forced;        /* (n_blocks, block, 3) from torques at the points */
+    const double *rotor;         /* (2, n_blocks block) angle and speed of the rotor */
+    const double *rotor_free;    /* (4, n_blocks block) angle and speed of the rotor in the middle, and at the end */
+    const double *rotor_forced;  /* (4, 3) */
+    int64_t n_flux, q;           /* flux linkages, d first; which is that of the stator's axis q */
+    const double *flux_free;     /* (2, n_flux, n_flux) to the middle, and to the end */
+    const double *flux_forced;   /* (2, n_flux, 3, 2) from inputs of the axes d and q at the points */
+    const double *flux_steady;   /* (2, n_flux) from the voltage of the field */
+    const double *current;       /* (2, n_flux) currents of the stator's axes d and q */
+    double line_omega, axes_speed; /* [rad/s], of the axes in which fluxes advance by `flux_free` [1] */
+    double pole_pairs, torque_base, held; /* [1, N m, N m]; the torque that the train is in balance with */
+    double angle;                /* of axis d against the line at t = 0, the train in balance [rad] */
+    double forward[2], backward[2]; /* voltages that turn with the line and against it: size, angle at t = 0 [1, rad] */
+} machine_t;
+
 /* Flanks: all drive flanks, then all back flanks. */
 typedef struct {
     const double *gap, *stiffness, *damping, *scale;  /* (n_flanks) [rad, N m/rad, N m s/rad, N m] */
@@ -196,6 +215,9 @@ void drive_modes(int64_t n_steps, int64_t n, const double *steps, const double *
                  double *room);
 void drive_coupled(int64_t n_steps, int64_t n_state, int64_t n_modes, const double *free,
                    const double *forced, const double *cubic, double *state, double *out, double *room);
+int64_t machine_room(const machine_t *machine);
+int64_t advance_machine(int64_t n_steps, double time, double h, const machine_t *machine, double *state, double *flux,
+                        double *room); /* (n_steps + 1, …), the first row given; steps made */
 int64_t turning_points(int64_t n, const double *t, const double *y, const double *slope, double *when,
                        double *value);
 int64_t turning_to_end(int64_t n, const double *when, const double *value, double size, double first, double end,

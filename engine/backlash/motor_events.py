@@ -1,0 +1,290 @@
+"""Faults and switching of a motor in operation: rows of table `MotorEvents`, by the two-axis machine in time.
+
+Before it the motor runs in step, its field excited by its power factor, and balances the running loads; a motor
+that is closed out of phase runs without current, and the loads decelerate the train. What the line does is written
+as voltages that turn with it and against it, so that every kind of event is a short list of supplies.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from engine.arrays import Floats, Mask
+from engine.case.choices import MotorEventKind
+from engine.case.data import CaseData, MotorEventRow
+from engine.case.defaults import LEAST_PEAK_ERROR
+from engine.errors import InternalError
+from engine.model.excitation import transmitted_torque
+from engine.model.modal_train import ModalTrain
+from engine.model.train import Train
+from engine.motor.circuit import Circuit, Winding, line_omega, starting_circuit
+from engine.motor.from_case import MotorFromData, motors_from_data
+from engine.motor.two_axis import (
+    MachineState,
+    flux_system,
+    open_circuit_state,
+    running_state,
+)
+from engine.numerics.same_bits import product
+from engine.start.machine_motion import Machine, MachineMotion, Supply, machine_motion
+from engine.start.prescribed import SAMPLES_PER_PERIOD, Drive
+from engine.start.time_response import TimeResponse, modal_system
+from engine.start.torque_outputs import force_reach
+from engine.stepping.linear_loop import turning_points
+
+#: Largest phase of the line in a step: the fluxes of the stator turn so far in the rotor's axes. [rad]
+LINE_PHASE = 0.15
+
+
+@dataclass(frozen=True, eq=False)
+class MotorEvent:
+    """An event as the machine in time takes it."""
+
+    machine: Machine  #: The motor. [pu, SI]
+    station: int  #: Where it acts. [index]
+    supplies: tuple[Supply, ...]  #: What its stator is connected to. [pu]
+    state: MachineState  #: Its fluxes just before. [pu]
+    held: float  #: Its torque in operation, with which the train is in balance. [N m]
+    released: bool  #: Whether it gives no torque before the event. [flag]
+
+    @property
+    def last_change(self) -> float:
+        """When its supply changes for the last time. [s]"""
+        return self.supplies[-1].begins
+
+
+@dataclass(frozen=True)
+class AirGapTorque:
+    """Torque of the motor in an event."""
+
+    largest: float  #: The largest in magnitude; negative brakes. [N m]
+    time: float  #: When. [s]
+    error: float  #: Change of its magnitude from spacing h to h/2, relative. [1]
+    #: Largest magnitude in the first cycle without any resistance, the speed kept; None where the angle of closing
+    #: follows from the motion. [N m]
+    closed_form: float | None
+    #: Turns by which the rotor has lost its step against a line with voltage; 0: it stays in step. [count]
+    slipped: int
+
+
+@dataclass(frozen=True, eq=False)
+class MotorDrive(Drive):
+    """The torque of the motor as what drives the train, and what it was."""
+
+    event: MotorEvent  #: [mixed]
+    motions: list[MachineMotion] = field(default_factory=list)  #: Of the last two runs. [SI]
+
+
+def motor_event(case: CaseData, train: Train, row: MotorEventRow) -> MotorEvent:
+    """A row of `MotorEvents` as supplies and a state.
+
+    Parameters
+    ----------
+    case : CaseData
+        Checked. [SI]
+    train : Train
+        Its train. [SI]
+    row : MotorEventRow
+        The event. [pu, rad, s]
+
+    Returns
+    -------
+    MotorEvent
+        [mixed]
+
+    Raises
+    ------
+    ModelError
+        If the motor does not carry its running torque.
+    """
+    motor = _motor_of(case, row.station)
+    sheet = next(r for r in case.motor_data if r.station == row.station)
+    circuit = starting_circuit(
+        motor.circuit, factor=1.0 if sheet.start_factor is None else sheet.start_factor
+    )
+    machine = Machine(
+        circuit,
+        motor.torque_base,
+        motor.synchronous_speed,
+        line_omega(case.ratings.line_frequency or 0.0),
+    )
+    station = train.stations.index(motor.station)
+    held = float(transmitted_torque(case, train).motor[station])
+    released = row.kind == MotorEventKind.OUT_OF_PHASE_CLOSING
+    if released:
+        voltage = 1.0 if row.residual_voltage is None else row.residual_voltage
+        state = open_circuit_state(circuit, voltage, row.angle or 0.0)
+    else:
+        # its current leads: a synchronous motor is rated with an excited field
+        state = running_state(circuit, held / motor.torque_base, -(sheet.power_factor or 1.0))
+    return MotorEvent(machine, station, _supplies(row), state, held, released)
+
+
+def _motor_of(case: CaseData, station: str | None) -> MotorFromData:
+    for motor in motors_from_data(case):
+        if motor.station == station:
+            return motor
+    raise InternalError(f"an event of station '{station}' without a data sheet was not refused")
+
+
+def _supplies(row: MotorEventRow) -> tuple[Supply, ...]:
+    """What the line does, with the phase `row.phase` of the healthy phase, or of the one that changes."""
+    match row.kind:
+        case MotorEventKind.OUT_OF_PHASE_CLOSING:
+            return (Supply(0.0),)
+        case MotorEventKind.RECLOSING:
+            closing = Supply(
+                row.clears_after or 0.0, residual=row.residual_voltage, ahead=row.angle
+            )
+            return Supply(0.0, is_open=True), closing
+        case MotorEventKind.THREE_PHASE_FAULT:
+            left, against = 0.0, 0.0
+        case MotorEventKind.LINE_TO_LINE_FAULT:  # cos(ω₀t + φ) along the axis of the healthy phase
+            left, against = 0.5, 0.5
+        case MotorEventKind.VOLTAGE_DIP:
+            left, against = row.residual_voltage or 0.0, 0.0
+        case _:  # one phase with a share of its voltage
+            lost = (1.0 - (row.residual_voltage or 0.0)) / 3.0
+            left, against = 1.0 - lost, -lost
+    changed = Supply(0.0, (left, 0.0), (against, -2.0 * (row.phase or 0.0)))
+    return (changed,) if row.clears_after is None else (changed, Supply(row.clears_after))
+
+
+def motor_drive(modal: ModalTrain, event: MotorEvent) -> MotorDrive:
+    """The torque of the motor as what drives the train, for `follow`.
+
+    Parameters
+    ----------
+    modal : ModalTrain
+        The train. [SI]
+    event : MotorEvent
+        The event. [mixed]
+
+    Returns
+    -------
+    MotorDrive
+        [SI]
+    """
+    train, modes, damping = modal
+    machine = event.machine
+    stations = np.array([event.station], dtype=np.int64)
+    omega = np.where(modes.omega > 0.0, modes.omega, np.inf)
+    reach = np.abs(force_reach(train, modes, stations)).sum(axis=1)
+    motions: list[MachineMotion] = []
+
+    def respond(end: float, count: int, kept: Mask) -> TimeResponse:
+        system = modal_system(train, modes, stations, damping.structural, kept)
+        before, state = None, event.state
+        if (
+            event.released
+        ):  # the train without the torque of the motor, whose angle is given as it then stands
+            stiff = np.where(system.omega > 0.0, system.omega, np.inf)
+            twisted = -event.held * system.reach[:, 0] / (stiff * stiff)
+            before = twisted, np.zeros(len(twisted))
+            turned = machine.pole_pairs * float(product(system.reach[:, 0], twisted))
+            state = replace(state, angle=state.angle - turned)
+        motion = machine_motion(
+            system, machine, event.supplies, state, end, end / count,
+            held=event.held, before=before,
+        )  # fmt: skip
+        motions[:] = [*motions[-1:], motion]
+
+        def applied() -> tuple[Floats, Floats]:
+            return motion.torque[None] - event.held, motion.torque_rate[None]
+
+        return system.response(motion.time, motion.q, motion.v, applied)
+
+    # a torque of this size that turns with twice the line's frequency; it jumps only where the breaker opens
+    largest = 2.0 * machine.torque_base / _subtransient(machine.circuit)
+    opens = any(s.is_open for s in event.supplies)
+    ringing = reach * (opens * abs(event.held) + 2.0 * machine.line_omega * largest / omega)
+    fastest = machine.line_omega / (LINE_PHASE * SAMPLES_PER_PERIOD)
+    return MotorDrive(stations, reach, ringing, fastest, respond, event, motions)
+
+
+def _subtransient(circuit: Circuit) -> float:
+    """The smaller subtransient reactance. [pu]"""
+    system = flux_system(circuit, 1.0, 0.0, 0.0, is_open=False)
+    return 1.0 / max(float(system.current[0, 0]), float(system.current[system.q, system.q]))
+
+
+def air_gap_torque_of(modal: ModalTrain, drive: MotorDrive) -> AirGapTorque:
+    """What the torque of the motor was in the runs that were made.
+
+    Parameters
+    ----------
+    modal : ModalTrain
+        The train. [SI]
+    drive : MotorDrive
+        After `follow`. [SI]
+
+    Returns
+    -------
+    AirGapTorque
+        [N m, s]
+    """
+    coarse, fine = (_turning(motion) for motion in drive.motions)
+    largest, time = _largest(*fine)
+    # of both extremes: one alone may agree by chance
+    change = max(abs(float(f(fine[1]) - f(coarse[1]))) for f in (np.max, np.min))
+    change /= abs(largest) or 1.0
+    return AirGapTorque(
+        largest, time, max(change, LEAST_PEAK_ERROR),
+        _closed_form(modal, drive.event), _turns(drive.event, drive.motions[-1]),
+    )  # fmt: skip
+
+
+def _turns(event: MotorEvent, motion: MachineMotion) -> int:
+    """Turns of the rotor against a line with voltage since its last change, in electrical angle."""
+    if event.supplies[-1].forward[0] == 0.0:
+        return 0
+    since = motion.rotor[motion.time >= event.last_change]
+    turned = event.machine.pole_pairs * float(since[-1] - since[0]) if len(since) else 0.0
+    return round(abs(turned) / (2.0 * math.pi))
+
+
+def _turning(motion: MachineMotion) -> tuple[Floats, Floats]:
+    """Times and values of the turning points of the torque, also between samples, and its ends."""
+    when, value = turning_points(motion.time, motion.torque, motion.torque_rate)
+    ends = [0, -1]
+    return np.append(when, motion.time[ends]), np.append(value, motion.torque[ends])
+
+
+def _largest(when: Floats, value: Floats) -> tuple[float, float]:
+    """Largest torque in magnitude, and when."""
+    i = int(np.argmax(np.abs(value)))
+    return float(value[i]), float(when[i])
+
+
+def _closed_form(modal: ModalTrain, event: MotorEvent) -> float | None:
+    """Largest torque of constant flux linkages: no resistance, one speed."""
+    machine, supplies = event.machine, event.supplies
+    if supplies[0].is_open:
+        closing = replace(supplies[1], begins=0.0)
+        if closing.ahead is None and supplies[1].begins > 0.0:
+            return None
+        supplies = (supplies[0], closing)
+    else:
+        supplies = supplies[:1]
+    circuit = machine.circuit
+
+    def bare(windings: tuple[Winding, ...]) -> tuple[Winding, ...]:
+        return tuple(w._replace(resistance=0.0) for w in windings)
+
+    without = replace(
+        circuit, stator_resistance=0.0, field=circuit.field and bare((circuit.field,))[0],
+        dampers_d=bare(circuit.dampers_d), dampers_q=bare(circuit.dampers_q),
+    )  # fmt: skip
+    train, modes, damping = modal
+    stations = np.array([event.station], dtype=np.int64)
+    none = np.zeros(modes.n_modes, dtype=np.bool_)
+    still = modal_system(train, modes, stations, damping.structural, none)
+    cycle = 2.0 * math.pi / machine.line_omega
+    motion = machine_motion(
+        still, replace(machine, circuit=without), supplies, replace(event.state, field_voltage=0.0),
+        cycle, LINE_PHASE / machine.line_omega, held=0.0,
+    )  # fmt: skip
+    return abs(_largest(*_turning(motion))[0])

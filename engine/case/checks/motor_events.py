@@ -1,0 +1,144 @@
+"""Checks of table MotorEvents: what happens to a motor in operation."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from engine.case.checks.problem import (
+    SCALARS,
+    Allowed,
+    Cells,
+    Limit,
+    each_row,
+    has_possible_ratings,
+    suggestion,
+)
+from engine.case.choices import MotorEventKind as Kind
+from engine.case.data import TABLED_EVENT, CaseData, MotorEventRow, value_of
+from engine.errors import Problem
+
+TABLE = "MotorEvents"
+#: An open motor may be excited to more than rated voltage; above, per cent were typed. [1]
+LARGEST_VOLTAGE = 1.5
+#: Faults are cleared, and supplies return, within; above, milliseconds were typed. [s]
+LONGEST = 10.0
+_ANGLE = Allowed(lambda v: abs(v) <= 2.0 * math.pi, "between -360 and 360 degrees")
+NUMBERS = (
+    Limit("Phase", _ANGLE, "rad", "It is an angle at line frequency."),
+    Limit("Angle", _ANGLE, "rad", "It is the angle of the motor's voltage ahead of the line's."),
+    Limit(
+        "Residual voltage",
+        Allowed(lambda v: 0.0 <= v <= LARGEST_VOLTAGE, f"0 to {LARGEST_VOLTAGE:g} pu"),
+        "pu",
+        "Per cent and per unit mixed up? Write 60 % or 0.6 pu.",
+    ),
+    Limit(
+        "Clears after",
+        Allowed(lambda v: 0.0 < v <= LONGEST, f"above 0 and at most {LONGEST:g} s"),
+        "s",
+        "It counts from the event, so that nothing clears before it begins; milliseconds typed as seconds? "
+        "Write 120 ms or 0.12 s.",
+    ),
+)
+
+
+class Takes(NamedTuple):
+    """Which columns an event of a kind must have, and which it may have beside."""
+
+    needs: tuple[str, ...] = ()
+    may: tuple[str, ...] = ()
+
+
+COLUMNS = {
+    Kind.THREE_PHASE_FAULT: Takes((), ("Clears after",)),
+    Kind.LINE_TO_LINE_FAULT: Takes((), ("Phase", "Clears after")),
+    Kind.OUT_OF_PHASE_CLOSING: Takes(("Angle",), ("Residual voltage",)),
+    Kind.RECLOSING: Takes((), ("Angle", "Residual voltage", "Clears after")),
+    Kind.VOLTAGE_DIP: Takes(("Residual voltage",), ("Clears after",)),
+    Kind.VOLTAGE_UNBALANCE: Takes(("Residual voltage",), ("Phase", "Clears after")),
+}
+
+
+def check_motor_events(case: CaseData) -> Iterator[Problem]:
+    """Names, motors, and what each kind of event needs."""
+    others = {row.event for row in case.event_torque}
+    if case.torque_time and not case.torque_time_from_rest:
+        others.add(TABLED_EVENT)
+    first: dict[str, int | None] = {}
+    for cells, row in each_row(TABLE, case.motor_events):
+        if not row.event:
+            yield cells.blank("Event", "the name of an event", "Name it.")
+        elif row.event in others or row.event in first:
+            where = f"row {first[row.event]}" if row.event in first else "another table"
+            yield cells.wrong(
+                "Event",
+                row.event,
+                f"a name used once ({where} has it already)",
+                "Rename the event.",
+            )
+        else:
+            first[row.event] = cells.row
+        yield from _motor(case, cells, row)
+        if row.kind is None:
+            yield cells.blank("Kind", "one of " + ", ".join(Kind), "Choose from the list.")
+        yield from cells.choice("Kind", row.kind, Kind)
+        yield from cells.numbers(row, NUMBERS)
+        if row.kind in tuple(Kind):
+            yield from _columns(cells, row, COLUMNS[Kind(row.kind)])
+    if case.motor_events and has_possible_ratings(case):
+        ratings = case.ratings
+        if ratings.line_frequency is None or ratings.synchronous_speed is None:
+            yield SCALARS.blank(
+                "LineFrequency",
+                "given where MotorEvents is",
+                "Type two of LineFrequency, Poles and SynchronousSpeed: the motor runs in step.",
+            )
+
+
+def _motor(case: CaseData, cells: Cells, row: MotorEventRow) -> Iterator[Problem]:
+    """An event happens to a motor with data and a field."""
+    sheets = {m.station: m for m in case.motor_data if m.station}
+    circuits = {c.station: c for c in case.motor_circuit}
+    if row.station is None:
+        yield cells.blank("Station", "a station of table MotorData", "Choose it.")
+    elif row.station not in sheets:
+        stations = {s.station for s in case.stations}
+        action = (
+            f"There is no motor data for '{row.station}': type its row in table MotorData."
+            if row.station in stations
+            else suggestion(row.station, [str(name) for name in sheets])
+        )
+        yield cells.wrong("Station", row.station, "a station of table MotorData", action)
+    else:
+        circuit = circuits.get(row.station)
+        field = sheets[row.station].xd_transient if circuit is None else circuit.rf
+        if field is None:
+            yield cells.wrong(
+                "Station",
+                row.station,
+                "a motor with a field winding, which keeps it in step",
+                "Type Xd transient in its row of table MotorData, or Rf and Xlf in MotorCircuit.",
+            )
+
+
+def _columns(cells: Cells, row: MotorEventRow, takes: Takes) -> Iterator[Problem]:
+    for column in ("Phase", "Angle", "Residual voltage", "Clears after"):
+        value = value_of(row, column)
+        if value is None and column in takes.needs:
+            yield cells.blank(column, f"given for a {row.kind}", "Type it.")
+        elif value is not None and column not in (*takes.needs, *takes.may):
+            yield cells.problem(
+                column,
+                value,
+                f"blank for a {row.kind}",
+                f"it has no effect on a {row.kind}. Clear the cell.",
+            )
+    if row.residual_voltage == 0.0 and row.kind in (Kind.RECLOSING, Kind.OUT_OF_PHASE_CLOSING):
+        yield cells.wrong(
+            "Residual voltage",
+            0.0,
+            "above 0 pu",
+            "Without voltage there is no angle: type a small one.",
+        )

@@ -1,0 +1,299 @@
+"""A train with one motor in time: modes and fluxes of the motor advance together (`kernels/machine.c`).
+
+The train is in balance with a constant torque of the motor; motion is what its real torque adds. Voltages
+turn with the line and against it, and change at given times only: a fault is a line without voltage, one of
+two lines a voltage of which half turns against the line, an open breaker a stator without current. Between two
+such times the fluxes and the modes are linear but for what couples them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from engine.arrays import Floats
+from engine.errors import InternalError
+from engine.motor.circuit import Circuit
+from engine.motor.two_axis import (
+    FluxSystem,
+    MachineState,
+    air_gap_torque,
+    flux_step,
+    flux_system,
+    opened,
+    residual_voltage,
+    torque_rate,
+)
+from engine.numerics.same_bits import cos, product, sin
+from engine.start.time_response import ModalSystem, coupled_step
+from engine.stepping.exponential import polynomial_step
+from engine.stepping.library import address, library, struct
+
+#: Coefficients of 1, s and s² of the parabola through values at s = 0, 1/2 and 1.
+PARABOLA = np.array([[1.0, 0.0, 0.0], [-3.0, 4.0, -1.0], [2.0, -4.0, 2.0]])
+#: The same in the middle of a step: s of the step is half of that of its first half.
+HALVED = np.array([1.0, 0.5, 0.25])
+
+
+@dataclass(frozen=True)
+class Machine:
+    """A motor on its station."""
+
+    circuit: Circuit  #: [pu]
+    torque_base: float  #: 1 per unit of torque. [N m]
+    synchronous_speed: float  #: Of its station. [rad/s]
+    line_omega: float  #: Angular frequency of the line. [rad/s]
+
+    @property
+    def pole_pairs(self) -> float:
+        """Electrical over mechanical angle. [1]"""
+        return self.line_omega / self.synchronous_speed
+
+
+@dataclass(frozen=True)
+class Supply:
+    """What the stator is connected to, from some time on."""
+
+    begins: float  #: [s]
+    #: Voltage that turns with the line: its magnitude, and its angle ahead of the line before. [pu, rad]
+    forward: tuple[float, float] = (1.0, 0.0)
+    #: Voltage that turns against the line: its magnitude, and its angle at t = 0. [pu, rad]
+    backward: tuple[float, float] = (0.0, 0.0)
+    is_open: bool = False  #: No current flows.
+    #: Where it closes an open stator: voltage at the terminals before, and by how much that is ahead of the
+    #: line's. None: what is left, and as it stands. [pu, rad]
+    residual: float | None = None
+    ahead: float | None = None  #: Likewise. [rad]
+
+
+@dataclass(frozen=True, eq=False)
+class MachineMotion:
+    """Motion of a train and torque of its motor. Two samples share the time of a change of the supply."""
+
+    time: Floats  #: [s] Shape (n_times,).
+    q: Floats  #: Modal positions. [rad √(kg m²)] Shape (n_kept, n_times).
+    v: Floats  #: Modal velocities. [rad √(kg m²)/s] Shape (n_kept, n_times).
+    rotor: Floats  #: Angle of the rotor beyond that in balance. [rad] Shape (n_times,).
+    flux: Floats  #: In the order of `FluxSystem`. [pu] Shape (n_flux, n_times).
+    torque: Floats  #: Air-gap torque and its rate. [N m, N m/s] Shape (n_times,).
+    torque_rate: Floats  #: Likewise. [N m/s] Shape (n_times,).
+
+
+def machine_motion(
+    system: ModalSystem,
+    machine: Machine,
+    supplies: Sequence[Supply],
+    state: MachineState,
+    end: float,
+    step: float,
+    *,
+    held: float,
+    before: tuple[Floats, Floats] | None = None,
+    speed: float = 1.0,
+) -> MachineMotion:
+    """Motion from a given state.
+
+    Parameters
+    ----------
+    system : ModalSystem
+        The train under one force, the torque of the motor. [SI]
+    machine : Machine
+        The motor. [pu, SI]
+    supplies : sequence of Supply
+        What it is connected to, rising in time, the first from 0 on. [pu, rad]
+    state : MachineState
+        Fluxes at t = 0, axis d there, and the voltage of the field. [pu, rad]
+    end : float
+        Last time. [s]
+    step : float
+        Longest step. [s]
+    held : float
+        Torque of the motor that the train is in balance with. [N m]
+    before : tuple of ndarray, shape (n_kept,), optional
+        Modal positions and velocities at t = 0; default zero. [SI]
+    speed : float
+        Of the rotor in balance, over synchronous speed. [1]
+
+    Returns
+    -------
+    MachineMotion
+        At the ends of the steps. [SI]
+    """
+    n = len(system.omega)
+    now = (*(before or (np.zeros(n), np.zeros(n))), state.flux)
+    parts: list[MachineMotion] = []
+    ends = [*(s.begins for s in supplies[1:]), end]
+    for supply, last in zip(supplies, ends, strict=True):
+        supply, flux = _switched(system, machine, supply, state, now, speed)
+        now = (*now[:2], flux)
+        if supply.begins >= min(last, end):  # an open breaker that closes at once
+            continue
+        fluxes = flux_system(
+            machine.circuit, machine.line_omega, speed, state.field_voltage, is_open=supply.is_open
+        )
+        run = _Stretch(system, machine, fluxes, supply, state.angle, held, speed)
+        parts.append(run.motion(now, min(last, end), step))
+        now = parts[-1].q[:, -1], parts[-1].v[:, -1], parts[-1].flux[:, -1]
+    return MachineMotion(
+        *(np.concatenate([getattr(p, name) for p in parts], axis=-1) for name in FIELDS)
+    )
+
+
+def _switched(
+    system: ModalSystem,
+    machine: Machine,
+    supply: Supply,
+    state: MachineState,
+    now: tuple[Floats, Floats, Floats],
+    speed: float,
+) -> tuple[Supply, Floats]:
+    """The supply with its angle known, and the fluxes just after it has changed to it."""
+    q, _, flux = now
+    if supply.is_open:
+        return supply, opened(machine.circuit, flux)
+    if supply.residual is None and supply.ahead is None:
+        return supply, flux
+    size, angle = residual_voltage(machine.circuit, flux)
+    if supply.residual is not None:
+        flux = flux * (supply.residual / size)
+    if supply.ahead is not None:
+        turned = machine.pole_pairs * float(product(system.reach[:, 0], q))
+        lost = (speed - 1.0) * machine.line_omega * supply.begins
+        of_line = angle + state.angle + turned + lost - supply.ahead
+        supply = replace(supply, forward=(supply.forward[0], of_line))
+    return supply, flux
+
+
+FIELDS = tuple(MachineMotion.__dataclass_fields__)
+
+
+@dataclass(frozen=True, eq=False)
+class _Stretch:
+    """Equations between two changes of the supply."""
+
+    system: ModalSystem
+    machine: Machine
+    fluxes: FluxSystem
+    supply: Supply
+    angle: float  #: Of axis d at t = 0, the train in balance. [rad]
+    held: float
+    speed: float
+
+    def motion(self, now: tuple[Floats, Floats, Floats], end: float, step: float) -> MachineMotion:
+        """Motion from modal positions, velocities and fluxes on, in equal steps."""
+        system, begins = self.system, self.supply.begins
+        count = max(math.ceil((end - begins) / step * (1.0 - 1e-9)), 1)
+        h = (end - begins) / count
+        n, block = len(system.omega), _block(system)
+        n_blocks = n // block
+        states = np.empty((count + 1, 2 * n))
+        flux = np.empty((count + 1, len(now[2])))
+        states[0] = np.stack([a.reshape(-1, block) for a in now[:2]], axis=1).ravel()
+        flux[0] = now[2]
+        described = self._described(h)
+        room = np.empty(library.machine_room(described))
+        made = library.advance_machine(
+            count, begins, h, described, *map(address, (states, flux, room))
+        )
+        if made < count:
+            raise InternalError(f"torque and motion of a motor did not settle in a step of {h:g} s")
+        time = np.linspace(begins, end, count + 1)
+        by_block = states.reshape(count + 1, n_blocks, 2, block)
+        q, v = by_block.transpose(2, 1, 3, 0).reshape(2, n, count + 1)
+        flux = np.ascontiguousarray(flux.T)
+        reach = system.reach[:, 0]
+        rotor = product(reach, q)
+        slope = self._flux_rate(time, rotor, product(reach, v), flux)
+        base = self.machine.torque_base
+        torque, rate = air_gap_torque(self.fluxes, flux), torque_rate(self.fluxes, flux, slope)
+        return MachineMotion(time, q, v, rotor, flux, base * torque, base * rate)
+
+    def _described(self, h: float) -> Any:
+        """``machine_t`` for steps of one length."""
+        machine, fluxes, block = self.machine, self.fluxes, _block(self.system)
+        free, forced = _train_step(self.system, block, h)
+        half, pushed = _train_step(self.system, block, 0.5 * h)
+        rotor = _rotor_rows(self.system, block)
+        maps = [flux_step(fluxes, share * h) for share in (0.5, 1.0)]
+        voltages = np.stack([maps[0].forced * HALVED, maps[1].forced])
+        arrays = {
+            "free": free,
+            "forced": _at_points(forced),
+            "rotor": rotor,
+            "rotor_free": np.concatenate([_rows_times(rotor, half), _rows_times(rotor, free)]),
+            "rotor_forced": np.concatenate(
+                [product(rotor, _at_points(p).reshape(-1, 3)) for p in (pushed * HALVED, forced)]
+            ),
+            "flux_free": np.stack([m.free for m in maps]),
+            "flux_forced": _at_points(voltages).swapaxes(-1, -2),
+            "flux_steady": np.stack([m.steady for m in maps]),
+            "current": fluxes.stator_current,
+        }
+        described = struct(
+            "machine_t",
+            **{name: np.ascontiguousarray(a) for name, a in arrays.items()},
+            n_blocks=len(free), block=2 * block, n_flux=len(fluxes.rate), q=fluxes.q,
+            line_omega=machine.line_omega, axes_speed=self.speed, pole_pairs=machine.pole_pairs,
+            torque_base=machine.torque_base, held=self.held, angle=self.angle,
+        )  # fmt: skip
+        described.forward[0:2], described.backward[0:2] = self.supply.forward, self.supply.backward
+        return described
+
+    def _flux_rate(self, time: Floats, rotor: Floats, speed: Floats, flux: Floats) -> Floats:
+        """Rates of the fluxes from their equations; angle and speed of the rotor are those beyond balance."""
+        machine, supply, fluxes = self.machine, self.supply, self.fluxes
+        turned = self.angle + machine.pole_pairs * rotor
+        beyond = speed / machine.synchronous_speed
+        line = machine.line_omega * time
+        ahead = supply.forward[1] + (1.0 - self.speed) * line - turned
+        back = supply.backward[1] - (1.0 + self.speed) * line - turned
+        size, against = supply.forward[0], supply.backward[0]
+        u_d = size * cos(ahead) + against * cos(back) + beyond * flux[fluxes.q]
+        u_q = size * sin(ahead) + against * sin(back) - beyond * flux[0]
+        slope = product(fluxes.rate, flux) + product(fluxes.voltage, np.stack([u_d, u_q]))
+        return np.asarray(slope + fluxes.field[:, None])
+
+
+def _block(system: ModalSystem) -> int:
+    """Modes that advance together: all where damping couples them, else each for itself."""
+    return max(len(system.omega), 1) if system.coupled else 1
+
+
+def _at_points(forced: Floats) -> Floats:
+    """What coefficients of a parabola do, the last axis, as what its values at the points of a step do."""
+    return np.asarray(product(forced.reshape(-1, 3), PARABOLA).reshape(forced.shape))
+
+
+def _train_step(system: ModalSystem, block: int, h: float) -> tuple[Floats, Floats]:
+    """Exact step of the modes under a torque that is a parabola, a block of modes at a time.
+
+    Shapes (n_blocks, 2 block, 2 block) and (n_blocks, 2 block, 3).
+    """
+    omega, reach = system.omega, system.reach[:, 0]
+    if system.coupled:
+        free, forced = coupled_step(omega, system.damping, h)
+        pushed = product(reach, forced[:, :, :3].transpose(1, 0, 2).reshape(len(omega), -1))
+        return free[None], pushed.reshape(1, -1, 3)
+    rate = np.ascontiguousarray(np.diag(system.damping))
+    free, forced = polynomial_step(omega * omega, rate, h)
+    return free, np.ascontiguousarray(forced[:, :, :3] * reach[:, None, None])
+
+
+def _rotor_rows(system: ModalSystem, block: int) -> Floats:
+    """Angle and speed of the rotor from the modes, in the order of their blocks. Shape (2, 2 n)."""
+    reach = system.reach[:, 0].reshape(-1, 1, block)
+    rows = np.zeros((2, len(reach), 2, block))
+    rows[0, :, :1] = rows[1, :, 1:] = reach
+    return rows.reshape(2, -1)
+
+
+def _rows_times(rows: Floats, blocks: Floats) -> Floats:
+    """Rows times a matrix of blocks on its diagonal."""
+    parts = np.split(rows, max(len(blocks), 1), axis=1)
+    if not len(blocks):
+        return rows
+    return np.concatenate([product(r, b) for r, b in zip(parts, blocks, strict=True)], axis=1)

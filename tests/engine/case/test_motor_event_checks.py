@@ -1,0 +1,90 @@
+"""Wrong events of motors are found at their cells, with what to do; right ones pass."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from engine.case.checks.find_problems import find_problems
+from engine.case.data import EventTorqueRow, MotorEventRow
+from tests.engine.case.test_motor_checks import BY_CIRCUIT, CIRCUIT, SHEET, case, places
+
+FAULT = MotorEventRow("fault", "motor", "three-phase fault", clears_after=0.1)
+RIGHT = (
+    FAULT,
+    MotorEventRow("short", "motor", "line-to-line fault", phase=0.5),
+    MotorEventRow("closing", "motor", "out-of-phase closing", angle=-2.0),
+    MotorEventRow("excited", "motor", "out-of-phase closing", angle=2.0, residual_voltage=1.1),
+    MotorEventRow("at once", "motor", "reclosing"),
+    MotorEventRow("transfer", "motor", "reclosing", None, 1.0, 0.8, 0.2),
+    MotorEventRow("dip", "motor", "voltage dip", residual_voltage=0.0, clears_after=0.2),
+    MotorEventRow("phase", "motor", "voltage unbalance", 0.3, residual_voltage=0.9),
+)
+
+
+def problems(*events, motors=(SHEET,), **fields):
+    data = replace(case(*motors, **fields), motor_events=events)
+    return [p for p in find_problems(data) if p.table not in ("Elements", "Stations")]
+
+
+def test_right_events_pass():
+    assert problems(*RIGHT) == []
+    assert problems(FAULT, motors=(BY_CIRCUIT,), circuits=(CIRCUIT,)) == []
+
+
+@pytest.mark.parametrize(
+    ("event", "column", "words"),
+    [
+        (replace(FAULT, event=None), "Event", "Name it"),
+        (replace(FAULT, station=None), "Station", "a station of table MotorData"),
+        (replace(FAULT, station="second"), "Station", "no motor data for 'second': type its row"),
+        (replace(FAULT, station="moter"), "Station", "Did you mean 'motor'?"),
+        (replace(FAULT, kind=None), "Kind", "Choose from the list"),
+        (replace(FAULT, kind="short circuit"), "Kind", "Choose from the list"),
+        (replace(FAULT, clears_after=-0.1), "Clears after", "nothing clears before it begins"),
+        (replace(FAULT, clears_after=120.0), "Clears after", "Write 120 ms or 0.12 s"),
+        (
+            replace(FAULT, residual_voltage=0.5),
+            "Residual voltage",
+            "no effect on a three-phase fault",
+        ),
+        (replace(FAULT, phase=0.5), "Phase", "no effect on a three-phase fault"),
+        (replace(FAULT, angle=float("nan")), "Angle", "found nan"),
+        (replace(RIGHT[2], angle=None), "Angle", "given for a out-of-phase closing"),
+        (replace(RIGHT[2], angle=120.0), "Angle", "between -360 and 360 degrees"),
+        (replace(RIGHT[2], clears_after=0.2), "Clears after", "no effect"),
+        (replace(RIGHT[2], residual_voltage=0.0), "Residual voltage", "above 0 pu"),
+        (replace(RIGHT[6], residual_voltage=None), "Residual voltage", "given for a voltage dip"),
+        (replace(RIGHT[6], residual_voltage=60.0), "Residual voltage", "Write 60 % or 0.6 pu"),
+    ],
+)
+def test_wrong_events_are_found(event, column, words):
+    (problem,) = problems(event)
+    assert (problem.table, problem.row, problem.column) == ("MotorEvents", 1, column)
+    assert words in problem.message
+
+
+def test_names_are_used_once():
+    found = problems(FAULT, FAULT)
+    assert [(p.row, p.column) for p in found] == [(2, "Event")]
+    assert "row 1 has it already" in found[0].message
+    same = EventTorqueRow("fault", "motor", 1.0)
+    (found,) = problems(FAULT, event_torque=(same,), rated_torque=1e3)
+    assert "another table has it already" in found.message
+
+
+def test_a_motor_without_a_field_does_not_run_in_step():
+    bare = replace(SHEET, xd_transient=None, td_0_transient=None, discharge_resistance=None)
+    (found,) = problems(FAULT, motors=(bare,))
+    assert "Type Xd transient in its row of table MotorData" in found.message
+    no_field = replace(CIRCUIT, rf=None, xlf=None)
+    sheet = replace(BY_CIRCUIT, discharge_resistance=None)
+    (found,) = problems(FAULT, motors=(sheet,), circuits=(no_field,))
+    assert found.column == "Station"
+    assert places(case(sheet, circuits=(no_field,))) == []
+
+
+def test_the_speed_must_be_known():
+    found = problems(FAULT, poles=None, line_frequency=None)
+    assert "LineFrequency" in {p.column for p in found}

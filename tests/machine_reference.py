@@ -1,0 +1,194 @@
+"""A motor and its train integrated by scipy's DOP853 in angles, speeds and fluxes, without modes."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from engine.case.case import Case
+from engine.case.choices import MotorEventKind as Kind
+from engine.case.data import (
+    ElementRow,
+    MotorCircuitRow,
+    MotorDataRow,
+    MotorEventRow,
+    StationRow,
+)
+from engine.stepping.linear_loop import turning_points
+
+LENGTH = 0.2
+KINDS = (
+    Kind.THREE_PHASE_FAULT, Kind.LINE_TO_LINE_FAULT, Kind.OUT_OF_PHASE_CLOSING, Kind.VOLTAGE_DIP,
+    Kind.VOLTAGE_UNBALANCE,
+)  # fmt: skip
+
+
+def random_case(seed: int) -> Case:
+    """A machine of Xd'' 0.1 to 0.35, H 0.5 to 8 s, 2 to 40 poles, on a chain of two to five discs, in an event."""
+    rng = np.random.default_rng(seed)
+    line = float(rng.choice([50.0, 60.0, 16.7]))
+    poles = 2 * int(rng.integers(1, 21))
+    speed = 4.0 * math.pi * line / poles
+    power = 10.0 ** rng.uniform(5.0, 7.5)
+    base = power / speed
+    n = int(rng.integers(2, 6))
+    whole = 2.0 * 10.0 ** rng.uniform(math.log10(0.5), math.log10(8.0)) * power / speed**2
+    share = 10.0 ** rng.uniform(-1.5, 0.0, n)
+    inertia = whole * share / share.sum()
+    # elements alone between their two discs at 8 to 150 Hz
+    between = 1.0 / (1.0 / inertia[1:] + 1.0 / inertia[:-1])
+    own = 2.0 * math.pi * 10.0 ** rng.uniform(math.log10(8.0), math.log10(150.0), n - 1)
+    stiffness = between * own**2
+    damping = 2.0 * rng.uniform(0.0, 0.03, n - 1) * between * own
+    subtransient = rng.uniform(0.1, 0.35)
+    leakage = rng.uniform(0.4, 0.8) * subtransient
+    xmd, inner = rng.uniform(0.7, 1.8), subtransient - leakage
+    xmq = xmd * rng.uniform(0.45, 1.0)
+    xlf = inner * rng.uniform(1.5, 4.0)
+    xlkd = 1.0 / (1.0 / inner - 1.0 / xmd - 1.0 / xlf)
+    xlkq = xlkd * rng.uniform(0.7, 2.0)
+    circuit = MotorCircuitRow(
+        "M0", rng.uniform(0.002, 0.03), leakage, xmd, xmq, 10.0 ** rng.uniform(-3.4, -2.5), xlf,
+        10.0 ** rng.uniform(-2.0, -1.0), xlkd, 10.0 ** rng.uniform(-2.0, -1.0), xlkq,
+    )  # fmt: skip
+    kind = KINDS[seed % len(KINDS)]
+    event = MotorEventRow(
+        "event", "M0", kind,
+        phase=rng.uniform(-3.0, 3.0) if kind in (Kind.LINE_TO_LINE_FAULT, Kind.VOLTAGE_UNBALANCE) else None,
+        angle=rng.uniform(-3.0, 3.0) if kind == Kind.OUT_OF_PHASE_CLOSING else None,
+        residual_voltage=None if "fault" in kind else rng.uniform(0.3, 0.95),
+        clears_after=None if kind == Kind.OUT_OF_PHASE_CLOSING else rng.uniform(0.02, 0.15),
+    )  # fmt: skip
+    return Case(
+        line_frequency=line, poles=poles, rated_torque=base, maximum_time=LENGTH,
+        stations=tuple(
+            StationRow(f"M{i}", None, float(inertia[i]), running_load=0.8 * base if i == n - 1 else None)
+            for i in range(n)
+        ),
+        elements=tuple(
+            ElementRow(f"E{i}", "shaft", f"M{i}", f"M{i + 1}", float(stiffness[i]), damping=float(damping[i]))
+            for i in range(n - 1)
+        ),
+        motor_data=(MotorDataRow("M0", apparent_power=power, power_factor=rng.uniform(0.8, 1.0)),),
+        motor_circuit=(circuit,), motor_events=(event,),
+    )  # fmt: skip
+
+
+def voltage_of(row: MotorEventRow, omega: float, t: float, cleared: bool) -> complex:
+    """Voltage of the line in the stator's axes, of phases and not of sequences."""
+    phase = row.phase or 0.0
+    if cleared or row.kind == Kind.OUT_OF_PHASE_CLOSING:
+        return complex(np.exp(1j * omega * t))
+    if row.kind == Kind.THREE_PHASE_FAULT:
+        return 0j
+    if row.kind == Kind.VOLTAGE_DIP:
+        return complex(row.residual_voltage * np.exp(1j * omega * t))
+    thirds = 2.0 * math.pi / 3.0 * np.arange(3)
+    phases = np.cos(omega * t + phase - thirds)
+    if row.kind == Kind.VOLTAGE_UNBALANCE:
+        phases[0] *= row.residual_voltage
+    else:  # the other two are one point
+        phases[1:] = phases[1:].mean()
+    return complex(2.0 / 3.0 * np.sum(phases * np.exp(1j * thirds)) * np.exp(-1j * phase))
+
+
+def reference(case: Case, rtol: float = 1e-11) -> tuple[dict[str, tuple[float, float]], float]:
+    """Maximum and minimum of the torque of each element, and the largest torque of the motor in magnitude. [N m]"""
+    row, sheet, c = case.motor_events[0], case.motor_data[0], case.motor_circuit[0]
+    omega = 2.0 * math.pi * case.line_frequency
+    pairs = case.poles / 2.0
+    base = sheet.apparent_power * pairs / omega
+    j = np.array([s.inertia for s in case.stations])
+    k = np.array([e.stiffness for e in case.elements])
+    d = np.array([e.damping for e in case.elements])
+    n, load = len(j), case.stations[-1].running_load
+    x = np.zeros((5, 5))  # d, field, damper d; q, damper q
+    x[:3, :3] = c.xmd + np.diag([c.xl, c.xlf, c.xlkd])
+    x[3:, 3:] = c.xmq + np.diag([c.xl, c.xlkq])
+    y = np.linalg.inv(x)
+    r = np.array([c.rs, c.rf, c.rkd, c.rs, c.rkq])
+
+    def torque_of(flux: np.ndarray) -> np.ndarray:
+        i = y @ flux
+        return base * (flux[0] * i[3] - flux[3] * i[0])
+
+    if row.kind == Kind.OUT_OF_PHASE_CLOSING:
+        i_f, axis = row.residual_voltage / c.xmd, row.angle - 0.5 * math.pi
+        flux = x @ np.array([0.0, i_f, 0.0, 0.0, 0.0])
+        accelerations = np.full(n, -load / j.sum())
+        inertial = np.cumsum((j * accelerations)[:-1])  # what the discs before an element give up
+        twist = -inertial / k
+    else:
+        p, pf = load / base, sheet.power_factor
+        active = (pf - math.sqrt(pf * pf - 4.0 * c.rs * p)) / (2.0 * c.rs) * pf
+        i = active * complex(1.0, math.sqrt(1.0 - pf * pf) / pf)
+        axis = float(np.angle(1.0 - (c.rs + 1j * (c.xl + c.xmq)) * i)) - 0.5 * math.pi
+        i, u = i * np.exp(-1j * axis), np.exp(-1j * axis)
+        i_f = (u.imag - c.rs * i.imag - (c.xl + c.xmd) * i.real) / c.xmd
+        flux = x @ np.array([i.real, i_f, 0.0, i.imag, 0.0])
+        twist = load / k
+    e_f = c.rf * i_f
+    theta = -np.concatenate([[0.0], np.cumsum(twist)])
+
+    def rates(t: float, s: np.ndarray, cleared: bool) -> np.ndarray:
+        th, v, psi = s[:n], s[n : 2 * n], s[2 * n :]
+        through = k * (th[:-1] - th[1:]) + d * (v[:-1] - v[1:])
+        force = np.zeros(n)
+        force[0] = torque_of(psi)
+        force[-1] -= load
+        force[:-1] -= through
+        force[1:] += through
+        angle = axis + omega * t + pairs * th[0]
+        u = voltage_of(row, omega, t, cleared) * np.exp(-1j * angle)
+        w = 1.0 + pairs * v[0] / omega
+        out = -r * (y @ psi)
+        out[0] += u.real + w * psi[3]
+        out[3] += u.imag - w * psi[0]
+        out[1] += e_f
+        return np.concatenate([v, force / j, omega * out])
+
+    state = np.concatenate([theta, np.zeros(n), flux])
+    changes = [0.0, *([row.clears_after] if row.clears_after else []), LENGTH]
+    scale = np.concatenate([np.full(n, 1e-3), np.full(n, 0.1), np.full(5, 1.0)])
+    found: dict[str, list[np.ndarray]] = {e.element: [] for e in case.elements}
+    air_gap: list[float] = []
+    for stage, (begin, end) in enumerate(zip(changes[:-1], changes[1:], strict=True)):
+        t = np.linspace(begin, end, max(int((end - begin) * omega / 0.03), 2))
+        solution = solve_ivp(
+            rates, (begin, end), state, "DOP853", t, rtol=rtol, atol=rtol * scale, args=(stage > 0,)
+        )
+        assert solution.success
+        s = solution.y
+        slopes = np.array([rates(a, b, stage > 0) for a, b in zip(t, s.T, strict=True)]).T
+        state = s[:, -1]
+        for i, element in enumerate(case.elements):
+            torque, rate = (
+                k[i] * (a[i] - a[i + 1]) for a in (s, slopes)
+            )  # of the spring, as reported
+            found[element.element] += [turning_points(t, torque, rate)[1], torque[[0, -1]]]
+        psi, dpsi = s[2 * n :], slopes[2 * n :]
+        i, di = y @ psi, y @ dpsi
+        rate = base * (dpsi[0] * i[3] + psi[0] * di[3] - dpsi[3] * i[0] - psi[3] * di[0])
+        torque = torque_of(psi)
+        values = np.concatenate([turning_points(t, torque, rate)[1], torque[[0, -1]]])
+        air_gap.append(float(np.max(np.abs(values))))
+    peaks = {e: np.concatenate(v) for e, v in found.items()}
+    return {e: (float(v.max()), float(v.min())) for e, v in peaks.items()}, max(air_gap)
+
+
+def misses(case: Case, event: Any) -> list[str]:
+    """What lies outside its stated error, and by how much."""
+    peaks, air_gap = reference(case)
+    out = []
+    for p in event.response.peaks:
+        most, least = peaks[p.element]
+        true = max(abs(p.maximum - most), abs(p.minimum - least)) / p.size
+        if true > p.relative_error:
+            out.append(f"{p.element}: {true:.2e} > {p.relative_error:.2e}")
+    size = abs(event.air_gap.largest)
+    if abs(size - air_gap) > event.air_gap.error * size:
+        out.append(f"air gap: {abs(size - air_gap) / size:.2e} > {event.air_gap.error:.2e}")
+    return out
