@@ -84,7 +84,8 @@ class TextFormula:
         self.kind, self.value = kind, ""
         if text is not None:
             space = ' xml:space="preserve"' if text != text.strip() else ""
-            self.value = f"<v{space}>{escape(text, quote=False)}</v>"
+            # a parser would take the character as it is for the end of a line
+            self.value = f"<v{space}>{escape(text, quote=False)}</v>".replace("\r", "&#13;")
 
     def shown(self) -> str | None:
         """Text of the value; None without one."""

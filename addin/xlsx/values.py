@@ -226,7 +226,7 @@ def constant_text(value: Constant) -> tuple[str, str | None]:
         return "", number_text(value)
     if isinstance(value, ErrorValue):
         return "e", value.code
-    return "str", _ESCAPE.sub("_x005F_", value)
+    return "str", _ESCAPE.sub("_x005F_", _ILLEGAL.sub("\ufffd", value))
 
 
 def _text_xml(text: str) -> str:
@@ -288,7 +288,8 @@ def unescaped(text: str) -> str:
     """Text of a plain element."""
     if "&" not in text:
         return text
-    return text.replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&")
+    text = text.replace("&lt;", "<").replace("&gt;", ">").replace("&#13;", "\r")
+    return text.replace("&amp;", "&")
 
 
 def stored_constant(kind: str, text: str, shared_strings: Any) -> Constant:

@@ -60,7 +60,9 @@ def _do(sheet: SheetPart, chance: random.Random) -> object:
         return sheet.remove_cells(rect)
     if what == 7:
         place = chance.choice([(top, left), *sorted(sheet.formulas)])
-        return sheet.set_cached(*place, chance.choice([1.5, " a <b> & c", True, None]))
+        return sheet.set_cached(
+            *place, chance.choice([1.5, " a <b> & c", "\a\r_x000A_", True, None])
+        )
     if what == 8:
         held = [sheet.value(top, column) for column in range(left, rect.right + 1)]
         filled, cells = list(sheet.filled_cells(rect)), list(sheet.cells_in(rect))
