@@ -116,11 +116,12 @@ def running_damping(circuit: Circuit, power_factor: float, frequency: Floats) ->
     """
     resistance = circuit.stator_resistance
     xq = circuit.stator_leakage + circuit.magnetising_q
-    current = complex(power_factor, math.sqrt(1.0 - power_factor * power_factor))
-    behind = 1.0 - complex(resistance, xq) * current
-    turned = 1j * behind.conjugate() / hypot(behind.real, behind.imag)
-    ud, uq = turned.real, turned.imag
-    id_, iq = (current * turned).real, (current * turned).imag
+    lead = math.sqrt(1.0 - power_factor * power_factor)
+    real = 1.0 - resistance * power_factor + xq * lead  # of the voltage behind
+    imaginary = -(resistance * lead + xq * power_factor)
+    size = hypot(real, imaginary)
+    ud, uq = imaginary / size, real / size
+    id_, iq = power_factor * ud - lead * uq, power_factor * uq + lead * ud
     return _damping_at_rest(circuit, (ud, uq), (id_, iq), frequency)
 
 
