@@ -163,7 +163,8 @@ MOTOR_PROVENANCE: tuple[tuple[str, str], ...] = (
         "constants times 50/60), rating and voltage constructed to suit the train. Discharge "
         "resistance 9 times that of the field; 0.4 mm (0.0157 in) normal backlash; field at 3 % "
         "slip. The short circuit is that of constant flux at no load, -sin(wt)/Xd'' + "
-        "(1/Xd'' - 1/Xq'')/2 sin(2wt) in pu of apparent power, decaying with Ta.",
+        "(1/Xd'' - 1/Xq'')/2 sin(2wt) in pu of apparent power, decaying with Ta. The dip to "
+        "70 % voltage for 150 ms is calculated from the motor data.",
     ),
 )
 
@@ -313,7 +314,7 @@ _MOTOR_DATA: dict[str, Value] = {
 
 
 def _motor_example() -> Example:
-    """The modified design with a motor given by its data sheet, and a short circuit at its terminals."""
+    """The modified design with a motor given by its data sheet, a short circuit and a voltage dip."""
     plain = _example("modified")
     scalars: dict[str, Value] = {
         "Title": "Torsional start-up analysis, compressor train, motor from its data sheet",
@@ -328,11 +329,21 @@ def _motor_example() -> Example:
         ("three-phase fault", "Motor", -9.43, 1, -90, 0.0118),
         ("three-phase fault", "Motor", 0.857, 2, -90, 0.0059),
     )
+    dip = _rows(
+        ("Event", "Station", "Kind", "Residual voltage", "Clears after"),
+        ("voltage dip", "Motor", "voltage dip", 0.7, 0.15),
+    )
     tables = {name: rows for name, rows in plain.tables.items() if name != "MotorTorque"}
     return replace(
         plain,
         scalars={**plain.scalars, **scalars},
-        tables={**tables, "Meshes": [gear], "MotorData": [_MOTOR_DATA], "EventTorque": fault},
+        tables={
+            **tables,
+            "Meshes": [gear],
+            "MotorData": [_MOTOR_DATA],
+            "MotorEvents": dip,
+            "EventTorque": fault,
+        },
         provenance=(*PROVENANCE, *MOTOR_PROVENANCE),
     )
 
