@@ -168,7 +168,8 @@ def _at_one_speed(
     for motor in motors:
         name = train.stations[motor.station]
         angle = float(modes.shape[train.node_dof[motor.station], mode])
-        gain = (angle * float(train.node_scale[motor.station])) ** 2
+        angle *= float(train.node_scale[motor.station])
+        gain = angle * angle
         slope = motor.average.slope(speed) / motor.synchronous_speed
         k = _torque_over_speed(
             case, name, sheets.get(name), speed, float(modes.frequency[mode]) / line
