@@ -4,13 +4,14 @@ formualizer refuses a workbook in which a cell of a calculated column holds a va
 that states too small an extent of a sheet (some programs do), one with a data table, one in which any cell shows a rich value
 (a picture, a linked data type), and one whose tables have more than 256 columns together. And it reads all cells, where histories take longer
 than everything else. Hence column formulas, extents, data tables and links to rich values are taken out, and on sheets without formulas
-the last rows that none reads; and everywhere the tables that no formula names: for ``A1:B9`` cells are enough.
+the last rows that none reads; and everywhere the tables that no formula names: for ``A1:B9`` cells are enough. Of a
+table that is named it is given the columns from the first to the last that formulas name.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Collection
+from collections.abc import Callable, Collection, Mapping
 from html import unescape
 
 from addin.xlsx.formula_text import parse_formula
@@ -52,7 +53,7 @@ def calculator_copy(
     with_formulas: Collection[str],
     read: Collection[tuple[str, Rect]] | None,
     left_out: Collection[str] = (),
-    named: Collection[str] | None = None,
+    named: Mapping[str, tuple[int, int]] | None = None,
 ) -> tuple[dict[str, bytes], set[str]]:
     """Parts of the copy that differ from the file as it was opened.
 
@@ -66,8 +67,9 @@ def calculator_copy(
         What formulas read; None when some formula may read anything.
     left_out : collection of str
         Formulas that are not to be calculated; their cells keep their values.
-    named : collection of str, optional
-        Tables that formulas name; by default those that they read.
+    named : mapping of str to (int, int), optional
+        Tables that formulas name, with the first and last column of the sheet that they need; by default
+        those that they read, whole.
     """
     parts = workbook.changed_parts()
     unread = [] if read is None else _unread_tables(workbook, read, named)
@@ -80,7 +82,9 @@ def calculator_copy(
     kept = [table for table in workbook.tables.values() if table.part not in dropped]
     for table in kept:
         data = parts.get(table.part) or workbook.container.read(table.part)
-        parts[table.part] = _TOTALS_FUNCTION.sub(b"", _TABLE_FORMULA.sub(b"", data))
+        data = _TOTALS_FUNCTION.sub(b"", _TABLE_FORMULA.sub(b"", data))
+        columns = (named or {}).get(table.name, (table.ref.left, table.ref.right))
+        parts[table.part] = _narrowed(table, data, *columns)
     needed = [*(read or ()), *((table.sheet, table.ref) for table in kept)]
     for sheet in workbook.sheet_names:
         part = workbook.structure.worksheet_part(sheet)
@@ -139,18 +143,45 @@ def _plain_range(workbook: WorkbookState, text: str) -> str | None:
     return f"{quoted_sheet(table.sheet)}!{absolute_range(cells)}"
 
 
-def _unread_tables(
-    workbook: WorkbookState, read: Collection[tuple[str, Rect]], named: Collection[str] | None
-) -> list[Table]:
-    """Tables that no formula needs, those of their own columns included, and no defined name mentions."""
-    # Those of parts of tables become plain ranges, or are left out.
+def _narrowed(table: Table, data: bytes, left: int, right: int) -> bytes:
+    """A table from one column of the sheet to another; its filter, which counts columns, goes."""
+    if (left, right) == (table.ref.left, table.ref.right):
+        return data
+    root = parse_part(data, table.part)
+    root.set("ref", str(Rect(table.ref.top, left, table.ref.bottom, right)))
+    columns = root.find(main("tableColumns"))
+    for k, column in enumerate(columns.findall(main("tableColumn")), start=table.ref.left):
+        if not left <= k <= right:
+            columns.remove(column)
+    columns.set("count", str(right - left + 1))
+    for name in ("autoFilter", "sortState"):
+        for element in root.findall(main(name)):
+            root.remove(element)
+    return serialise(root, data)
+
+
+def mentioned_in_names(workbook: WorkbookState) -> Callable[[Table], bool]:
+    """Whether a defined name needs a table, or may."""
+    # Names of parts of tables become plain ranges, or are left out.
     plain = [one.text for one in workbook.structure.names if not _STRUCTURED.search(one.text)]
     of_names = {name.casefold() for text in plain for name in parse_formula(text).names}
     unclear = [text.casefold() for text in plain if parse_formula(text).unclear]
 
-    def is_needed(table: Table) -> bool:
+    def is_mentioned(table: Table) -> bool:
         name = table.name.casefold()
-        if name in of_names or any(name in text for text in unclear):
+        return name in of_names or any(name in text for text in unclear)
+
+    return is_mentioned
+
+
+def _unread_tables(
+    workbook: WorkbookState, read: Collection[tuple[str, Rect]], named: Collection[str] | None
+) -> list[Table]:
+    """Tables that no formula needs, those of their own columns included, and no defined name mentions."""
+    is_mentioned = mentioned_in_names(workbook)
+
+    def is_needed(table: Table) -> bool:
+        if is_mentioned(table):
             return True
         if named is not None:
             return table.name in named

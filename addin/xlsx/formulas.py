@@ -16,12 +16,15 @@ import io
 import math
 import re
 import zipfile
-from collections import defaultdict
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from addin.xlsx.calculator_copy import calculator_copy, reads_other_workbook
+from addin.xlsx.calculator_copy import (
+    calculator_copy,
+    mentioned_in_names,
+    reads_other_workbook,
+)
 from addin.xlsx.dependents import (
     ChangedCells,
     FormulaCell,
@@ -208,41 +211,58 @@ def _rich_values(workbook: WorkbookState) -> ChangedCells:
     return found
 
 
+@dataclass
+class _Named:
+    """A table that formulas name: which do, and the first and last column of the sheet that they need."""
+
+    cells: list[FormulaCell]
+    left: int
+    right: int
+
+
 def _naming(
     workbook: WorkbookState, cells: Sequence[FormulaCell], left_out: Collection[str] = ()
-) -> dict[str, list[FormulaCell]]:
-    """Tables that formulas name, and the formulas; one without a name is the table around its formula."""
+) -> dict[str, _Named]:
+    """Tables that formulas name; one without a name is the table around its formula."""
     tables = {table.name.casefold(): table for table in workbook.tables.values()}
-    found: dict[str, list[FormulaCell]] = defaultdict(list)
+    of_sheet = {
+        sheet: [t for t in tables.values() if t.sheet == sheet] for sheet in workbook.sheet_names
+    }
+    is_mentioned = mentioned_in_names(workbook)
+    found: dict[str, _Named] = {}
     for cell in cells:
         if cell.text in left_out:
             continue
-        references = parse_formula(cell.text).references
-        ends = [one.within if isinstance(one, Span) else one for one in references]
-        words = {
-            end.table if isinstance(end, TableReference) else end.name
-            for end in ends
-            if not isinstance(end, Reference)
-        }
-        named = [table for word in words if (table := tables.get(word.casefold()))]
-        if "" in words:
-            named += (
-                t for t in tables.values() if t.sheet == cell.sheet and t.ref.meets(cell.rect)
-            )
-        for table in named:
-            found[table.name].append(cell)
+        around = [t for t in of_sheet[cell.sheet] if t.ref.meets(cell.rect)]
+        for one in parse_formula(cell.text).references:
+            end = one.within if isinstance(one, Span) else one
+            if isinstance(end, Reference):
+                continue
+            if isinstance(end, TableReference):
+                word, inside = end.table, end.inside
+            else:
+                word, inside = end.name, ""
+            known = tables.get(word.casefold())
+            for table in [known] if known else around if not word else ():
+                area = table.ref if is_mentioned(table) else table.read_by(inside, cell.rect)
+                left, right = area.left, area.right
+                if table in around:  # a formula stands in its own table
+                    left = max(min(left, cell.rect.left), table.ref.left)
+                    right = min(max(right, cell.rect.right), table.ref.right)
+                named = found.setdefault(table.name, _Named([], left, right))
+                named.cells.append(cell)
+                named.left, named.right = min(named.left, left), max(named.right, right)
     return found
 
 
-def _beyond_the_limit(
-    workbook: WorkbookState, naming: dict[str, list[FormulaCell]]
-) -> dict[str, list[FormulaCell]]:
-    """Tables that are too many for the calculator, those that the fewest formulas name; and these formulas."""
-    left, beyond = MOST_COLUMNS, {}
-    for name in sorted(naming, key=lambda one: len(naming[one]), reverse=True):
-        columns = len(workbook.tables[name].columns)
+def _beyond_the_limit(naming: Mapping[str, _Named]) -> list[FormulaCell]:
+    """Formulas that name more tables than the calculator takes: those that the fewest formulas name."""
+    left, beyond = MOST_COLUMNS, []
+    for name in sorted(naming, key=lambda one: len(naming[one].cells), reverse=True):
+        table = naming[name]
+        columns = table.right - table.left + 1
         if columns > left:
-            beyond[name] = naming[name]
+            beyond += table.cells
         else:
             left -= columns
     return beyond
@@ -338,10 +358,8 @@ class _Refresh:
             or _is_beyond_programs(cell.text)
             or "LAMBDA" in parse_formula(cell.text).functions
         }
-        crowded = _beyond_the_limit(
-            self.workbook, _naming(self.workbook, self.everything, left_out)
-        )
-        left_out |= {cell.text for cells in crowded.values() for cell in cells}
+        naming = _naming(self.workbook, self.everything, left_out)
+        left_out |= {cell.text for cell in _beyond_the_limit(naming)}
 
         if left_out:
             again = self._calculated(known, left_out)
@@ -396,7 +414,8 @@ class _Refresh:
         if any(_is_beyond_programs(cell.text) for cell in cells if cell.text not in left_out):
             return None, "A formula is too long or nested too deeply for a spreadsheet program."
         with_formulas = {cell.sheet for cell in cells}
-        named = _naming(self.workbook, cells, left_out)
+        naming = _naming(self.workbook, cells, left_out)
+        named = {name: (table.left, table.right) for name, table in naming.items()}
         fed, dropped = calculator_copy(self.workbook, with_formulas, read, left_out, named)
         package = io.BytesIO()
         # Not compressed, as it lives for milliseconds.

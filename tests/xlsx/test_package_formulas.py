@@ -587,11 +587,28 @@ def test_tables_of_which_cells_are_read_do_not_limit_the_recalculation(tmp_path:
     assert book.value("Data", "BK2").cached == 49.5 * 2
 
 
+def test_columns_that_no_formula_names_do_not_limit_the_recalculation(tmp_path: Path) -> None:
+    """Nine tables of 60 columns, of which formulas name one or some that are neighbours."""
+    path = wide_workbook(tmp_path / "t.xlsx", 9)
+    book = open_workbook(path)
+    for number in range(9):
+        book.set_cell("Out", f"B{number + 1}", Formula(f"SUM(Wide_{number}[c7])+In!A1", 0.5))
+    book.set_cell("Out", "C1", Formula("SUM(Wide_0[[c3]:[c5]])+COUNT(Wide_3[c20])+In!A1", 0.5))
+    book.save(tmp_path / "typed.xlsx")
+    book = open_workbook(tmp_path / "typed.xlsx")
+    book.set_cell("In", "A1", 2.0)
+    report = book.refresh_formula_caches()
+    assert (report.method, report.removed) == ("recalculated", 0)
+    assert [book.value("Out", f"B{n + 1}").cached for n in range(9)] == [1252] * 9
+    assert book.value("Out", "C1").cached == 3 * 1250 + 50 + 2
+
+
 def test_tables_beyond_the_limit_cost_the_formulas_that_name_them(tmp_path: Path) -> None:
     path = wide_workbook(tmp_path / "t.xlsx", 9)
     book = open_workbook(path)
     for number in range(9):
-        book.set_cell("Out", f"B{number + 1}", Formula(f"SUM(Wide_{number}[c1])+In!A1", 0.5))
+        whole = f"SUM(Wide_{number}[c1])+0*COUNT(Wide_{number})+In!A1"
+        book.set_cell("Out", f"B{number + 1}", Formula(whole, 0.5))
         book.set_cell("Out", f"C{number + 1}", Formula(f"B{number + 1}*2", 1.0))
     book.set_cell("Out", "D1", Formula("SUM(Wide_0[c1])+COUNT(Wide_3)+In!A1", 0.5))
     book.save(tmp_path / "typed.xlsx")
