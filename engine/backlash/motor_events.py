@@ -29,7 +29,7 @@ from engine.motor.two_axis import (
     running_state,
 )
 from engine.numerics.same_bits import product
-from engine.start.machine_motion import Machine, MachineMotion, Supply, machine_motion
+from engine.start.machine_motion import Balance, Machine, MachineMotion, Supply, machine_motion
 from engine.start.prescribed import SAMPLES_PER_PERIOD, Drive
 from engine.start.time_response import TimeResponse, modal_system
 from engine.start.torque_outputs import force_reach
@@ -188,7 +188,7 @@ def motor_drive(modal: ModalTrain, event: MotorEvent) -> MotorDrive:
             state = replace(state, angle=state.angle - turned)
         motion = machine_motion(
             system, machine, event.supplies, state, end, end / count,
-            held=event.held, before=before,
+            balance=Balance(event.held), before=before,
         )  # fmt: skip
         motions[:] = [*motions[-1:], motion]
 
@@ -285,6 +285,6 @@ def _closed_form(modal: ModalTrain, event: MotorEvent) -> float | None:
     cycle = 2.0 * math.pi / machine.line_omega
     motion = machine_motion(
         still, replace(machine, circuit=without), supplies, replace(event.state, field_voltage=0.0),
-        cycle, LINE_PHASE / machine.line_omega, held=0.0,
+        cycle, LINE_PHASE / machine.line_omega, balance=Balance(0.0),
     )  # fmt: skip
     return abs(_largest(*_turning(motion))[0])

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -70,6 +70,13 @@ class Supply:
     ahead: float | None = None  #: Likewise. [rad]
 
 
+class Balance(NamedTuple):
+    """What the train turns under when nothing happens."""
+
+    torque: float  #: Of the motor. [N m]
+    speed: float = 1.0  #: Of the rotor, over synchronous speed. [1]
+
+
 @dataclass(frozen=True, eq=False)
 class MachineMotion:
     """Motion of a train and torque of its motor. Two samples share the time of a change of the supply."""
@@ -91,9 +98,8 @@ def machine_motion(
     end: float,
     step: float,
     *,
-    held: float,
+    balance: Balance,
     before: tuple[Floats, Floats] | None = None,
-    speed: float = 1.0,
 ) -> MachineMotion:
     """Motion from a given state.
 
@@ -111,19 +117,17 @@ def machine_motion(
         Last time. [s]
     step : float
         Longest step. [s]
-    held : float
-        Torque of the motor that the train is in balance with. [N m]
+    balance : Balance
+        Torque and speed of the motor with which the train is in balance. [N m, 1]
     before : tuple of ndarray, shape (n_kept,), optional
         Modal positions and velocities at t = 0; default zero. [SI]
-    speed : float
-        Of the rotor in balance, over synchronous speed. [1]
 
     Returns
     -------
     MachineMotion
         At the ends of the steps. [SI]
     """
-    n = len(system.omega)
+    n, (held, speed) = len(system.omega), balance
     now = (*(before or (np.zeros(n), np.zeros(n))), state.flux)
     parts: list[MachineMotion] = []
     ends = [*(s.begins for s in supplies[1:]), end]

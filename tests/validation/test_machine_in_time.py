@@ -22,7 +22,7 @@ from engine.motor.circuit import Circuit, Winding
 from engine.motor.curves import slip_curves
 from engine.motor.fault_torques import fault_torque
 from engine.motor.two_axis import MachineState, flux_system, open_circuit_state, running_state
-from engine.start.machine_motion import Machine, MachineMotion, Supply, machine_motion
+from engine.start.machine_motion import Balance, Machine, MachineMotion, Supply, machine_motion
 from engine.start.time_response import ModalSystem, modal_system
 from engine.stepping.linear_loop import turning_points
 from tests.trains import prepared
@@ -63,7 +63,7 @@ def at_constant_speed(
     circuit: Circuit, supplies: list[Supply], state: MachineState, end: float, step: float = 0.1
 ) -> MachineMotion:
     machine = replace(PER_UNIT, circuit=circuit)
-    return machine_motion(STEADY, machine, supplies, state, end, step / LINE, held=0.0)
+    return machine_motion(STEADY, machine, supplies, state, end, step / LINE, balance=Balance(0.0))
 
 
 def largest(motion: MachineMotion) -> tuple[float, float]:
@@ -191,7 +191,7 @@ def test_steady_slip(circuit, slip):
     settled = math.ceil(6.0 / period) * period
     motion = machine_motion(
         STEADY, replace(PER_UNIT, circuit=slowly), [Supply(0.0)], state, settled + period,
-        period / max(math.ceil(period * LINE / 0.04), 1), held=0.0, speed=1.0 - slip,
+        period / max(math.ceil(period * LINE / 0.04), 1), balance=Balance(0.0, 1.0 - slip),
     )  # fmt: skip
     last = motion.time > settled * (1.0 + 1e-12)
     t, torque = motion.time[last], motion.torque[last]
@@ -224,7 +224,13 @@ def test_reluctance_motor_direct_on_line():
     state = MachineState(np.zeros(4), 0.0, 0.5 * math.pi)
     closing, load = 0.1, 1.5
     motion = machine_motion(
-        system, machine, [Supply(0.0)], state, load - closing, 0.05 / omega, held=0.0, speed=0.0
+        system,
+        machine,
+        [Supply(0.0)],
+        state,
+        load - closing,
+        0.05 / omega,
+        balance=Balance(0.0, 0.0),
     )
     torque = sampled(motion)
     peak = expected["peak_torque_own"]
@@ -254,7 +260,13 @@ def test_induction_motor_direct_on_line(name):
     state = MachineState(np.zeros(4), 0.0, 0.0)
     end = 1.05 * expected["time_to_95_percent"]
     motion = machine_motion(
-        rigid(m["inertia"]), machine, [Supply(0.0)], state, end, 0.1 / omega, held=0.0, speed=0.0
+        rigid(m["inertia"]),
+        machine,
+        [Supply(0.0)],
+        state,
+        end,
+        0.1 / omega,
+        balance=Balance(0.0, 0.0),
     )
     torque = sampled(motion)
     assert torque(expected["peak_time"]) == pytest.approx(expected["peak_torque"], rel=1e-5)
@@ -270,7 +282,9 @@ def test_induction_motor_direct_on_line(name):
 def test_a_heavy_train_keeps_its_speed():
     state = running_state(CIRCUIT, 0.8, 0.9)
     still = at_constant_speed(CIRCUIT, [FAULT], state, 0.3)
-    heavy = machine_motion(rigid(1e9), PER_UNIT, [FAULT], state, 0.3, 0.1 / LINE, held=0.8)
+    heavy = machine_motion(
+        rigid(1e9), PER_UNIT, [FAULT], state, 0.3, 0.1 / LINE, balance=Balance(0.8)
+    )
     assert np.max(np.abs(heavy.torque - still.torque)) < 1e-8
 
 
@@ -281,7 +295,13 @@ def test_power_balance():
     state = running_state(CIRCUIT, 0.8, 0.9)
     fault = Supply(0.0, (0.5, 0.0), (0.5, -1.2))
     motion = machine_motion(
-        rigid(inertia), machine, [fault], state, 0.25, 0.02 / LINE, held=0.8 / LINE
+        rigid(inertia),
+        machine,
+        [fault],
+        state,
+        0.25,
+        0.02 / LINE,
+        balance=Balance(0.8 / LINE),
     )
     system = flux_system(CIRCUIT, LINE, 1.0, state.field_voltage, is_open=False)
     current, t = system.current @ motion.flux, motion.time
@@ -310,7 +330,13 @@ def test_steps_are_of_fourth_order():
     fault = Supply(0.0, (0.5, 0.0), (0.5, -1.2))
     ends = [
         machine_motion(
-            rigid(inertia), machine, [fault], state, 0.1, 0.1 / count, held=0.8 / LINE
+            rigid(inertia),
+            machine,
+            [fault],
+            state,
+            0.1,
+            0.1 / count,
+            balance=Balance(0.8 / LINE),
         ).flux[:, -1]
         for count in (150, 300, 600, 1200)
     ]

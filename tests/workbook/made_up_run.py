@@ -240,7 +240,7 @@ def _effects() -> list[dict[str, Any]]:
     return [
         {
             "effect": name,
-            "choice": "on" if k == 6 else "auto",
+            "choice": "on" if name == "backlash" else "auto",
             "on": k % 2 == 0,
             "deciding_number": None if k == 3 else -0.889 + 0.1 * k,
             "limit": None if k == 3 else 1e-4 * k,
