@@ -15,6 +15,7 @@ import struct
 import sys
 from array import array
 from collections.abc import Iterable
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -186,7 +187,7 @@ def driver_code() -> str:
 
 
 def record() -> Recorder:
-    """Calls of random starts, of the published cases, of a study and of the modes of a long chain."""
+    """Calls of random starts, of the published cases, of a study, of a motor and of the modes of a long chain."""
     loaded.library = recorder = Recorder()
     # What a call leaves unwritten is then the same each time.
     np.empty, np.empty_like = np.zeros, np.zeros_like
@@ -195,6 +196,7 @@ def record() -> Recorder:
     from results_digest import calculated
     from same_bits import TRAINS
 
+    from addin.reading.workbook import read_workbook
     from benchmarks.study_trains import study_train
     from engine.numerics.singular_values import LARGE, singular_triplets
     from engine.run import run
@@ -204,6 +206,9 @@ def record() -> Recorder:
     for _, case in compare_cases.published_cases(ROOT / "tests" / "validation" / "cases"):
         calculated(case, ["recalc"])
     calculated(compare_cases.random_case("studies", 2), ["sensitivities", "--jobs", "1"])
+    # the motor in time; its other event would repeat calls of starts
+    motor = read_workbook(ROOT / "templates" / "example_motor.xlsx").case()
+    run(replace(motor, event_torque=()))
     links = np.eye(LARGE - 1, LARGE, 1) - np.eye(LARGE - 1, LARGE)
     singular_triplets(np.ones(LARGE - 1), links, np.ones(LARGE), LARGE - 1)
 
