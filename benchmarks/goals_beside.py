@@ -258,7 +258,8 @@ def goals_section(kept: Mapping[str, Any]) -> Section:
         "Made by `make goals OTHER=…`: commit 011f76f, whose loops numba compiled on the user's machine, and this "
         "program by turns, each in an environment of its own on the same machine "
         f"({kept['cores']} cores, load {kept['load'][0]:.1f} before and {kept['load'][1]:.1f} after). Processor time, in brackets wall time; "
-        "medians. The goal is the ratio of the two, except where it is said as times another program.",
+        "medians. The goal is the ratio of the two, except where it is said as times another program. What the goals that are "
+        "missed consist of, and what was tried: [floors](floors.md).",
         (Table("Goals", columns, lines, notes),),
     )
 
