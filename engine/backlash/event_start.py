@@ -766,7 +766,7 @@ def pull_in_outcome(pull_in: PullIn, end: float, speed: float, synchronous: floa
 def _settled_judge(case: CaseData, runup: RigidRunup, motor: Motor, synchronous: float) -> Settled:
     """Whether a motor with its field on has settled, in step or surely out of it."""
     period = swing_frequency_linear(
-        motor.in_step * (case.pull_out_torque or 0.0),
+        float(motor.torque_factor(1.0)) * (case.pull_out_torque or 0.0),
         max(float(runup.load[-1]), 0.0),
         runup.inertia,
         motor.pole_pairs,

@@ -46,8 +46,27 @@ class Motor:
     parts: tuple[TorqueCurve, TorqueCurve] | None = None
     #: Whether it stands for the second part of another motor alone.
     is_second_part: bool = False
-    at_rest: float = 1.0  #: What torques stated at full voltage are multiplied by at rest. [1]
-    in_step: float = 1.0  #: Likewise at synchronous speed. [1]
+    scale: float = 1.0  #: Voltage of the start, over that of the curves, squared. [1]
+    #: Voltage that the line leaves it, against the fraction of synchronous speed; None = all of it. [1]
+    supply: TorqueCurve | None = None
+
+    def torque_factor(self, fraction: Floats | float) -> Floats:
+        """What torques that are stated at full voltage are multiplied by.
+
+        Parameters
+        ----------
+        fraction : float or ndarray
+            Fraction of synchronous speed. [1]
+
+        Returns
+        -------
+        ndarray
+            Voltage squared. [1]
+        """
+        if self.supply is None:
+            return np.full(np.shape(fraction), self.scale)
+        voltage = self.supply(fraction)
+        return np.asarray(self.scale * (voltage * voltage))
 
     @property
     def pulsations(self) -> tuple[tuple[TorqueCurve, float], ...]:
@@ -121,7 +140,7 @@ def motors_of(case: CaseData, train: Train) -> tuple[Motor, ...]:
             "A motor needs line frequency and synchronous speed. Type two of LineFrequency, "
             "SynchronousSpeed and Poles."
         )
-    scale = voltage_factor(case)
+    scale = square(1.0 if case.voltage is None else case.voltage)
     from_data = motors_without_curve(case)
     motors = []
     for name in case.motor_stations:
@@ -143,9 +162,7 @@ def motors_of(case: CaseData, train: Train) -> tuple[Motor, ...]:
                 x, scale * np.array([p.pulsating for p in points], dtype=float)
             )
         pairs = 2.0 * math.pi * ratings.line_frequency / speed
-        motor = Motor(
-            station, average, pulsating, speed, pairs, phase, parts, at_rest=scale, in_step=scale
-        )
+        motor = Motor(station, average, pulsating, speed, pairs, phase, parts, scale=scale)
         supplied = [row for row in case.supply_voltage if row.station == name]
         motors.append(_on_supply(motor, supplied) if supplied else motor)
     return tuple(motors)
@@ -168,7 +185,6 @@ def _on_supply(motor: Motor, supplied: Sequence[SupplyVoltageRow]) -> Motor:
         )
 
     average, *parts = fitted_curves(exact, knots, CURVE_ERROR * largest)
-    start, end = (motor.at_rest * square(float(voltage(at))) for at in (0.0, 1.0))
     pulsating = parts[0]
     if motor.parts is not None:
         pulsating = torque_curve(pulsating.knots, hypot(*(part.cubic[:, 0] for part in parts)))
@@ -177,25 +193,8 @@ def _on_supply(motor: Motor, supplied: Sequence[SupplyVoltageRow]) -> Motor:
         average=average,
         pulsating=pulsating,
         parts=None if motor.parts is None else (parts[0], parts[1]),
-        at_rest=start,
-        in_step=end,
+        supply=voltage,
     )
-
-
-def voltage_factor(case: CaseData) -> float:
-    """What a motor's torques are multiplied by at the voltage of this start.
-
-    Parameters
-    ----------
-    case : CaseData
-        The case. [SI]
-
-    Returns
-    -------
-    float
-        Voltage, over that of the curves, squared; the drop of table `SupplyVoltage` comes on top. [1]
-    """
-    return square(1.0 if case.voltage is None else case.voltage)
 
 
 def electrical_arrays(
@@ -239,8 +238,9 @@ def electrical_arrays(
         1, or 0 once the motor has tripped. [1]
     """
     n, whole = len(motors), np.array([not m.is_second_part for m in motors], dtype=bool)
-    at_rest = whole * np.array([m.at_rest for m in motors])
-    in_step = whole * np.array([m.in_step for m in motors])
+    at_rest, in_step = (
+        whole * np.array([float(m.torque_factor(speed)) for m in motors]) for speed in (0.0, 1.0)
+    )
     effects = effects or StartEffects()
     shock = case.shock_amplitude if effects.breaker_closing else None
     decay = case.shock_time_constant if effects.breaker_closing else None

@@ -203,7 +203,7 @@ def _shock_share(case: CaseData, line_omega: float, motors: Sequence[Motor]) -> 
     if not case.shock_amplitude or not case.shock_time_constant or not motors:
         return None
     amplitude = abs(case.shock_amplitude)
-    shock = total(m.at_rest * amplitude * m.synchronous_speed for m in motors)
+    shock = total(float(m.torque_factor(0.0)) * amplitude * m.synchronous_speed for m in motors)
     drive = min(
         (float(m.average(0.0)) + float(m.pulsating(0.0))) * m.synchronous_speed for m in motors
     )

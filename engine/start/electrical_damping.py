@@ -20,7 +20,7 @@ import numpy as np
 from engine.arrays import Floats, Ints
 from engine.case.data import CaseData
 from engine.model.modal_train import ModalTrain
-from engine.model.motor import Motor, motors_of, voltage_factor
+from engine.model.motor import Motor, motors_of
 from engine.motor.circuit import Circuit
 from engine.motor.damping import electrical_damping, running_damping
 from engine.motor.from_case import MotorFromData, motors_from_data
@@ -57,9 +57,8 @@ class Swings:
 
     motor: Ints  #: Their places among the motors of the compiled loop. Shape (n_swings,).
     force: Ints  #: Their forces. Shape (n_swings,).
-    machines: tuple[
-        tuple[Circuit, float], ...
-    ]  #: Circuit, and torque over speed of 1 per unit. [pu, N m s/rad]
+    #: Circuit, and torque over speed of 1 per unit at each of `LEVELS`. [pu, N m s/rad]
+    machines: tuple[tuple[Circuit, Floats], ...]
     line_omega: float  #: Angular frequency of the line. [rad/s]
 
     def torque_over_velocity(self, omega: Floats, reach: Floats) -> Floats:
@@ -114,11 +113,14 @@ def swings_of(case: CaseData, motors: Sequence[Motor], column: Mapping[int, int]
     """
     sheets = {motor.station: motor for motor in motors_from_data(case)}
     own = [sheets[str(name)] for name in case.motor_stations]
-    scale = voltage_factor(case)
+    pairs = list(zip(own, motors, strict=False))
     return Swings(
         np.arange(len(own), dtype=np.int64),
-        np.array([column[m.station] for m in motors[: len(own)]], dtype=np.int64),
-        tuple((m.starting, scale * m.torque_base / m.synchronous_speed) for m in own),
+        np.array([column[m.station] for _, m in pairs], dtype=np.int64),
+        tuple(
+            (data.starting, m.torque_factor(LEVELS) * data.torque_base / data.synchronous_speed)
+            for data, m in pairs
+        ),
         motors[0].pole_pairs * motors[0].synchronous_speed,
     )
 
@@ -171,9 +173,8 @@ def _at_one_speed(
         angle *= float(train.node_scale[motor.station])
         gain = angle * angle
         slope = motor.average.slope(speed) / motor.synchronous_speed
-        k = _torque_over_speed(
-            case, name, sheets.get(name), speed, float(modes.frequency[mode]) / line
-        )
+        frequency = float(modes.frequency[mode]) / line
+        k = _torque_over_speed(case, motor, sheets.get(name), speed, frequency)
         found.append((name, gain, slope, k))
     shares = [None if k is None else -0.5 * k.real * gain / omega for _, gain, _, k in found]
     own = float(damping.ratio[mode])
@@ -198,17 +199,18 @@ def _at_one_speed(
 
 
 def _torque_over_speed(
-    case: CaseData, name: str, motor: MotorFromData | None, speed: float, frequency: float
+    case: CaseData, motor: Motor, data: MotorFromData | None, speed: float, frequency: float
 ) -> complex | None:
     """K of one motor; in operation only where its data say how it is loaded. [N m s/rad]"""
-    if motor is None:
+    if data is None:
         return None
     at = np.array([frequency])
     if speed < 1.0:
-        k = voltage_factor(case) * electrical_damping(motor.starting, np.array([1.0 - speed]), at)
+        factor = float(motor.torque_factor(speed))
+        k = factor * electrical_damping(data.starting, np.array([1.0 - speed]), at)
     else:
-        factor = next(row.power_factor for row in case.motor_data if row.station == name)
-        if factor is None or motor.circuit.field is None:
+        loaded = next(row.power_factor for row in case.motor_data if row.station == data.station)
+        if loaded is None or data.circuit.field is None:
             return None
-        k = running_damping(motor.circuit, factor, at)
-    return complex(k[0]) * motor.torque_base / motor.synchronous_speed
+        k = running_damping(data.circuit, loaded, at)
+    return complex(k[0]) * data.torque_base / data.synchronous_speed

@@ -64,8 +64,8 @@ class Supply:
     #: Voltage that turns against the line: its magnitude, and its angle at t = 0. [pu, rad]
     backward: tuple[float, float] = (0.0, 0.0)
     is_open: bool = False  #: No current flows.
-    #: Where it closes an open stator: voltage at the terminals before, and by how much that is ahead of the
-    #: line's. None: what is left, and as it stands. [pu, rad]
+    #: Where it closes an open stator: voltage at the terminals before, and its angle ahead of the line's.
+    #: None: the voltage and the angle that the motor has by then. [pu, rad]
     residual: float | None = None
     ahead: float | None = None  #: Likewise. [rad]
 

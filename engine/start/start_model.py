@@ -491,7 +491,7 @@ def _force_sizes(
     line_omega = motors[0].pole_pairs * motors[0].synchronous_speed
     full_pull_out = (case.pull_out_torque or 0.0) if effects.pull_in else 0.0
     for m in motors:
-        i, pull_out = column[m.station], m.in_step * full_pull_out
+        i, pull_out = column[m.station], float(m.torque_factor(1.0)) * full_pull_out
         largest = float(np.max(np.abs(m.average.cubic[:, 0])))
         pulsating = float(np.max(np.abs(m.pulsating.cubic[:, 0])))
         initial = float(m.average(0.0))
@@ -504,8 +504,9 @@ def _force_sizes(
             slope[i] += curve.steepest / m.synchronous_speed
             span[i] += curve.range
         if shock is not None:  # begins with the slope of A sin ωt, then varies no faster than that
-            ramp[i] += m.at_rest * shock.amplitude * line_omega
-            smooth[i] += m.at_rest * shock.amplitude
+            amplitude = float(m.torque_factor(0.0)) * shock.amplitude
+            ramp[i] += amplitude * line_omega
+            smooth[i] += amplitude
         if pull_out:
             if case.field_time_constant:
                 ramp[i] += pull_out / case.field_time_constant

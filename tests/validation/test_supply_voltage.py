@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,10 +13,13 @@ from scipy.interpolate import PchipInterpolator
 from engine.case.case import Case
 from engine.case.data import MotorTorqueRow, SupplyVoltageRow
 from engine.model.build_train import build_train
+from engine.model.modal_train import ModalTrain
 from engine.model.motor import motors_of
 from engine.run import run
+from engine.start.electrical_damping import electrical_damping_of
 from tests.sample_case import sample_case
 from tests.trains import geared
+from tests.validation.test_start_from_motor_data import SHEET
 
 #: The paper's Figure 2 has such a curve: a quarter of the voltage is lost at rest.
 AT_REST = 0.75
@@ -62,12 +66,15 @@ def test_torques_go_with_the_square_of_the_voltage_at_each_speed() -> None:
         assert np.max(np.abs(ours(x) - whole(x) * voltage**2)) < 3e-7 * largest
 
 
-def test_a_constant_voltage_is_that_of_the_scalar() -> None:
-    """Transient at breaker closing and pull-out torque too."""
-    effects = {
+@pytest.mark.parametrize("of_data", [False, True], ids=["typed curves", "data sheet"])
+def test_a_constant_voltage_is_that_of_the_scalar(of_data: bool) -> None:
+    """Transient at breaker closing, pull-out torque, and what a motor with data damps of the modes, too."""
+    effects: dict[str, Any] = {
         "shock_amplitude": 1e3, "shock_time_constant": 0.05, "field_slip": 0.05,
         "pull_out_torque": 3e4,
     }  # fmt: skip
+    if of_data:
+        effects |= {"motor_torque": (), "motor_data": (SHEET,), "torque_follows": "machine"}
     case = geared(**effects)
     scaled = run(replace(case, voltage=0.9))
     supplied = run(on_supply(case, (0.0, 0.9), (1.0, 0.9)))
@@ -76,3 +83,13 @@ def test_a_constant_voltage_is_that_of_the_scalar() -> None:
     assert math.isclose(scaled.start.outcome.time, supplied.start.outcome.time, rel_tol=1e-9)
     for a, b in zip(scaled.start.peaks, supplied.start.peaks, strict=True):
         assert a.maximum == pytest.approx(b.maximum, rel=1e-8)
+    real, other = (
+        [
+            row.real
+            for row in electrical_damping_of(r.case, ModalTrain(r.train, r.modes, r.damping))
+            if row.real is not None
+        ]
+        for r in (scaled, supplied)
+    )
+    assert bool(real) == of_data
+    assert real == pytest.approx(other, rel=1e-12)

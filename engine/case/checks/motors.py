@@ -178,7 +178,7 @@ def _nothing_else(cells: Cells, motor: MotorDataRow, circuit: Cells) -> Iterator
 def _only(
     cells: Cells, motor: MotorDataRow, columns: Sequence[str], where: str
 ) -> Iterator[Problem]:
-    """Columns of the other kind of motor are blank; the first that is not is told."""
+    """Columns of the other kind of motor are blank; the first that is filled is reported."""
     typed = [(c, v) for c in columns if (v := value_of(motor, c)) is not None]
     for column, value in typed[:1]:
         yield cells.wrong(
