@@ -101,7 +101,7 @@ def motor_event(case: CaseData, train: Train, row: MotorEventRow) -> MotorEvent:
         If the motor does not carry its running torque.
     """
     motor = _motor_of(case, row.station)
-    sheet = next(r for r in case.motor_data if r.station == row.station)
+    sheet = motor.sheet
     circuit = starting_circuit(
         motor.circuit, factor=1.0 if sheet.start_factor is None else sheet.start_factor
     )

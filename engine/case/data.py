@@ -16,7 +16,7 @@ from dataclasses import dataclass, fields
 from functools import cache
 from typing import Any
 
-from engine.case.choices import InitialState
+from engine.case.choices import InitialState, TorqueFollows
 
 #: Name of the event in operation that table `TorqueTime` is where `InitialState` is ``running``.
 TABLED_EVENT = "TorqueTime"
@@ -471,6 +471,11 @@ class CaseData:
     def torque_time_from_rest(self) -> tuple[TorqueTimeRow, ...]:
         """Rows of `torque_time` that act in a start, or make one; none where they are an event in operation."""
         return () if self.initial_state == InitialState.RUNNING else self.torque_time
+
+    @property
+    def reads_own_speed(self) -> bool:
+        """Whether curves of motors are read at the speed of their stations, vibration included. [flag]"""
+        return self.torque_follows in (None, TorqueFollows.OWN_SPEED)
 
     @property
     def event_names(self) -> tuple[str, ...]:

@@ -41,6 +41,7 @@ class MotorFromData:
     """A motor whose curves follow from its data sheet."""
 
     station: str  #: Where it acts.
+    sheet: MotorDataRow  #: Its data sheet. [pu, s]
     synchronous_speed: float  #: Of its own station. [rad/s]
     torque_base: float  #: 1 per unit of torque. [N m]
     circuit: Circuit  #: From the data sheet. [pu]
@@ -180,7 +181,7 @@ def _motor(
     torque_base = base_power / synchronous_speed
     curves = torque_curves(starting, torque_base)
     return MotorFromData(
-        str(row.station), synchronous_speed, torque_base, circuit, starting, curves
+        str(row.station), row, synchronous_speed, torque_base, circuit, starting, curves
     )
 
 

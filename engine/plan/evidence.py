@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from engine.arrays import Floats
-from engine.case.choices import ElementKind, TorqueFollows
+from engine.case.choices import ElementKind
 from engine.case.data import CaseData
 from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, DEFAULT_TOLERANCE_STARTS, LONGEST_START
 from engine.case.effects import choice_of
@@ -310,7 +310,6 @@ def _electrical_numbers(
     own = np.abs(product(position, static)) + np.max(resonant, axis=1, initial=0.0)
     own = np.maximum(own, NEGLIGIBLE * float(np.max(own, initial=0.0)))
     share = np.max(resonant / np.where(own > 0.0, own, np.inf)[:, None], axis=0, initial=0.0)
-    own_speed = (case.torque_follows or TorqueFollows.OWN_SPEED) == TorqueFollows.OWN_SPEED
     known = all(row.share is not None for row in rows)
     number = slope = 0.0
     for mode in {row.mode for row in rows}:
@@ -321,7 +320,9 @@ def _electrical_numbers(
         slope = max(slope, weight * abs(of_slope))
         if known:
             answered = total(row.share or 0.0 for row in of_mode)
-            number = max(number, weight * abs(answered - (of_slope if own_speed else 0.0)))
+            number = max(
+                number, weight * abs(answered - (of_slope if case.reads_own_speed else 0.0))
+            )
     return ElectricalNumbers(known, number, slope)
 
 

@@ -59,10 +59,9 @@ def _motor_data(case: CaseData) -> Iterator[str]:
                 f"'{row.station}' has a torque curve and a data sheet: the start uses the curve of table "
                 "MotorTorque. Table MotorCurves shows the calculated one."
             )
-    kinds = {row.station: row.kind for row in case.motor_data}
     for name, motor in calculated.items():
         if (
-            kinds[name] != MotorKind.INDUCTION
+            motor.sheet.kind != MotorKind.INDUCTION
             and max(len(motor.circuit.dampers_d), len(motor.circuit.dampers_q)) < 2
         ):
             yield (

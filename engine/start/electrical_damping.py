@@ -174,7 +174,7 @@ def _at_one_speed(
         gain = angle * angle
         slope = motor.average.slope(speed) / motor.synchronous_speed
         frequency = float(modes.frequency[mode]) / line
-        k = _torque_over_speed(case, motor, sheets.get(name), speed, frequency)
+        k = _torque_over_speed(motor, sheets.get(name), speed, frequency)
         found.append((name, gain, slope, k))
     shares = [None if k is None else -0.5 * k.real * gain / omega for _, gain, _, k in found]
     own = float(damping.ratio[mode])
@@ -199,7 +199,7 @@ def _at_one_speed(
 
 
 def _torque_over_speed(
-    case: CaseData, motor: Motor, data: MotorFromData | None, speed: float, frequency: float
+    motor: Motor, data: MotorFromData | None, speed: float, frequency: float
 ) -> complex | None:
     """K of one motor; in operation only where its data say how it is loaded. [N m s/rad]"""
     if data is None:
@@ -209,7 +209,7 @@ def _torque_over_speed(
         factor = float(motor.torque_factor(speed))
         k = factor * electrical_damping(data.starting, np.array([1.0 - speed]), at)
     else:
-        loaded = next(row.power_factor for row in case.motor_data if row.station == data.station)
+        loaded = data.sheet.power_factor
         if loaded is None or data.circuit.field is None:
             return None
         k = running_damping(data.circuit, loaded, at)

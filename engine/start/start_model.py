@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from engine.arrays import Floats, Ints, Mask
-from engine.case.choices import TorqueFollows
 from engine.case.data import CaseData
 from engine.case.effect import StartEffects
 from engine.errors import ModelError
@@ -257,8 +256,7 @@ def read_speed(
     ndarray, shape (n_motors, n_read)
         Of the modes on which it depends. [√(1/(kg m²))]
     """
-    own = (case.torque_follows or TorqueFollows.OWN_SPEED) == TorqueFollows.OWN_SPEED
-    mean = effects.electrical_damping or not own
+    mean = effects.electrical_damping or not case.reads_own_speed
     return np.ascontiguousarray(reach.T[force, : n_rigid if mean else len(reach)])
 
 

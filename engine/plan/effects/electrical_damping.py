@@ -14,7 +14,7 @@ def finding(case: CaseData, e: Evidence, modelled: tuple[str, ...]) -> Finding:
         why = (
             "Not every motor has a row in table MotorData: what it damps of a mode is unknown. The slope of the "
             f"torque curves, as an estimate, changes a peak by {percent(e.electrical.slope)}: the start "
-            f"{'has' if _own(case) else 'leaves out'} it (TorqueFollows)."
+            f"{'has' if case.reads_own_speed else 'leaves out'} it (TorqueFollows)."
         )
         return Finding.impossible(why, None)
     number, limit = e.electrical.number, e.tolerance / DAMPING_GAIN
@@ -28,7 +28,3 @@ def finding(case: CaseData, e: Evidence, modelled: tuple[str, ...]) -> Finding:
         f"{percent(number)}, {'above' if wanted else 'at most'} the limit {percent(limit)}."
     )
     return Finding(wanted, True, number, limit, bound, why)
-
-
-def _own(case: CaseData) -> bool:
-    return (case.torque_follows or TorqueFollows.OWN_SPEED) == TorqueFollows.OWN_SPEED
