@@ -71,6 +71,20 @@ LIMITS = (
 )  # fmt: skip
 #: Rows kept free for the crossings of the start; what stands below them begins there.
 CROSSING_ROWS = 8
+_SCAN_METHOD = "docs/method.md, Events of a motor"
+#: Of an event whose phase, angle or clearing time is ``worst``, where it was found.
+_WORST_INSTANT = tuple(
+    number(
+        name, dimension, f"{column} with the largest torque of this row, where {column} is worst.",
+        f"largest of all {column} of the scan, then of those half a spacing beside it", _SCAN_METHOD,
+        of_case=(f"MotorEvents.{column}", *more), pane=Pane.MINOR, error=ReportedError.ESTIMATE,
+    )
+    for name, dimension, column, more in (
+        ("Worst phase", "angle", "Phase", ()),
+        ("Worst angle", "angle", "Angle", ()),
+        ("Worst clearing time", "time", "Clears after", ("MotorEvents.Latest clearing",)),
+    )
+)  # fmt: skip
 
 #: Result tables of workbook and JSON.
 RESULT_TABLES: tuple[TableSpec, ...] = (
@@ -916,7 +930,8 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             number(
                 "Error", "fraction", "Estimated error of maximum and minimum, relative to the larger.",
                 "Change of both extremes from spacing h to h/2 (the samples are exact), with what comes after the end, a "
-                "bound on fast modes and the error from the pieces of distributed shafts",
+                "bound on fast modes, the error from the pieces of distributed shafts and, of a worst instant, what half "
+                "the spacing of its scan changes",
                 EVENT_METHOD, of_case=("TolerancePeak",), format=shown.ERROR,
                 error=ReportedError.ESTIMATE, pane=Pane.MINOR,
             ),
@@ -926,6 +941,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 EVENT_METHOD, of_case=("EffectChoices.Choice", "MaximumTime", *CLEARANCES),
                 format=shown.ERROR, error=ReportedError.ESTIMATE, pane=Pane.MINOR,
             ),
+            *_WORST_INSTANT,
         ),
     ),
     table(
@@ -955,9 +971,11 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             ),
             number(
                 "Error", "fraction", "Estimated error of the largest torque.",
-                "Change of the largest torque from spacing h to h/2", EVENT_METHOD, of_case=("TolerancePeak",),
+                "Change of the largest torque from spacing h to h/2; of a worst instant with what half its spacing changes",
+                EVENT_METHOD, of_case=("TolerancePeak",),
                 format=shown.ERROR, error=ReportedError.ESTIMATE, pane=Pane.MINOR,
             ),
+            *_WORST_INSTANT,
         ),
     ),
     table(

@@ -16,7 +16,7 @@ from dataclasses import dataclass, fields
 from functools import cache
 from typing import Any
 
-from engine.case.choices import InitialState, TorqueFollows
+from engine.case.choices import InitialState, Scanned, TorqueFollows
 
 #: Name of the event in operation that table `TorqueTime` is where `InitialState` is ``running``.
 TABLED_EVENT = "TorqueTime"
@@ -274,13 +274,22 @@ class MotorEventRow:
     event: str | None = None  #: Its name.
     station: str | None = None  #: Where the motor acts.
     kind: str | None = None  #: One of `MotorEventKind`.
-    #: Voltage of the healthy phase, or of the one that changes, at the event; blank = 0. [rad]
-    phase: float | None = None
-    angle: float | None = None  #: Of the motor's voltage ahead of the line's at closing. [rad]
+    #: Voltage of the healthy phase, or of the one that changes, at the event; blank = 0; or ``worst``. [rad]
+    phase: float | str | None = None
+    #: Of the motor's voltage ahead of the line's at closing; or ``worst``. [rad]
+    angle: float | str | None = None
     #: At the motor's terminals just before it closes, or what a dip leaves. [1]
     residual_voltage: float | None = None
-    #: How long the line is faulted, changed or off; blank = for good, reclosing at once. [s]
-    clears_after: float | None = None
+    #: How long the line is faulted, changed or off; blank = for good, reclosing at once; or ``worst``. [s]
+    clears_after: float | str | None = None
+    #: Until then a worst `clears_after` is looked for; blank = 0.5 s. [s]
+    latest_clearing: float | None = None
+
+    @property
+    def scanned(self) -> tuple[str, ...]:
+        """Attributes of which the worst value is looked for."""
+        looked_for = ("phase", "angle", "clears_after")
+        return tuple(name for name in looked_for if getattr(self, name) == Scanned.WORST)
 
 
 @dataclass(frozen=True)
