@@ -160,7 +160,7 @@ def _event(case: CaseData, analysis: ModalAnalysis, name: str) -> OperatingEvent
     drive = _drive(case, modal, name)
     response = follow(modal, drive, end, left, running)
     response = _with_errors(response, pieces, tolerance)
-    air_gap = air_gap_torque_of(modal, drive) if isinstance(drive, MotorDrive) else None
+    air_gap = air_gap_torque_of(drive) if isinstance(drive, MotorDrive) else None
     notes = []
     if names := list(_separating(modal.train, response)):
         quoted = ", ".join(f"'{element}'" for element in names)

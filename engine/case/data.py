@@ -155,7 +155,8 @@ class MotorDataRow:
     #: Rated apparent power, the base of all that is per unit; blank = from `RatedPower`. [V A]
     apparent_power: float | None = None
     voltage: float | None = None  #: Rated voltage, line to line: the base of what is in ohm. [V]
-    power_factor: float | None = None  #: At rated power. [1]
+    #: At rated power; below 0: the current of a synchronous motor lags in operation, else it leads. [1]
+    power_factor: float | None = None
     efficiency: float | None = None  #: At rated power. [1]
     xd: float | None = None  #: Synchronous reactances of the two axes. [1]
     xq: float | None = None  #: Likewise. [1]
@@ -196,7 +197,7 @@ class MotorDataRow:
         if self.apparent_power is not None:
             return self.apparent_power
         if rated_power and self.power_factor and self.efficiency:
-            return rated_power / (self.power_factor * self.efficiency)
+            return rated_power / (abs(self.power_factor) * self.efficiency)
         return None
 
     def base_impedance(self, rated_power: float | None) -> float | None:
