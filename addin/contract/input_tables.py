@@ -305,6 +305,9 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
             number("Multiple", "ratio", "m: multiple of the line frequency, 0 = no oscillation.", blank="0"),
             number("Phase", "angle", "φ: phase of the cosine at the event.", blank="0"),
             number("Time constant", "time", "τ: time constant of the decay.", blank="it does not decay"),
+            number(
+                "Per life", "count", "Such events in the life of the train, in one row of the event.", blank="0",
+            ),
         ),
     ),
     table(
@@ -339,6 +342,7 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
             number(
                 "Latest clearing", "time", "Until then the worst Clears after is looked for.", blank="0.5 s",
             ),
+            number("Per life", "count", "Such events in the life of the train.", blank="0"),
         ),
     ),
     table(

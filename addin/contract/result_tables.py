@@ -905,9 +905,15 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 of_row=("EventPeaks.Maximum", "EventPeaks.Minimum", *SECTION), error=ReportedError.EVENTS,
             ),
             number(
-                "Damage", "count", "Miner sum of one such event; multiply by the events in a life.",
+                "Damage", "count", "Miner sum of one such event.",
                 f"Σ nᵢ/Nᵢ over the rainflow cycles of SCF · {STRESS}; amplitude = half range, mean ignored",
                 FIGURE_3, of_case=(*EVENT, *FATIGUE), format=shown.DAMAGE, error=ReportedError.EVENT_DAMAGE,
+            ),
+            number(
+                "Damage per life", "count", "The same times Per life; blank where that is blank.",
+                "damage × Per life", FIGURE_3, of_row=("EventPeaks.Damage",),
+                of_case=("EventTorque.Per life", "MotorEvents.Per life"), format=shown.DAMAGE,
+                error=ReportedError.EVENT_DAMAGE,
             ),
             number(
                 "Damage error", "fraction", "Estimated relative error of the damage.",

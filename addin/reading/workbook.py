@@ -70,6 +70,7 @@ _OPTIONAL = frozenset(
         "InitialState",
         "TorqueFollows",
         "Latest clearing",
+        "Per life",
     }  # fmt: skip
 )
 

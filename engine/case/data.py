@@ -266,6 +266,8 @@ class EventTorqueRow:
     multiple: float | None = None  #: m, multiple of the line frequency; blank or 0 = constant. [1]
     phase: float | None = None  #: φ; blank = 0. [rad]
     time_constant: float | None = None  #: τ; blank = it does not decay. [s]
+    #: Such events in the life of the train, in one row of each; blank = 0. [1]
+    per_life: float | None = None
 
 
 @dataclass(frozen=True)
@@ -285,6 +287,7 @@ class MotorEventRow:
     clears_after: float | str | None = None
     #: Until then a worst `clears_after` is looked for; blank = 0.5 s. [s]
     latest_clearing: float | None = None
+    per_life: float | None = None  #: Such events in the life of the train; blank = 0. [1]
 
     @property
     def scanned(self) -> tuple[str, ...]:
@@ -494,6 +497,12 @@ class CaseData:
         names = dict.fromkeys(str(row.event) for row in self.event_torque)
         names |= dict.fromkeys(str(row.event) for row in self.motor_events)
         return (*names, TABLED_EVENT) if tabled else tuple(names)
+
+    @property
+    def events_per_life(self) -> dict[str, float]:
+        """How often each event in operation happens in the life of the train; those that do not are left out. [1]"""
+        counts = {str(row.event): row.per_life for row in self.event_torque if row.per_life}
+        return counts | {str(row.event): row.per_life for row in self.motor_events if row.per_life}
 
     @property
     def motor_stations(self) -> tuple[str | None, ...]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from engine.case.checks.find_problems import find_problems
 from engine.case.checks.problem import (
-    NOT_NEGATIVE,
+    COUNTS,
     Allowed,
     Cells,
     Limit,
@@ -23,7 +23,6 @@ from engine.studies.variation import Change, varied_case
 TABLE = "StartConditions"
 #: Instants of one period at which a standard trip is tried. [count]
 TRIP_INSTANTS = 8
-_COUNT = Allowed(NOT_NEGATIVE.holds, "zero or more, and finite")
 #: Numbers that no column of the case would check; more load is a percent sign forgotten.
 _LIMITS = (
     Limit(
@@ -31,8 +30,8 @@ _LIMITS = (
         Allowed(lambda share: 0.0 <= share <= 2.0, "from 0 to 2 (200 % of LoadTorque)"),
         action="Write 80 % or 0.8.",
     ),
-    Limit("Per year", _COUNT, action="Type the number of such starts."),
-    Limit("So far", _COUNT, action="Type the number of such starts."),
+    Limit("Per year", COUNTS, action="Type the number of such starts."),
+    Limit("So far", COUNTS, action="Type the number of such starts."),
 )
 #: Scalars of the case that a row changes → the column it is typed in.
 _COLUMN_OF = {
