@@ -191,7 +191,11 @@ def test_without_driving_torque_no_flank_is_known() -> None:
 
 def counted(times: float, **fields: object) -> Results:
     fault = (replace(FAULT[0], per_life=times), FAULT[1])
-    return run(train(*fault, **({"starts_required": 100.0} | fields)))
+    soft = {  # starts damage it, too
+        "materials": (MaterialRow("steel", 800e6, 500e6, 60e6),),
+        "sn_points": (SNPointRow("steel", 1e3, 340e6), SNPointRow("steel", 1e6, 60e6)),
+    }
+    return run(train(*fault, **({"starts_required": 100.0} | soft | fields)))
 
 
 def test_events_in_a_life_take_their_share_of_it() -> None:
@@ -202,6 +206,7 @@ def test_events_in_a_life_take_their_share_of_it() -> None:
     (start,) = result_tables(results)["AllowableStarts"]
     life = check(results, "Life of starts and events")
     expected = 5.0 * row["damage"] + 100.0 * start["damage"]
+    assert start["damage"] > 0.0
     assert life.result == pytest.approx(expected, rel=1e-12)
     assert (life.limit, life.where) == (1.0, "Low-speed shaft")
     # the limit lies between these two numbers of events
