@@ -76,7 +76,7 @@ _SCAN_METHOD = "docs/method.md, Events of a motor"
 _WORST_INSTANT = tuple(
     number(
         name, dimension, f"{column} with the largest torque of this row, where {column} is worst.",
-        f"largest of all {column} of the scan, then of those half a spacing beside it", _SCAN_METHOD,
+        f"largest of all {column} of the scan, then of those beside it, ever nearer", _SCAN_METHOD,
         of_case=(f"MotorEvents.{column}", *more), pane=Pane.MINOR, error=ReportedError.ESTIMATE,
     )
     for name, dimension, column, more in (
@@ -936,8 +936,8 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             number(
                 "Error", "fraction", "Estimated error of maximum and minimum, relative to the larger.",
                 "Change of both extremes from spacing h to h/2 (the samples are exact), with what comes after the end, a "
-                "bound on fast modes, the error from the pieces of distributed shafts and, of a worst instant, what half "
-                "the spacing of its scan changes",
+                "bound on fast modes, the error from the pieces of distributed shafts and, of a worst instant, what "
+                "halving the spacing of its scan changes",
                 EVENT_METHOD, of_case=("TolerancePeak",), format=shown.ERROR,
                 error=ReportedError.ESTIMATE, pane=Pane.MINOR,
             ),
@@ -977,7 +977,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             ),
             number(
                 "Error", "fraction", "Estimated error of the largest torque.",
-                "Change of the largest torque from spacing h to h/2; of a worst instant with what half its spacing changes",
+                "Change of the largest torque from spacing h to h/2; of a worst instant with what halving its spacing changes",
                 EVENT_METHOD, of_case=("TolerancePeak",),
                 format=shown.ERROR, error=ReportedError.ESTIMATE, pane=Pane.MINOR,
             ),
