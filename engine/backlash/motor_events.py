@@ -45,6 +45,9 @@ from engine.stepping.linear_loop import turning_points
 
 #: Largest phase of the line in a step: the fluxes of the stator turn so far in the rotor's axes. [rad]
 LINE_PHASE = 0.15
+#: An event of a motor is followed so long after the last change of its supply: several swings of the rotor, whose
+#: frequency is 1 to 10 Hz. [s]
+MOTOR_FOLLOWED = 2.0
 
 
 @dataclass(frozen=True, eq=False)
