@@ -199,7 +199,7 @@ class _Scan:
 
     def around(self, place: Place, halvings: int) -> dict[Place, Floats]:
         """Largest torques of a combination and of those beside it, at a spacing that was halved so often."""
-        (turn, time), share = place, 0.5**halvings
+        (turn, time), share = place, math.ldexp(1.0, -halvings)
         times = [t for t in _beside(time, share * self.spacing[1]) if t is None or t <= self.latest]
         return {
             (other, when): sizes
