@@ -121,6 +121,8 @@ class AirGapTorque:
     closed_form: float | None
     #: Turns by which the rotor has lost its step against a line with voltage; 0: it stays in step. [count]
     slipped: int
+    #: From when on the rotor is more than half a turn from where it was; infinite: never. [s]
+    slips_from: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -306,17 +308,19 @@ def air_gap_torque_of(drive: MotorDrive) -> AirGapTorque:
     change /= abs(largest) or 1.0
     return AirGapTorque(
         largest, time, max(change, LEAST_PEAK_ERROR),
-        _closed_form(drive.event), _turns(drive.event, drive.motions[-1]),
+        _closed_form(drive.event), *_slip(drive.event, drive.motions[-1]),
     )  # fmt: skip
 
 
-def _turns(event: MotorEvent, motion: MachineMotion) -> int:
-    """Turns of the rotor against a line with voltage since its last change, in electrical angle."""
+def _slip(event: MotorEvent, motion: MachineMotion) -> tuple[int, float]:
+    """Turns of the rotor against a line with voltage since its last change, in electrical angle, and when half one is done."""
     if event.supplies[-1].forward[0] == 0.0:
-        return 0
-    since = motion.rotor[motion.time >= event.last_change]
-    turned = event.machine.pole_pairs * float(since[-1] - since[0]) if len(since) else 0.0
-    return round(abs(turned) / (2.0 * math.pi))
+        return 0, math.inf
+    since = motion.time >= event.last_change
+    turned = event.machine.pole_pairs * np.abs(motion.rotor[since] - motion.rotor[since][:1])
+    beyond = motion.time[since][turned > math.pi]
+    turns = round(float(turned[-1]) / (2.0 * math.pi)) if len(turned) else 0
+    return turns, float(beyond[0]) if len(beyond) else math.inf
 
 
 def _turning(motion: MachineMotion) -> tuple[Floats, Floats]:
