@@ -84,11 +84,11 @@ COARSEST_EVENT_ANGLE = 1.13
 VISIBLE = 0.2
 #: Two runs that agree on the largest torque may agree by chance; so the next smaller extremes are
 #: compared, too. Where both runs are together up to the largest one (what comes later has no part in it),
-#: this share of their change from h to h/2 is taken for the error at h/2: that of third order,
-#: 1/(2³ − 1). Events and pulsation are of fourth order (1/15; tests/numerics/test_event_step.py),
-#: ringing passed over is of second, but below a twentieth of the tolerance at h/2. Where the runs diverge
+#: this share of their change from h to h/2 is taken for the error at h/2: that of second order,
+#: 1/(2² − 1). Events and pulsation are of fourth order (1/15; tests/numerics/test_event_step.py), but at the first
+#: steps of a start, where torques of unlike sign of error add up, a change of 1/5 has been seen. Where the runs diverge
 #: before it, no order holds, and all of the change is taken.
-SAME_CONTACTS_SHARE = 1.0 / 7.0
+SAME_CONTACTS_SHARE = 1.0 / 3.0
 #: Two runs are together as long as each clearance has the same changes of contact in the same order, each within
 #: this share of the coarser step. (Teeth that chatter have the same order in runs that have long
 #: diverged; in runs that are together, changes are within some hundredths of the step.)
@@ -167,8 +167,6 @@ def run_event_start(
     model, step = setup.model, setup.step
     most_work = HOPELESS_WORK if linear.gave_up else MOST_WORK
 
-    modelled = model.pieces.basis.flanks
-
     def at(h: float, most: float, times: int = 0) -> _Run:
         changed = _changed(model, times) if times else model
         return _simulated(replace(setup, model=changed), h, tolerance, most)
@@ -190,7 +188,6 @@ def run_event_start(
             setup.truncation,
             fine,
             coarse,
-            until_largest=bool(modelled),
             guard_share=SAME_CONTACTS_SHARE,
             same_until=same_until,
         )

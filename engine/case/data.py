@@ -408,7 +408,7 @@ class CaseData:
     maximum_time: float | None = None
     #: Where the torques of `torque_time` begin: ``rest`` (default), or ``running``, an event in operation.
     initial_state: str | None = None
-    #: At which speed torque curves of motors are read: ``own speed`` (default), ``mean speed`` or ``machine``.
+    #: At which speed torque curves of motors are read: ``mean speed`` (default), ``own speed`` or ``machine``.
     torque_follows: str | None = None
     starts_required: float | None = None  #: Starts the shaft must survive. [1]
     #: Allowable starts are divided by it before they are judged; blank = 1. [1]
@@ -475,7 +475,7 @@ class CaseData:
     @property
     def reads_own_speed(self) -> bool:
         """Whether curves of motors are read at the speed of their stations, vibration included. [flag]"""
-        return self.torque_follows in (None, TorqueFollows.OWN_SPEED)
+        return self.torque_follows == TorqueFollows.OWN_SPEED
 
     @property
     def event_names(self) -> tuple[str, ...]:
