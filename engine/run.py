@@ -8,8 +8,11 @@ from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass, replace
 from functools import partial
 
-from engine.backlash.event_start import run_event_start
+import numpy as np
+
+from engine.backlash.event_start import one_run, run_event_start
 from engine.backlash.operating_events import OperatingEvent, operating_events
+from engine.case.choices import TorqueFollows
 from engine.case.data import CaseData, case_digest
 from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, DEFAULT_TOLERANCE_STARTS
 from engine.case.effect import StartEffects
@@ -32,6 +35,7 @@ from engine.plan.plan import (
     effects_with,
     first_plan,
     revised_plan,
+    with_estimate,
     with_measured,
     with_times,
 )
@@ -40,7 +44,8 @@ from engine.results.times import EVENTS, accuracy_of, measured_times
 from engine.results.verdicts import verdicts_of
 from engine.results.warnings import warnings_of
 from engine.start.crossings import Crossing, crossings_of
-from engine.start.peaks import change_of_peaks
+from engine.start.electrical_damping import ElectricalDamping
+from engine.start.peaks import JudgedRun, change_of_peaks, judge_run
 from engine.start.pieces import analysis_for_start, with_pieces_error
 from engine.start.prescribed import run_prescribed
 from engine.start.reversals import Reversal, torque_reversals
@@ -69,6 +74,8 @@ class PlannedStart:
     evidence: Evidence  #: What the plans were made from. [SI]
     #: The start with every effect on that the plan leaves out, where bounds must be measured. [SI]
     full: Start | None = None
+    #: The start with motor curves read at the other speed, where that estimates what lacks data. [SI]
+    otherwise: JudgedRun | None = None
 
     @property
     def plan(self) -> Plan:
@@ -98,6 +105,7 @@ def run(case: CaseData, on_stage: Callable[[str], None] | None = None) -> Result
     crossings: tuple[Crossing, ...] = ()
     errors: tuple[tuple[str, float | None], ...] = ()
     reversals: tuple[Reversal, ...] = ()
+    damping: tuple[ElectricalDamping, ...] = ()
     if has_start(case) or case.torque_time_from_rest:
         planned = planned_start(case, analysis, stage)
         with stage("fatigue"):
@@ -112,6 +120,8 @@ def run(case: CaseData, on_stage: Callable[[str], None] | None = None) -> Result
                 crossings = crossings_of(case, analysis.reported, start, planned.model)
         measured = with_times(planned.plan, measured_times(planned.plan, spent))
         plans = (*planned.plans[:-1], measured)
+        if planned.evidence.electrical is not None:
+            damping = planned.evidence.electrical.rows
     else:
         plans = (first_plan(case, collect_evidence(case, analysis.torsional, analysis.coupled)),)
     events: tuple[OperatingEvent, ...] = ()
@@ -127,6 +137,7 @@ def run(case: CaseData, on_stage: Callable[[str], None] | None = None) -> Result
         spent=tuple(spent),
         plans=plans,
         reversals=reversals,
+        electrical_damping=damping,
         events=events,
     )
     return replace(
@@ -189,13 +200,15 @@ def planned_start(
     analysis: ModalAnalysis,
     stage: Stage = lambda _: nullcontext(),
     most_modes: int | None = None,
+    estimated: bool = True,
 ) -> PlannedStart:
     """The start that the evidence calls for: linear first, then with events where it says so.
 
-    With `most_modes` no more modes are integrated than so many, whatever the others change.
+    With `most_modes` no more modes are integrated than so many, whatever the others change. Not `estimated`: what
+    motors without data damp is no part of what is left out, which then is bounds alone.
     """
     with stage("plan"):
-        evidence = collect_evidence(case, analysis.torsional, analysis.coupled)
+        evidence = collect_evidence(case, analysis.torsional, analysis.coupled, analysis.reported)
         evidence = replace(evidence, most_modes=most_modes)
         plan = first_plan(case, evidence)
     model = analysis.reported if plan.lateral else analysis.torsional
@@ -246,8 +259,34 @@ def planned_start(
         if adopted and full is not None:
             start, full = with_pieces_error(full, pieces, tolerance), None
             model = (analysis.coupled if plan.lateral else None) or model
-    start = with_left_out(start, plans[-1].left_out_bound, tolerance)
-    return PlannedStart(start, linear, tuple(plans), model, evidence, full)
+    otherwise: JudgedRun | None = None
+    if estimated and evidence.electrical is not None and not evidence.electrical.known:
+        with stage("motor curves at the other speed"):
+            otherwise, change = _read_otherwise(stepped, model, plans[-1], start, linear)
+        plans[-1] = with_estimate(case, plans[-1], change)
+    start = with_left_out(start, plans[-1].left_out_bound, tolerance, plans[-1].estimate)
+    return PlannedStart(start, linear, tuple(plans), model, evidence, full, otherwise)
+
+
+def _read_otherwise(
+    case: CaseData, model: ModalTrain, plan: Plan, start: Start, linear: Start
+) -> tuple[JudgedRun | None, float]:
+    """The start with motor curves read at the other speed, own or mean, and how that changes the peaks.
+
+    Where runs part whatever is changed, or none came to its end, the linear starts tell; there is none then.
+    """
+    reading = TorqueFollows.MEAN_SPEED if case.reads_own_speed else TorqueFollows.OWN_SPEED
+    other = replace(CaseData(**vars(case)), torque_follows=reading)
+    unfinished = start.outcome.outcome == Outcome.TIME_OUT
+    if plan.events and start.repeatability is None and not unfinished:
+        run = one_run(other, model, plan.effects, linear, start.step)
+        if not run.events.gave_up:
+            judged = judge_run(model.train, np.zeros(len(run.turning)), run, run)
+            return judged, change_of_peaks(judged.peaks, start.peaks)
+    plain = replace(plan.effects, clearances=(), pull_in=False, aborted_start=False)
+    judged = calculate_start(other, model, plain, None)
+    change = change_of_peaks(judged.peaks, linear.peaks)
+    return None if plan.events else judged, change
 
 
 def _with_all_effects(
@@ -319,7 +358,8 @@ def judged_starts(
         return start, None, ()
     always = counting.choice == "on"
     tolerance = case.tolerance_starts or DEFAULT_TOLERANCE_STARTS
-    starts, errors = starts_of(case, start, planned.full, always_count=always)
+    others = [one for one in (planned.full, planned.otherwise) if one is not None]
+    starts, errors = starts_of(case, start, others, always_count=always)
     for _ in range(MAX_STARTS_REFINEMENTS):
         worst = max((e for _, e in errors if e is not None), default=0.0)
         unfinished = start.outcome.outcome == Outcome.TIME_OUT
@@ -339,8 +379,9 @@ def judged_starts(
             break
         wanted = case.tolerance_peak or DEFAULT_TOLERANCE_PEAK
         finer = with_pieces_error(finer, dict(start.pieces_error), wanted)
-        start = with_left_out(_as_asked(finer, wanted), planned.plan.left_out_bound, wanted)
-        starts, errors = starts_of(case, start, planned.full, always_count=always)
+        plan = planned.plan
+        start = with_left_out(_as_asked(finer, wanted), plan.left_out_bound, wanted, plan.estimate)
+        starts, errors = starts_of(case, start, others, always_count=always)
     return start, starts, errors
 
 

@@ -414,10 +414,11 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 error=ReportedError.ESTIMATE, printed="Estimated error", pane=Pane.MINOR,
             ),
             number(
-                "Left out", "fraction", "Bound on the relative change by effects that are off; blank: none is known.",
+                "Left out", "fraction", "Bound on the relative change by effects that are off, with an estimate of what "
+                "motors without data damp; blank: no bound is known.",
                 "Sum of the bounds of the effects left out; where teeth separate, the change of the peaks by one start "
-                "with all of them on",
-                "docs/method.md, Errors of a start", of_case=("EffectChoices.Choice",), format=shown.ERROR,
+                "with all of them on; and the change by motor curves read at the other speed",
+                "docs/method.md, Errors of a start", of_case=("EffectChoices.Choice", "TorqueFollows"), format=shown.ERROR,
                 error=ReportedError.ESTIMATE, pane=Pane.MINOR,
             ),
             number(
@@ -518,7 +519,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             ),
             number(
                 "Share of the slope", "fraction", "Damping ratio that the slope makes of it: with TorqueFollows = own "
-                "speed a start has it, else the estimate of what is left out.",
+                "speed a start has it, else it has not.",
                 "−½ slope φ²/ω, φ at unit modal mass", MODAL_ELECTRICAL,
                 of_row=("ElectricalDamping.Slope of the curve",), of_case=MODAL, format="0.000",
             ),
@@ -702,9 +703,10 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 of_row=("AllowableStarts.Damage",), pane=Pane.MINOR,
             ),
             number(
-                "Left out", "fraction", "Bound on the relative change by effects that are off; blank: none is known.",
-                "Change of 1/q where every torque is larger by the bound of the effects left out",
-                "docs/method.md, Errors of a start", of_case=("EffectChoices.Choice",), format=shown.ERROR,
+                "Left out", "fraction", "Bound on the relative change by effects that are off, with an estimate of what "
+                "motors without data damp; blank: no bound is known.",
+                "Change of 1/q where every torque is larger by what is left out, or by motor curves read at the other speed",
+                "docs/method.md, Errors of a start", of_case=("EffectChoices.Choice", "TorqueFollows"), format=shown.ERROR,
                 error=ReportedError.ESTIMATE, pane=Pane.MINOR,
             ),
             number(
@@ -991,7 +993,8 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             ),
             number(
                 "Bound", "fraction", "Largest change of a result if the effect is left out; 0 = none.",
-                "Deciding number × gain; 0 where leaving it out is exact",
+                "Deciding number × gain; 0 where leaving it out is exact; of electrical damping without MotorData an "
+                "estimate: the change of a peak with motor curves read at the other speed",
                 "docs/method.md, The plan", of_row=("Effects.Deciding number",),
                 error=ReportedError.ESTIMATE,
             ),

@@ -27,6 +27,7 @@ from engine.case.choices import ContactLaw
 from engine.case.data import CaseData
 from engine.case.effect import StartEffects
 from engine.case.effects import EFFECTS, choice_of
+from engine.case.effects.electrical_damping import ELECTRICAL_DAMPING
 from engine.numerics.same_bits import total
 from engine.plan.decision import EffectDecision, Finding, decide, percent, quoted
 from engine.plan.effects import FINDINGS
@@ -54,6 +55,12 @@ class Plan:
         bounds = [self.decision(name).bound for name in self.left_out]
         known = [bound for bound in bounds if bound is not None]
         return total(known) if len(known) == len(bounds) else None
+
+    @property
+    def estimate(self) -> float:
+        """Estimated change by an effect that lacks its data, where nothing bounds it. [1]"""
+        decision = self.decision(ELECTRICAL_DAMPING.name)
+        return (decision.bound or 0.0) if decision.deciding_number is None else 0.0
 
     def decision(self, effect: str) -> EffectDecision:
         """The decision on one effect, by its name in `EFFECTS`."""
@@ -216,6 +223,37 @@ def effects_with(plan: Plan, evidence: Evidence, names: Iterable[str]) -> StartE
     clearances = evidence.clearances if "backlash" in on else plan.effects.clearances
     law = plan.effects.contact_law
     return replace(plan.effects, clearances=clearances, contact_law=law, **flags)
+
+
+def with_estimate(case: CaseData, plan: Plan, change: float) -> Plan:
+    """The plan with what the speed at which motor curves are read changes: an estimate of electrical damping.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case, for `TorqueFollows`. [SI]
+    plan : Plan
+        A plan of motors without data. [mixed]
+    change : float
+        Largest relative change of a peak. [1]
+
+    Returns
+    -------
+    Plan
+        The same, with the change in place of a bound. [mixed]
+    """
+    other, own = ("mean", "own") if case.reads_own_speed else ("own", "mean")
+    said = (
+        f"An estimate, measured by one more start: curves read at the {other} speed instead of the {own} speed "
+        f"change a peak by {percent(change)}."
+    )
+    decisions = tuple(
+        replace(d, bound=change, why=f"{d.why} {said}")
+        if d.effect == ELECTRICAL_DAMPING.name
+        else d
+        for d in plan.decisions
+    )
+    return replace(plan, decisions=decisions)
 
 
 def with_measured(plan: Plan, change: float | None, on: bool) -> Plan:

@@ -16,13 +16,11 @@ import numpy as np
 
 from engine.case.result_words import Judgement
 from engine.fatigue.stress import shear_stress, stress_of_unit_torque
-from engine.model.modal_train import ModalTrain
 from engine.motor.from_case import motor_curves
 from engine.numerics.same_bits import product
 from engine.operation.margins import percent_speed
 from engine.results.results import AccuracyRow, AtSpeed, Results
 from engine.results.verdicts import event_verdict, yield_torque
-from engine.start.electrical_damping import electrical_damping_of
 from engine.start.start_fatigue import is_counted
 
 Row = dict[str, Any]
@@ -82,7 +80,6 @@ def _torque_reversals(results: Results) -> list[Row]:
 
 def _electrical_damping(results: Results) -> list[Row]:
     """What each motor makes of each mode that the start crosses."""
-    modal = ModalTrain(results.train, results.modes, results.damping)
     return [
         {
             "station": row.station,
@@ -97,7 +94,7 @@ def _electrical_damping(results: Results) -> list[Row]:
             "damping_ratio": row.damping_ratio,
             "with_motors": row.with_motors,
         }
-        for row in electrical_damping_of(results.case, modal)
+        for row in results.electrical_damping
     ]
 
 
