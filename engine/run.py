@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
@@ -44,14 +45,15 @@ from engine.results.times import EVENTS, accuracy_of, measured_times
 from engine.results.verdicts import verdicts_of
 from engine.results.warnings import warnings_of
 from engine.start.crossings import Crossing, crossings_of
-from engine.start.electrical_damping import ElectricalDamping
+from engine.start.electrical_damping import ElectricalDamping, electrical_damping_of
 from engine.start.peaks import JudgedRun, change_of_peaks, judge_run
 from engine.start.pieces import analysis_for_start, with_pieces_error
 from engine.start.prescribed import run_prescribed
 from engine.start.reversals import Reversal, torque_reversals
 from engine.start.settings import has_start
-from engine.start.start import Start, run_start, with_left_out
+from engine.start.start import Start, prepared_start, run_start, with_left_out
 from engine.start.start_fatigue import starts_of
+from engine.start.start_model import shifted
 
 #: How often the start is repeated at half the step where the starts are not accurate enough.
 MAX_STARTS_REFINEMENTS = 3
@@ -264,6 +266,10 @@ def planned_start(
         with stage("motor curves at the other speed"):
             otherwise, change = _read_otherwise(stepped, model, plans[-1], start, linear)
         plans[-1] = with_estimate(case, plans[-1], change)
+    elif estimated and plans[-1].effects.electrical_damping:
+        with stage("shift of frequencies by motors"):
+            otherwise, change = _shifted(stepped, model, plans[-1], linear)
+        plans[-1] = with_estimate(case, plans[-1], change)
     start = with_left_out(start, plans[-1].left_out_bound, tolerance, plans[-1].estimate)
     return PlannedStart(start, linear, tuple(plans), model, evidence, full, otherwise)
 
@@ -287,6 +293,21 @@ def _read_otherwise(
     judged = calculate_start(other, model, plain, None)
     change = change_of_peaks(judged.peaks, linear.peaks)
     return None if plan.events else judged, change
+
+
+def _shifted(
+    case: CaseData, model: ModalTrain, plan: Plan, linear: Start
+) -> tuple[JudgedRun | None, float]:
+    """The linear start with the frequencies that the motors give the modes, and how that changes the peaks."""
+    effects = replace(plan.effects, clearances=(), pull_in=False, aborted_start=False)
+    prepared, plain = prepared_start(case, model, effects).to_its_end(linear.step)
+    shift = np.zeros(model.modes.n_modes)
+    for row in electrical_damping_of(case, model):
+        if row.speed < 1.0:
+            shift[model.modes.n_rigid + row.mode - 1] += 2.0 * math.pi * (row.shift or 0.0)
+    run = replace(prepared, model=shifted(prepared.model, shift)).at(linear.step)
+    judged, other = (judge_run(model.train, np.zeros(len(r.turning)), r, r) for r in (plain, run))
+    return None if plan.events else other, change_of_peaks(other.peaks, judged.peaks)
 
 
 def _with_all_effects(

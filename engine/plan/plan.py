@@ -48,6 +48,8 @@ class Plan:
     warnings: tuple[str, ...] = ()  #: Choices that go against the evidence.
     #: Effects that are off though the train has their data, and may change an answer.
     left_out: tuple[str, ...] = ()
+    #: Estimated relative change by what is not simulated of electrical damping, where nothing bounds it. [1]
+    estimate: float = 0.0
 
     @property
     def left_out_bound(self) -> float | None:
@@ -55,12 +57,6 @@ class Plan:
         bounds = [self.decision(name).bound for name in self.left_out]
         known = [bound for bound in bounds if bound is not None]
         return total(known) if len(known) == len(bounds) else None
-
-    @property
-    def estimate(self) -> float:
-        """Estimated change by an effect that lacks its data, where nothing bounds it. [1]"""
-        decision = self.decision(ELECTRICAL_DAMPING.name)
-        return (decision.bound or 0.0) if decision.deciding_number is None else 0.0
 
     def decision(self, effect: str) -> EffectDecision:
         """The decision on one effect, by its name in `EFFECTS`."""
@@ -226,34 +222,37 @@ def effects_with(plan: Plan, evidence: Evidence, names: Iterable[str]) -> StartE
 
 
 def with_estimate(case: CaseData, plan: Plan, change: float) -> Plan:
-    """The plan with what the speed at which motor curves are read changes: an estimate of electrical damping.
+    """The plan with an estimate of what its start has not of electrical damping.
+
+    Without data that is what the speed changes at which motor curves are read; with the effect on, the shift of the
+    frequencies.
 
     Parameters
     ----------
     case : CaseData
         The case, for `TorqueFollows`. [SI]
     plan : Plan
-        A plan of motors without data. [mixed]
+        The plan. [mixed]
     change : float
         Largest relative change of a peak. [1]
 
     Returns
     -------
     Plan
-        The same, with the change in place of a bound. [mixed]
+        The same with its estimate, in place of a bound where the effect is off. [mixed]
     """
     other, own = ("mean", "own") if case.reads_own_speed else ("own", "mean")
-    said = (
-        f"An estimate, measured by one more start: curves read at the {other} speed instead of the {own} speed "
-        f"change a peak by {percent(change)}."
-    )
+    what = f"curves read at the {other} speed instead of the {own} speed change"
+    if plan.effects.electrical_damping:
+        what = "the frequencies that the motors give the modes (Im K), which this start has not, change"
+    said = f"An estimate, measured by one more start: {what} a peak by {percent(change)}."
     decisions = tuple(
-        replace(d, bound=change, why=f"{d.why} {said}")
+        replace(d, bound=None if d.on else change, why=f"{d.why} {said}")
         if d.effect == ELECTRICAL_DAMPING.name
         else d
         for d in plan.decisions
     )
-    return replace(plan, decisions=decisions)
+    return replace(plan, decisions=decisions, estimate=change)
 
 
 def with_measured(plan: Plan, change: float | None, on: bool) -> Plan:
