@@ -54,6 +54,7 @@ from engine.start.settings import has_start
 from engine.start.start import Start, prepared_start, run_start, with_left_out
 from engine.start.start_fatigue import starts_of
 from engine.start.start_model import shifted
+from engine.start.trajectory import SingleRun
 
 #: How often the start is repeated at half the step where the starts are not accurate enough.
 MAX_STARTS_REFINEMENTS = 3
@@ -287,10 +288,14 @@ def _read_otherwise(
     if plan.events and start.repeatability is None and not unfinished:
         run = one_run(other, model, plan.effects, linear, start.step)
         if not run.events.gave_up:
-            judged = judge_run(model.train, np.zeros(len(run.turning)), run, run)
+            judged = _judged_alone(model, run)
             return judged, change_of_peaks(judged.peaks, start.peaks)
-    plain = replace(plan.effects, clearances=(), pull_in=False, aborted_start=False)
-    judged = calculate_start(other, model, plain, None)
+    plain = _without_events(plan.effects)
+    prepared = prepared_start(other, model, plain)
+    if prepared.model.uncoupled_dampers:  # too strong for explicit forces, as in `calculate_start`
+        judged = calculate_start(other, model, plain, None)
+    else:
+        judged = _judged_alone(model, prepared.to_its_end(linear.step)[1])
     change = change_of_peaks(judged.peaks, linear.peaks)
     return None if plan.events else judged, change
 
@@ -299,15 +304,25 @@ def _shifted(
     case: CaseData, model: ModalTrain, plan: Plan, linear: Start
 ) -> tuple[JudgedRun | None, float]:
     """The linear start with the frequencies that the motors give the modes, and how that changes the peaks."""
-    effects = replace(plan.effects, clearances=(), pull_in=False, aborted_start=False)
-    prepared, plain = prepared_start(case, model, effects).to_its_end(linear.step)
+    prepared = prepared_start(case, model, _without_events(plan.effects))
+    prepared, plain = prepared.to_its_end(linear.step)
     shift = np.zeros(model.modes.n_modes)
     for row in electrical_damping_of(case, model):
         if row.speed < 1.0:
             shift[model.modes.n_rigid + row.mode - 1] += 2.0 * math.pi * (row.shift or 0.0)
     run = replace(prepared, model=shifted(prepared.model, shift)).at(linear.step)
-    judged, other = (judge_run(model.train, np.zeros(len(r.turning)), r, r) for r in (plain, run))
-    return None if plan.events else other, change_of_peaks(other.peaks, judged.peaks)
+    other = _judged_alone(model, run)
+    change = change_of_peaks(other.peaks, _judged_alone(model, plain).peaks)
+    return None if plan.events else other, change
+
+
+def _judged_alone(model: ModalTrain, run: SingleRun) -> JudgedRun:
+    """Extremes of one simulation, without an estimate of its error."""
+    return judge_run(model.train, np.zeros(len(run.turning)), run, run)
+
+
+def _without_events(effects: StartEffects) -> StartEffects:
+    return replace(effects, clearances=(), pull_in=False, aborted_start=False)
 
 
 def _with_all_effects(
@@ -347,8 +362,7 @@ def calculate_start(
     if has_start(case):
         start = run_start(case, model, effects)
         if start.uncoupled_dampers:  # too strong for explicit forces: the loop with events solves
-            plain = replace(effects, clearances=(), pull_in=False, aborted_start=False)
-            return run_event_start(case, model, plain, start)
+            return run_event_start(case, model, _without_events(effects), start)
         return start
     return run_prescribed(case, model)
 
@@ -379,8 +393,8 @@ def judged_starts(
         return start, None, ()
     always = counting.choice == "on"
     tolerance = case.tolerance_starts or DEFAULT_TOLERANCE_STARTS
-    others = [one for one in (planned.full, planned.otherwise) if one is not None]
-    starts, errors = starts_of(case, start, others, always_count=always)
+    others = planned.full, planned.otherwise
+    starts, errors = starts_of(case, start, *others, always_count=always)
     for _ in range(MAX_STARTS_REFINEMENTS):
         worst = max((e for _, e in errors if e is not None), default=0.0)
         unfinished = start.outcome.outcome == Outcome.TIME_OUT
@@ -402,7 +416,7 @@ def judged_starts(
         finer = with_pieces_error(finer, dict(start.pieces_error), wanted)
         plan = planned.plan
         start = with_left_out(_as_asked(finer, wanted), plan.left_out_bound, wanted, plan.estimate)
-        starts, errors = starts_of(case, start, others, always_count=always)
+        starts, errors = starts_of(case, start, *others, always_count=always)
     return start, starts, errors
 
 

@@ -102,7 +102,12 @@ def _sn_curve(material: MaterialRow, points: tuple[SNPointRow, ...]) -> SNCurve:
 
 
 def starts_of(
-    case: CaseData, start: Start, others: Sequence[JudgedRun] = (), *, always_count: bool = False
+    case: CaseData,
+    start: Start,
+    full: JudgedRun | None = None,
+    otherwise: JudgedRun | None = None,
+    *,
+    always_count: bool = False,
 ) -> tuple[AllowableStarts | None, tuple[tuple[str, float | None], ...]]:
     """Allowable starts of every judged shaft, with the error of each.
 
@@ -112,8 +117,10 @@ def starts_of(
         The case. [SI]
     start : Start
         The start. [SI]
-    others : sequence of JudgedRun, optional
-        The same with what it leaves out, where that was measured. [SI]
+    full : JudgedRun, optional
+        The same with every effect that it leaves out, where that was measured. [SI]
+    otherwise : JudgedRun, optional
+        The same with what its `estimate` is of, where that was measured. [SI]
     always_count : bool, optional
         Count even where the largest amplitude is at or below the endurance limit. [flag]
 
@@ -129,7 +136,7 @@ def starts_of(
         return None, ()
     shafts, errors = [], []
     for index, element in judged:
-        shaft, error = _shaft(case, element, start, others, index, always_count)
+        shaft, error = _shaft(case, element, (start, full, otherwise), index, always_count)
         shafts.append(shaft)
         errors.append((shaft.element, error))
     return allowable_starts(shafts, case.starts_factor), tuple(errors)
@@ -138,8 +145,7 @@ def starts_of(
 def _shaft(
     case: CaseData,
     element: ElementRow,
-    start: Start,
-    others: Sequence[JudgedRun],
+    starts: tuple[Start, JudgedRun | None, JudgedRun | None],
     index: int,
     always_count: bool,
 ) -> tuple[ShaftFatigue, float | None]:
@@ -148,6 +154,7 @@ def _shaft(
     The error is the change of the damage between the two steps, and by what pieces and modes left out may
     do to every torque; it reaches to the ends of the interval, of an ensemble where runs part.
     """
+    start, full, otherwise = starts
     material = next(m for m in case.materials if m.material == element.material)
     curve = sn_curve_of(case, element.material)
     residue = case.rainflow_residue or RainflowResidue.HALF_CYCLES
@@ -189,12 +196,14 @@ def _shaft(
     if start.repeatability is not None:
         ends = _over_ensemble(case, element, start, index)
         low, high = min(low, ends[0]), max(high, ends[1])
-    left_out = None if start.left_out is None else change(start.left_out)
     measured = [
         largest_damage(case, element, [fine for fine, _ in _histories(other, index)])
-        for other in others
+        for other in (full, otherwise)
+        if other is not None
     ]
+    left_out = start.left_out
     if left_out is not None:
+        left_out = change(left_out if otherwise is None else left_out - start.estimate)
         left_out = max(left_out, *(abs(other / damage - 1.0) for other in measured), 0.0)
     shaft = _with_interval(shaft, (low, high), off, left_out, measured)
     # near endurance the interval reaches further than the change of the damage

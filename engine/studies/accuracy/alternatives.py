@@ -177,8 +177,7 @@ def _described(start: Start) -> str:
 
 def _stated_of_starts(case: CaseData, planned: PlannedStart) -> float | None:
     """Error of the starts as stated, with what is left out; None where none are limited."""
-    others = () if planned.full is None else (planned.full,)
-    starts, errors = starts_of(case, planned.start, others)
+    starts, errors = starts_of(case, planned.start, planned.full)
     shafts = starts.shafts if starts is not None else ()
     stated = [
         error + (shaft.left_out or 0.0)
