@@ -71,6 +71,20 @@ LIMITS = (
 )  # fmt: skip
 #: Rows kept free for the crossings of the start; what stands below them begins there.
 CROSSING_ROWS = 8
+_SCAN_METHOD = "docs/method.md, Events of a motor"
+#: Of an event whose phase, angle or clearing time is ``worst``, where it was found.
+_WORST_INSTANT = tuple(
+    number(
+        name, dimension, f"{column} with the largest torque of this row, where {column} is worst.",
+        f"largest of all {column} of the scan, then of those beside it, ever nearer", _SCAN_METHOD,
+        of_case=(f"MotorEvents.{column}", *more), pane=Pane.MINOR, error=ReportedError.ESTIMATE,
+    )
+    for name, dimension, column, more in (
+        ("Worst phase", "angle", "Phase", ()),
+        ("Worst angle", "angle", "Angle", ()),
+        ("Worst clearing time", "time", "Clears after", ("MotorEvents.Latest clearing",)),
+    )
+)  # fmt: skip
 
 #: Result tables of workbook and JSON.
 RESULT_TABLES: tuple[TableSpec, ...] = (
@@ -893,9 +907,15 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 of_row=("EventPeaks.Maximum", "EventPeaks.Minimum", *SECTION), error=ReportedError.EVENTS,
             ),
             number(
-                "Damage", "count", "Miner sum of one such event; multiply by the events in a life.",
+                "Damage", "count", "Miner sum of one such event.",
                 f"Σ nᵢ/Nᵢ over the rainflow cycles of SCF · {STRESS}; amplitude = half range, mean ignored",
                 FIGURE_3, of_case=(*EVENT, *FATIGUE), format=shown.DAMAGE, error=ReportedError.EVENT_DAMAGE,
+            ),
+            number(
+                "Damage per life", "count", "The same times Per life; blank where that is blank.",
+                "damage × Per life", FIGURE_3, of_row=("EventPeaks.Damage",),
+                of_case=("EventTorque.Per life", "MotorEvents.Per life"), format=shown.DAMAGE,
+                error=ReportedError.EVENT_DAMAGE,
             ),
             number(
                 "Damage error", "fraction", "Estimated relative error of the damage.",
@@ -918,7 +938,8 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             number(
                 "Error", "fraction", "Estimated error of maximum and minimum, relative to the larger.",
                 "Change of both extremes from spacing h to h/2 (the samples are exact), with what comes after the end, a "
-                "bound on fast modes and the error from the pieces of distributed shafts",
+                "bound on fast modes, the error from the pieces of distributed shafts and, of a worst instant, what "
+                "halving the spacing of its scan changes",
                 EVENT_METHOD, of_case=("TolerancePeak",), format=shown.ERROR,
                 error=ReportedError.ESTIMATE, pane=Pane.MINOR,
             ),
@@ -928,6 +949,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 EVENT_METHOD, of_case=("EffectChoices.Choice", "MaximumTime", *CLEARANCES),
                 format=shown.ERROR, error=ReportedError.ESTIMATE, pane=Pane.MINOR,
             ),
+            *_WORST_INSTANT,
         ),
     ),
     table(
@@ -957,9 +979,11 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             ),
             number(
                 "Error", "fraction", "Estimated error of the largest torque.",
-                "Change of the largest torque from spacing h to h/2", EVENT_METHOD, of_case=("TolerancePeak",),
+                "Change of the largest torque from spacing h to h/2; of a worst instant with what halving its spacing changes",
+                EVENT_METHOD, of_case=("TolerancePeak",),
                 format=shown.ERROR, error=ReportedError.ESTIMATE, pane=Pane.MINOR,
             ),
+            *_WORST_INSTANT,
         ),
     ),
     table(
