@@ -265,12 +265,13 @@ def time_response(
     v = np.zeros(modes.n_modes) if initial_speed is None else initial_speed
     system = modal_system(train, modes, stations, damping_ratio, kept)
 
-    out_q, out_v = _integrate(
-        system, grid, lambda part: _torque_polynomials(torques, stations, part), v[system.keep]
-    )
+    n, rows = len(system.omega), system.room_for(len(t))
+    both = rows[:n] if len(grid) == len(t) else np.empty((n, 2, len(grid)))
+    _integrate(
+        system, grid, lambda part: _torque_polynomials(torques, stations, part), v[system.keep], both
+    )  # fmt: skip
     if len(grid) != len(t):
-        pick = np.searchsorted(grid, t)
-        out_q, out_v = out_q[:, pick], out_v[:, pick]
+        np.take(both, np.searchsorted(grid, t), axis=2, out=rows[:n])
 
     def applied() -> tuple[Floats, Floats]:
         force, rate = np.zeros((len(stations), len(t))), np.zeros((len(stations), len(t)))
@@ -280,7 +281,7 @@ def time_response(
             rate[column] += _slope(p, t)
         return force, rate
 
-    return system.response(t, out_q, out_v, applied)
+    return system.response(t, rows, applied)
 
 
 @dataclass(frozen=True, eq=False)
@@ -296,11 +297,17 @@ class ModalSystem:
     reach: Floats  #: Torques to modes. [rad/√(kg m²)] Shape (n_kept, n_stations).
     outputs: TorqueOutputs  #: Element torques. [SI]
 
+    def room_for(self, n_times: int) -> Floats:
+        """Positions and velocities of the modes, then torques and rates of the outputs: (rows, 2, n_times).
+
+        One piece of memory, not yet filled, because a large one comes in large pages.
+        """
+        return np.empty((len(self.omega) + len(self.outputs.element), 2, n_times))
+
     def response(
         self,
         time: Floats,
-        q: Floats,
-        v: Floats,
+        rows: Floats,
         applied: Callable[[], tuple[Floats, Floats]],
     ) -> TimeResponse:
         """What the modes do to stations and elements.
@@ -309,8 +316,8 @@ class ModalSystem:
         ----------
         time : ndarray, shape (n_times,)
             Times. [s]
-        q, v : ndarray, shape (n_kept, n_times)
-            Modal positions and velocities then. [rad √(kg m²), rad √(kg m²)/s]
+        rows : ndarray, shape (n_kept + n_outputs, 2, n_times)
+            From `room_for`, with the modes filled; the torques are filled here. [SI]
         applied : callable
             Torques and their rates, shape (n_stations, n_times); asked for where an element's torque depends on
             them. [N m, N m/s]
@@ -321,7 +328,11 @@ class ModalSystem:
             Angles, speeds and element torques. [SI]
         """
         train, outputs = self.train, self.outputs
-        torque, torque_rate = product(outputs.position, q), product(outputs.position, v)
+        modes, torques = rows[: len(self.omega)], rows[len(self.omega) :]
+        product(
+            outputs.position, modes.reshape(len(modes), -1), torques.reshape(len(torques), -1)
+        )
+        q, v, torque, torque_rate = modes[:, 0], modes[:, 1], torques[:, 0], torques[:, 1]
         if np.any(outputs.force) or np.any(outputs.velocity):
             force, rate = applied()
             acceleration = product(self.reach, force) - product(self.damping, v)
@@ -411,15 +422,15 @@ def _torque_polynomials(
 
 
 def _integrate(
-    system: ModalSystem, grid: Floats, torques: Callable[[Floats], Floats], v: Floats
-) -> tuple[Floats, Floats]:
-    """Modal positions and velocities on the grid, shape (n_modes, n_grid).
+    system: ModalSystem, grid: Floats, torques: Callable[[Floats], Floats], v: Floats, both: Floats
+) -> None:
+    """Modal positions and velocities on the grid, into `both`, shape (n_modes, 2, n_grid).
 
     `torques` gives the polynomials between some grid points; it is asked for some thousand steps
     at a time.
     """
     omega, n = system.omega, len(system.omega)
-    out = np.empty((n, len(grid))), np.empty((n, len(grid)))
+    out = both[:, 0], both[:, 1]
     state = np.concatenate([np.zeros(n), v])
     q, v = state[:n], state[n:]
     out[0][:, 0], out[1][:, 0] = q, v
@@ -440,8 +451,7 @@ def _integrate(
                 out[0][:, a + 1 : b + 1], out[1][:, a + 1 : b + 1] = states.T[:n], states.T[n:]
             else:
                 modes = kernels.prescribed_struct(omega**2, rate, system.reach, over.shape[-1])
-                kernels.drive_modes(modes, steps[a:b], over, (q, v), out, a + 1)
-    return out
+                kernels.drive_modes(modes, steps[a:b], over, (q, v), both, a + 1)
 
 
 def _pushes(forced: Floats, reach: Floats) -> Floats:

@@ -299,7 +299,7 @@ def drive_modes(
     steps: Floats,
     torque: Floats,
     state: tuple[Floats, Floats],
-    out: tuple[Floats, Floats],
+    out: Floats,
     first: int,
 ) -> None:
     """Uncoupled modes under prescribed torques.
@@ -314,15 +314,15 @@ def drive_modes(
         Coefficients of each torque over each step. [N m]
     state : tuple of ndarray, shape (n_modes,)
         Positions and velocities, updated. [SI]
-    out : tuple of ndarray, shape (n_modes, n_times)
+    out : ndarray, shape (n_modes, 2, n_times)
         Written: the same after each step. [SI]
     first : int
-        Where in `out` the first step ends. [index]
+        Time in `out` at which the first step ends. [index]
     """
     room = np.empty(library.prescribed_room(system))
     library.drive_modes(
-        system, len(steps), address(steps), address(torque), *map(address, state), out[0].shape[1],
-        first, *map(address, (*out, room)),
+        system, len(steps), *map(address, (steps, torque, *state)), out.shape[2], first,
+        address(out), address(room),
     )  # fmt: skip
 
 

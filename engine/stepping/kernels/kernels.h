@@ -219,7 +219,7 @@ void newmark_step(int64_t n, const double *stiffness, const double *rate, double
 double first_fall(double g0, double d0, double g1, double d1);
 int64_t prescribed_room(const prescribed_t *p);
 void drive_modes(const prescribed_t *p, int64_t n_steps, const double *steps, const double *torque, double *q,
-                 double *v, int64_t n_times, int64_t first, double *out_q, double *out_v, double *room);
+                 double *v, int64_t n_times, int64_t first, double *out, double *room);
 void drive_coupled(int64_t n_steps, int64_t n_state, int64_t n_push, const double *free, const double *push,
                    const double *torque, double *state, double *out, double *room);
 int64_t machine_room(const machine_t *machine);

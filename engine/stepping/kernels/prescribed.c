@@ -27,7 +27,7 @@ static void step_of(const prescribed_t *p, int64_t from, int64_t here, double h,
 
 /* Some modes over all steps; their states are written a few steps at a time, in the order of time. */
 IN_BOTH void drive_some(const prescribed_t *p, int64_t from, int64_t n_steps, const double *steps,
-                        const double *torque, double *q, double *v, int64_t n_times, double *out_q, double *out_v,
+                        const double *torque, double *q, double *v, int64_t n_times, double *out,
                         modes_t *push)
 {
     const int64_t here = p->n - from < MODES ? p->n - from : MODES, n_push = p->n_torques * p->terms;
@@ -51,8 +51,8 @@ IN_BOTH void drive_some(const prescribed_t *p, int64_t from, int64_t n_steps, co
         ys[n++] = y;
         if (n < MODES && k + 1 < n_steps) continue;
         for (int64_t w = 0; w < here; w++)
-            for (int64_t at = (from + w) * n_times + k + 1 - n, i = 0; i < n; i++)
-                out_q[at + i] = written_x[MODES * i + w], out_v[at + i] = written_y[MODES * i + w];
+            for (double *at = out + 2 * (from + w) * n_times + k + 1 - n, *i = at; i < at + n; i++)
+                i[0] = written_x[MODES * (i - at) + w], i[n_times] = written_y[MODES * (i - at) + w];
         n = 0;
     }
     xs[0] = x, ys[0] = y;
@@ -60,26 +60,26 @@ IN_BOTH void drive_some(const prescribed_t *p, int64_t from, int64_t n_steps, co
 }
 
 static void drive_plain(const prescribed_t *p, int64_t from, int64_t n_steps, const double *steps,
-                        const double *torque, double *q, double *v, int64_t n_times, double *out_q, double *out_v,
+                        const double *torque, double *q, double *v, int64_t n_times, double *out,
                         modes_t *push)
 {
-    drive_some(p, from, n_steps, steps, torque, q, v, n_times, out_q, out_v, push);
+    drive_some(p, from, n_steps, steps, torque, q, v, n_times, out, push);
 }
 
 static WIDER void drive_wide(const prescribed_t *p, int64_t from, int64_t n_steps, const double *steps,
-                             const double *torque, double *q, double *v, int64_t n_times, double *out_q,
-                             double *out_v, modes_t *push)
+                             const double *torque, double *q, double *v, int64_t n_times, double *out,
+                             modes_t *push)
 {
-    drive_some(p, from, n_steps, steps, torque, q, v, n_times, out_q, out_v, push);
+    drive_some(p, from, n_steps, steps, torque, q, v, n_times, out, push);
 }
 
-/* torque: (n_steps, n_torques, terms). The states after the steps are written into (n, n_times), from `first` on. */
+/* torque: (n_steps, n_torques, terms). The states after the steps are written into (n, 2, n_times), from time `first` on. */
 void drive_modes(const prescribed_t *p, int64_t n_steps, const double *steps, const double *torque, double *q,
-                 double *v, int64_t n_times, int64_t first, double *out_q, double *out_v, double *room)
+                 double *v, int64_t n_times, int64_t first, double *out, double *room)
 {
     for (int64_t from = 0; from < p->n; from += MODES)
-        (has_wider() ? drive_wide : drive_plain)(p, from, n_steps, steps, torque, q, v, n_times, out_q + first,
-                                                out_v + first, (modes_t *)room);
+        (has_wider() ? drive_wide : drive_plain)(p, from, n_steps, steps, torque, q, v, n_times, out + first,
+                                                (modes_t *)room);
 }
 
 /* A coupled linear system; n_push: coefficients of all torques over a step. */
