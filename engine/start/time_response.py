@@ -329,9 +329,7 @@ class ModalSystem:
         """
         train, outputs = self.train, self.outputs
         modes, torques = rows[: len(self.omega)], rows[len(self.omega) :]
-        product(
-            outputs.position, modes.reshape(len(modes), -1), torques.reshape(len(torques), -1)
-        )
+        product(outputs.position, modes.reshape(len(modes), -1), torques.reshape(len(torques), -1))
         q, v, torque, torque_rate = modes[:, 0], modes[:, 1], torques[:, 0], torques[:, 1]
         if np.any(outputs.force) or np.any(outputs.velocity):
             force, rate = applied()
