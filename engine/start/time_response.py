@@ -21,7 +21,7 @@ from engine.errors import ModelError
 from engine.model.modes import Modes, modal_damping_matrix
 from engine.model.train import Train
 from engine.numerics.distinct import distinct
-from engine.numerics.same_bits import interp, matrix_exponential, product
+from engine.numerics.same_bits import along_first, interp, matrix_exponential, product
 from engine.start.torque_outputs import TorqueOutputs, force_reach, torque_outputs
 from engine.stepping import linear_loop as kernels
 
@@ -402,10 +402,10 @@ def _step_grid(t: Floats, torques: Sequence[PrescribedTorque]) -> Floats:
 def _torque_polynomials(
     torques: Sequence[PrescribedTorque], stations: Ints, grid: Floats
 ) -> Floats:
-    """Coefficients of each torque over every step, shape (n_steps, n_stations, terms). [N m]"""
+    """Coefficients of each torque over every step, shape (terms, n_stations, n_steps). [N m]"""
     start, h = grid[:-1], np.diff(grid)
     places, weights = _LINEAR if all(p.linear for p in torques) else _CUBIC
-    values = np.zeros((len(h), len(stations), len(places)))
+    values = np.zeros((len(places), len(stations), len(h)))
     for p in torques:
         column = int(np.searchsorted(stations, p.station))
         if len(p.knots):
@@ -415,8 +415,8 @@ def _torque_polynomials(
             first, last = ends[:-1], ends[1:]
         inner = [p.value(start + share * h, "right") for share in places[1:-1]]
         for i, part in enumerate((first, *inner, last)):
-            values[:, column, i] += part
-    return np.asarray(product(values.reshape(-1, len(places)), weights.T).reshape(values.shape))
+            values[i, column] += part
+    return np.asarray(along_first(weights, values))
 
 
 def _integrate(
@@ -443,20 +443,19 @@ def _integrate(
             if system.coupled:
                 if a == i:
                     free, forced = by_length.step(float(steps[i]), j - i)
-                    push = _pushes(forced[..., : over.shape[-1]], system.reach)
+                    push = _pushes(forced[..., : len(over)], system.reach)
                 states = np.empty((b - a, 2 * n))
                 kernels.drive_coupled(free, push, over, state, states)
                 out[0][:, a + 1 : b + 1], out[1][:, a + 1 : b + 1] = states.T[:n], states.T[n:]
             else:
-                modes = kernels.prescribed_struct(omega**2, rate, system.reach, over.shape[-1])
+                modes = kernels.prescribed_struct(omega**2, rate, system.reach, len(over))
                 kernels.drive_modes(modes, steps[a:b], over, (q, v), both, a + 1)
 
 
 def _pushes(forced: Floats, reach: Floats) -> Floats:
-    """What coefficients of torques do over a step, shape (n_state, n_stations, terms), from what those of modes do."""
+    """What coefficients of torques do over a step, shape (n_state, terms, n_stations), from what those of modes do."""
     rows = forced.transpose(0, 2, 1)
-    push = product(rows.reshape(-1, len(reach)), reach).reshape(*rows.shape[:2], -1)
-    return np.ascontiguousarray(push.transpose(0, 2, 1))
+    return np.asarray(product(rows.reshape(-1, len(reach)), reach).reshape(*rows.shape[:2], -1))
 
 
 def _steps(grid: Floats) -> Floats:

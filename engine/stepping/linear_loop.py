@@ -310,7 +310,7 @@ def drive_modes(
         From `prescribed_struct`. [SI]
     steps : ndarray, shape (n_steps,)
         Length of each step; coefficients are made anew where it changes. [s]
-    torque : ndarray, shape (n_steps, n_torques, terms)
+    torque : ndarray, shape (terms, n_torques, n_steps)
         Coefficients of each torque over each step. [N m]
     state : tuple of ndarray, shape (n_modes,)
         Positions and velocities, updated. [SI]
@@ -331,9 +331,9 @@ def drive_coupled(free: Floats, push: Floats, torque: Floats, state: Floats, out
 
     Parameters
     ----------
-    free, push : ndarray, shape (n_state, n_state) and (n_state, n_torques, terms)
+    free, push : ndarray, shape (n_state, n_state) and (n_state, terms, n_torques)
         Coefficients of the step: of the state, and of the torques' own. [SI]
-    torque : ndarray, shape (n_steps, n_torques, terms)
+    torque : ndarray, shape (terms, n_torques, n_steps)
         Coefficients of each torque over each step. [N m]
     state : ndarray, shape (n_state,)
         State, updated. [SI]
@@ -342,7 +342,7 @@ def drive_coupled(free: Floats, push: Floats, torque: Floats, state: Floats, out
     """
     room = np.empty(len(state))
     library.drive_coupled(
-        len(torque), len(state), push[0].size, *map(address, (free, push, torque, state, out, room))
+        len(out), len(state), push[0].size, *map(address, (free, push, torque, state, out, room))
     )
 
 

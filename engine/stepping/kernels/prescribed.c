@@ -11,7 +11,7 @@ typedef struct { some_t of[REGISTERS]; } modes_t;
 int64_t prescribed_room(const prescribed_t *p) { return 2 * MODES * p->n_torques * p->terms; }
 
 /* Coefficients of a step of the modes from `from` on: of their state (4), and of the torques' coefficients, what each
- * adds to positions and to velocities (n_torques, terms, 2). */
+ * adds to positions and to velocities (terms, n_torques, 2). */
 static void step_of(const prescribed_t *p, int64_t from, int64_t here, double h, modes_t *free, modes_t *push)
 {
     for (int64_t w = 0; w < here; w++) {
@@ -19,8 +19,8 @@ static void step_of(const prescribed_t *p, int64_t from, int64_t here, double h,
         const map_t map = polynomial_map(p->stiffness[i], p->rate[i], h);
         double *own = (double *)free + w, *given = (double *)push + w;
         for (int j = 0; j < 4; j++) own[MODES * j] = map.free[j / 2][j % 2];
-        for (int64_t s = 0; s < p->n_torques; s++)
-            for (int64_t j = 0; j < p->terms; j++)
+        for (int64_t j = 0; j < p->terms; j++)
+            for (int64_t s = 0; s < p->n_torques; s++)
                 for (int x = 0; x < 2; x++, given += MODES) *given = p->reach[i * p->n_torques + s] * map.forced[x][j];
     }
 }
@@ -41,8 +41,8 @@ IN_BOTH void drive_some(const prescribed_t *p, int64_t from, int64_t n_steps, co
         for (int r = 0; r < REGISTERS; r++) {
             some_t pushed = {0.0}, sped = {0.0}, before = x.of[r];
             for (int64_t j = 0; j < n_push; j++) {
-                pushed += push[2 * j].of[r] * torque[k * n_push + j];
-                sped += push[2 * j + 1].of[r] * torque[k * n_push + j];
+                pushed += push[2 * j].of[r] * torque[j * n_steps + k];
+                sped += push[2 * j + 1].of[r] * torque[j * n_steps + k];
             }
             x.of[r] = free[0].of[r] * before + free[1].of[r] * y.of[r] + pushed;
             y.of[r] = free[2].of[r] * before + free[3].of[r] * y.of[r] + sped;
@@ -73,7 +73,7 @@ static WIDER void drive_wide(const prescribed_t *p, int64_t from, int64_t n_step
     drive_some(p, from, n_steps, steps, torque, q, v, n_times, out, push);
 }
 
-/* torque: (n_steps, n_torques, terms). The states after the steps are written into (n, 2, n_times), from time `first` on. */
+/* torque: (terms, n_torques, n_steps). The states after the steps are written into (n, 2, n_times), from time `first` on. */
 void drive_modes(const prescribed_t *p, int64_t n_steps, const double *steps, const double *torque, double *q,
                  double *v, int64_t n_times, int64_t first, double *out, double *room)
 {
@@ -82,17 +82,16 @@ void drive_modes(const prescribed_t *p, int64_t n_steps, const double *steps, co
                                                 (modes_t *)room);
 }
 
-/* A coupled linear system; n_push: coefficients of all torques over a step. */
+/* A coupled linear system; torque: (n_push, n_steps), coefficients of all torques over a step. */
 void drive_coupled(int64_t n_steps, int64_t n_state, int64_t n_push, const double *free, const double *push,
                    const double *torque, double *state, double *out, double *room)
 {
     for (int64_t k = 0; k < n_steps; k++) {
-        const double *c = torque + k * n_push;
         for (int64_t i = 0; i < n_state; i++) {
             const double *row = free + i * n_state, *pushed = push + i * n_push;
             double x = 0.0;
             for (int64_t j = 0; j < n_state; j++) x += row[j] * state[j];
-            for (int64_t j = 0; j < n_push; j++) x += pushed[j] * c[j];
+            for (int64_t j = 0; j < n_push; j++) x += pushed[j] * torque[j * n_steps + k];
             room[i] = x;
         }
         for (int64_t i = 0; i < n_state; i++) state[i] = out[k * n_state + i] = room[i];
