@@ -62,6 +62,8 @@ LABELS: tuple[str, ...] = (
     "Air-gap title",
     "Air-gap axis",
     "Air-gap element",
+    "Profile title",
+    "Profile axis",
 )
 
 CHART_TABLES: tuple[ChartTable, ...] = (
@@ -136,5 +138,10 @@ CHART_TABLES: tuple[ChartTable, ...] = (
         "ChartMotorEvent",
         ("Time", "Air gap", "Element"),
         "Air-gap torque and the largest torque of an element against time [s], in the event with the largest air-gap torque.",
+    ),
+    ChartTable(
+        "ChartProfile",
+        ("Position", "Outline", "Hub position", "Hub", "Bore position", "Bore"),
+        "Outlines of the sections of table Sections, those inside a hub, and bores: radii against length.",
     ),
 )

@@ -149,6 +149,17 @@ SHEETS: tuple[Sheet, ...] = (
               "blank means. Insert table rows where a table is full.",
     ),
     Sheet(
+        "Sections",
+        "input",
+        {"A": 1.5, "B": 20, "C": 12, "D:F": 10, "G": 16, "H:K": 10, "L": 2, "M": 20, "N:Q": 12, "R": 2,
+         "S:Z": 9.5},
+        {"Sections": "B5", "SectionMaterials": "B60", "SectionResults": "M5"},
+        (ChartAt("profile", "H60", 760, 300),),
+        freeze="A8",
+        intro="Optional: stepped shafts and rotors from their sections, which give Stiffness and inertia of their "
+        "element in table Elements.",
+    ),
+    Sheet(
         "Torque",
         "input",
         {"A": 1.5, "B": 14, "C:E": 10, "F": 2, "G": 14, "H": 10, "I": 13, "J": 2, "K": 14,
