@@ -174,7 +174,7 @@ def _fillets(rows: list[tuple[Cells, SectionRow]]) -> Iterator[Problem]:
                 row.fillet,
                 "at most the height of the step to the next row,",
                 step,
-                "Correct it, or type a tapered part as sections of its own.",
+                "Correct it, or the diameters beside it.",
             )
     cells, last = rows[-1]
     if last.fillet:

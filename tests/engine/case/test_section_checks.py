@@ -49,7 +49,7 @@ def test_right_sections_pass() -> None:
         (first(id=-0.01), ("Sections", 1, "ID"), ["zero or positive"]),
         (first(id=0.1), ("Sections", 1, "ID"), ["found 0.1 m", "below the outer diameter 0.1 m"]),
         (first(material="brass"), ("Sections", 1, "Material"), ["'brass'", "SectionMaterials"]),
-        (first(fillet=0.03), ("Sections", 1, "Fillet"), ["0.03 m", "height of the step", "0.025 m", "tapered"]),
+        (first(fillet=0.03), ("Sections", 1, "Fillet"), ["0.03 m", "height of the step", "0.025 m", "the diameters beside it"]),
         (first(fillet=-0.03), ("Sections", 1, "Fillet"), ["zero or positive"]),
         (case(FIRST, replace(SECOND, od=0.1)), ("Sections", 1, "Fillet"), ["same diameter", "next row"]),
         (case(SECOND, FIRST), ("Sections", 2, "Fillet"), ["last section", "next row"]),
