@@ -157,3 +157,16 @@ def test_a_workbook_of_an_earlier_version_lacks_the_sheet(folder: Path) -> None:
     )
     assert not report.notes
     assert not [name for name in open_workbook(folder / "done.xlsx").tables if "Section" in name]
+
+
+def test_calc_opens_and_saves_it(soffice, written: Path, folder: Path) -> None:
+    """LibreOffice writes the same inputs; its own calculation finds them unchanged since the results."""
+    saved = soffice.convert(written, "xlsx", folder / "calc")
+    read = read_workbook(saved)
+    assert read.problems == ()
+    assert case_digest(read.case()) == case_digest(read_workbook(written).case())
+    assert rows_of(saved, "SectionResults")[-1]["Stiffness"] == pytest.approx(
+        rows_of(written, "SectionResults")[-1]["Stiffness"], rel=1e-12
+    )
+    banner = openpyxl.load_workbook(saved, data_only=True)["Sections"]["B2"].value
+    assert banner == openpyxl.load_workbook(written, data_only=True)["Sections"]["B2"].value
