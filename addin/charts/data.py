@@ -270,14 +270,9 @@ def _profile_rows(case: CaseData, units: ShownUnits, labels: dict[str, Cell]) ->
     left = 0.0
     for name in names:
         for row in (r for r in stepped if r.element == name):
-            right, radius = left + (row.length or 0.0), 0.5 * (row.od or 0.0)
-            corners = (
-                (left, radius),
-                (right, radius),
-                (right, -radius),
-                (left, -radius),
-                (left, radius),
-            )
+            right = left + (row.length or 0.0)
+            first, last = 0.5 * (row.od or 0.0), 0.5 * (row.last_od or 0.0)
+            corners = ((left, first), (right, last), (right, -last), (left, -first), (left, first))
             kind = "outer" if row.penetration is None else "hub"
             outlines[kind].append([(x / unit, y / unit) for x, y in corners])
             bore = 0.5 * (row.id or 0.0)

@@ -102,12 +102,13 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
         "Sections", sheet="Sections", caption="Sections",
         help="Optional: lengths of constant section of an element, from From to To; they give its stiffness and its own "
         "inertia.",
-        rows=50, row_name=("Element", "Section"), later=True,
+        rows=30, row_name=("Element", "Section"), later=True,
         columns=(
             text("Element", "The shaft or coupling of table Elements; a row for each of its sections.", kind="element"),
             text("Section", "Name or number of the section.", blank="its number"),
             number("Length", "length", "Length of the section."),
             number("OD", "length", "Outer diameter."),
+            number("End OD", "length", "Outer diameter at the To end, of a tapered section.", blank="OD"),
             number("ID", "length", "Bore.", blank="0"),
             text("Material", "Name of the material, from table SectionMaterials.", blank="steel: 79.3 GPa, 7850 kg/m³"),
             number("Fillet", "length", "Fillet radius at the step to the next section.", blank="sharp"),
@@ -123,7 +124,7 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
     table(
         "SectionMaterials", sheet="Sections", caption="Materials of sections",
         help="What sections are made of, where it is not steel of 79.3 GPa and 7850 kg/m³.",
-        rows=6, row_name=("Material",), later=True,
+        rows=4, row_name=("Material",), later=True,
         columns=(
             text("Material", "Name of the material."),
             number("Shear modulus", "pressure", "Shear modulus.", si="GPa"),

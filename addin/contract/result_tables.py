@@ -460,8 +460,8 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             text("Element", "The element.", kind="element", trace=named("Sections.Element")),
             text("Section", "The section; whole: all of the element.", trace=named("Sections.Section")),
             number(
-                "Effective length", "length", "Length of its plain cylinder that twists as much.",
-                "Penetration × length + Σ λ ((D/d)⁴ − 1) of the steps to thinner sections, over the share of the "
+                "Effective length", "length", "Length of a plain cylinder of its OD and ID that twists as much.",
+                "Penetration × length (of a taper J ∫ dx/J) + Σ λ ((D/d)⁴ − 1) of the steps to thinner sections, over the share of the "
                 "stiffness that a keyway leaves",
                 STEPPED_SHAFTS, of_row=OF_SECTION, format="0.0000",
             ),
@@ -474,7 +474,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             ),
             number(
                 "Inertia", "inertia", "Polar inertia, distributed along the element.",
-                "ρ π (D⁴ − d⁴) L / 32; of all: the sum", f"{STRENGTH}; {STEPPED_SHAFTS}",
+                "ρ π (D⁴ − d⁴) L / 32, of a taper integrated; of all: the sum", f"{STRENGTH}; {STEPPED_SHAFTS}",
                 of_row=("Sections.Length", "Sections.OD", "Sections.ID"), of_case=("SectionMaterials.Density",),
             ),
         ),

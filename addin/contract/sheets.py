@@ -151,11 +151,10 @@ SHEETS: tuple[Sheet, ...] = (
     Sheet(
         "Sections",
         "input",
-        {"A": 1.5, "B": 20, "C": 12, "D:F": 10, "G": 16, "H:K": 10, "L": 2, "M": 20, "N:Q": 12, "R": 2,
-         "S:Z": 9.5},
-        {"Sections": "B5", "SectionMaterials": "B60", "SectionResults": "M5"},
-        (ChartAt("profile", "H60", 760, 300),),
-        freeze="A8",
+        {"A": 1.5, "B": 20, "C": 12, "D:G": 10, "H": 16, "I:L": 10, "M": 2, "N": 20, "O:R": 12},
+        {"Sections": "B20", "SectionMaterials": "B55", "SectionResults": "N20"},
+        (ChartAt("profile", "B5", 1180, 280),),
+        freeze="A4",
         intro="Optional: stepped shafts and rotors from their sections, which give Stiffness and inertia of their "
         "element in table Elements.",
     ),

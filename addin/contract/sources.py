@@ -117,6 +117,7 @@ OF_SECTION = tuple(
     for column in (
         "Length",
         "OD",
+        "End OD",
         "ID",
         "Material",
         "Fillet",

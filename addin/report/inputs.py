@@ -120,6 +120,7 @@ def _model(subject: Subject) -> Section:
         "Mass-elastic model as calculated",
         _inertias(subject),
         stiffness if stiffness.rows else None,
+        subject.table("SectionResults") if subject.calculation.case.sections else None,
         Paragraph(sentence, "note") if segments else None,
     )
 

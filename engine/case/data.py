@@ -90,6 +90,7 @@ class SectionRow:
     section: str | None = None  #: Its name; blank = its number.
     length: float | None = None  #: Length. [m]
     od: float | None = None  #: Outer diameter. [m]
+    end_od: float | None = None  #: Outer diameter at the To end of a taper; blank = OD. [m]
     id: float | None = None  #: Bore; blank = 0. [m]
     material: str | None = None  #: Row of `SectionMaterials`; blank = carbon steel.
     fillet: float | None = None  #: Fillet radius at the step to the next row; blank = sharp. [m]
@@ -97,6 +98,11 @@ class SectionRow:
     penetration: float | None = None
     keyway_width: float | None = None  #: One keyway along the section; blank = none. [m]
     keyway_depth: float | None = None  #: From the crown of the shaft. [m]
+
+    @property
+    def last_od(self) -> float | None:
+        """Outer diameter at the To end. [m]"""
+        return self.od if self.end_od is None else self.end_od
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ diameter adds flexibility, because the larger section carries torque over its wh
 shoulder; a keyway takes stiffness; of a section inside a hub a share of the length twists.
 
 The added length and the loss by a keyway are formulas fitted to solutions of the equation of torsion, the step as a
-body of revolution and the keyway as a prismatic bar; `tests/validation/test_sections.py` solves both equations again
+body of revolution and the keyway as a prismatic bar; `tests/validation/test_torsion_of_steps.py` solves both equations again
 and compares. docs/method.md, Shafts from sections.
 """
 
@@ -21,6 +21,9 @@ from engine.numerics.same_bits import fourth, power, total
 
 #: What sections are made of unless they name a material.
 STEEL = SectionMaterialRow("steel", 79.3e9, 7850.0)
+#: A taper is calculated in so many slices, each integrated at the points of Gauss with their weights. [1]
+TAPER_SLICES = 8
+GAUSS = ((0.5 - math.sqrt(0.15), 5.0 / 18.0), (0.5, 4.0 / 9.0), (0.5 + math.sqrt(0.15), 5.0 / 18.0))
 
 
 def step_length(ratio: float, fillet: float = 0.0, bore: float = 0.0) -> float:
@@ -78,10 +81,20 @@ class Section:
 
     element: str  #: Element it belongs to.
     section: str  #: Its name, or its number.
-    #: Length of its own plain cylinder that would twist as much. [m]
+    #: Length of a plain cylinder of its OD and ID that would twist as much. [m]
     effective_length: float
-    stiffness: float  #: Torsional stiffness. [N m/rad]
-    inertia: float  #: Polar inertia. [kg m²]
+    #: Compliance and polar inertia of its slices, from From to To; a cylinder is one. [rad/(N m), kg m²]
+    slices: tuple[tuple[float, float], ...]
+
+    @property
+    def stiffness(self) -> float:
+        """Torsional stiffness. [N m/rad]"""
+        return 1.0 / total(twist for twist, _ in self.slices)
+
+    @property
+    def inertia(self) -> float:
+        """Polar inertia. [kg m²]"""
+        return total(inertia for _, inertia in self.slices)
 
 
 @dataclass(frozen=True)
@@ -140,10 +153,9 @@ def profile_of(sections: Sequence[Section]) -> Profile:
     Profile
         Shares. [1]
     """
-    twist = [1.0 / s.stiffness for s in sections]
-    inertia = [s.inertia for s in sections]
-    whole, mass = total(twist), total(inertia) or 1.0
-    return Profile(tuple((t / whole, j / mass) for t, j in zip(twist, inertia, strict=True)))
+    slices = [one for s in sections for one in s.slices]
+    whole, mass = total(t for t, _ in slices), total(j for _, j in slices) or 1.0
+    return Profile(tuple((t / whole, j / mass) for t, j in slices))
 
 
 def series_stiffness(sections: Sequence[Section]) -> float:
@@ -166,29 +178,49 @@ def _sections(
     rows: Sequence[SectionRow], materials: Mapping[str | None, SectionMaterialRow]
 ) -> tuple[Section, ...]:
     lengths = [row.length or 0.0 for row in rows]
-    twisting = [
-        length * (1.0 if row.penetration is None else row.penetration)
-        for length, row in zip(lengths, rows, strict=True)
-    ]
     found = []
     for i, (row, added) in enumerate(
         zip(rows, _added_lengths(rows, lengths), strict=True), start=1
     ):
         material = materials.get(row.material, STEEL)
         modulus, density = material.shear_modulus or 0.0, material.density or 0.0
-        constant = torsion_constant(row)
-        plain = _polar(row)
-        effective = (twisting[i - 1] + added) * plain / constant
+        share = 1.0 if row.penetration is None else row.penetration
+        pieces = [
+            ((share * twist + added / count) / (modulus * torsion_constant(row)), density * second)
+            for twist, second, count in _slices(row)
+        ]
         found.append(
             Section(
                 element=str(row.element),
                 section=row.section or str(i),
-                effective_length=effective,
-                stiffness=modulus * plain / effective,
-                inertia=density * plain * lengths[i - 1],
+                effective_length=total(twist for twist, _ in pieces) * modulus * _polar(row),
+                slices=tuple(pieces),
             )
         )
     return tuple(found)
+
+
+def _slices(row: SectionRow) -> list[tuple[float, float, int]]:
+    """Length of the plain cylinder that twists as much, ∫ of the polar area, and the number of slices."""
+    length, od, end, bore = row.length or 0.0, row.od or 0.0, row.last_od or 0.0, row.id or 0.0
+    if end == od:
+        return [(length, length * _polar(row), 1)]
+    step = length / TAPER_SLICES
+    found = []
+    for i in range(TAPER_SLICES):
+        areas = [
+            math.pi * (fourth(od + (end - od) * (i + at) / TAPER_SLICES) - fourth(bore)) / 32.0
+            for at, _ in GAUSS
+        ]
+        weights = [step * weight for _, weight in GAUSS]
+        found.append(
+            (
+                _polar(row) * total(w / area for w, area in zip(weights, areas, strict=True)),
+                total(w * area for w, area in zip(weights, areas, strict=True)),
+                TAPER_SLICES,
+            )
+        )
+    return found
 
 
 def torsion_constant(row: SectionRow) -> float:
@@ -224,21 +256,22 @@ def _added_lengths(rows: Sequence[SectionRow], lengths: Sequence[float]) -> list
     """
     steps: list[
         tuple[int, float, float]
-    ] = []  # thicker section, λ, its stiffness over that of the thinner one
+    ] = []  # thicker section, λ, twist of the step over torque and 1/G
     for i, (a, b) in enumerate(pairwise(rows)):
-        thin, thick, at = (a, b, i + 1) if (a.od or 0.0) < (b.od or 0.0) else (b, a, i)
-        if thin.od == thick.od:
+        ends = ((a.last_od or 0.0, a.id or 0.0, i), (b.od or 0.0, b.id or 0.0, i + 1))
+        (thin, bore, _), (thick, other, at) = sorted(ends)
+        if thin == thick:
             continue
-        od = thin.od or 1.0
-        length = od * step_length(
-            (thick.od or od) / od, (a.fillet or 0.0) / od, (thin.id or 0.0) / od
-        )
-        steps.append((at, length, _polar(thick) / _polar(thin)))
+        length = thin * step_length(thick / thin, (a.fillet or 0.0) / thin, bore / thin)
+        polar = [
+            math.pi * (fourth(od) - fourth(d)) / 32.0 for od, d in ((thin, bore), (thick, other))
+        ]
+        steps.append((at, length, length * max(0.0, 1.0 / polar[0] - 1.0 / polar[1])))
     reach = [0.0] * len(rows)
     for at, length, _ in steps:
         reach[at] += length
     added = [0.0] * len(rows)
-    for at, length, ratio in steps:
+    for at, _, twist in steps:
         held = min(1.0, lengths[at] / reach[at]) if reach[at] else 0.0
-        added[at] += held * length * max(0.0, ratio - 1.0)
+        added[at] += held * twist * _polar(rows[at])
     return added

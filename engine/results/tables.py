@@ -89,7 +89,8 @@ def _section_results(case: CaseData) -> list[Row]:
     rows: list[Row] = []
     elements = {e.element: e for e in case.elements}
     for name, sections in sections_of(case).items():
-        rows += _rows(sections)
+        keys = ("element", "section", "effective_length", "stiffness", "inertia")
+        rows += [{key: getattr(section, key) for key in keys} for section in sections]
         link = link_of(elements[name], None, sections)
         rows.append(
             {

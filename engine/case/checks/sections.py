@@ -23,9 +23,12 @@ from engine.errors import Problem
 TABLE = "Sections"
 #: Up to which the loss of stiffness by a keyway is known, over the diameter; see `keyway_loss`. [1]
 WIDEST_KEYWAY, DEEPEST_KEYWAY = 0.35, 0.2
+#: Change of diameter over length up to which a taper twists like its slices, within 4 %. [1]
+STEEPEST = 0.5
 SECTION_NUMBERS = (
     Limit("Length", POSITIVE, "m"),
     Limit("OD", DIAMETER, "m"),
+    Limit("End OD", DIAMETER, "m"),
     Limit("ID", NOT_NEGATIVE, "m"),
     Limit("Fillet", NOT_NEGATIVE, "m"),
     Limit("Keyway width", POSITIVE, "m"),
@@ -53,26 +56,46 @@ def check_sections(case: CaseData) -> Iterator[Problem]:
     materials = {m.material for m in case.section_materials if m.material}
     yield from _materials(case)
     own: dict[str, list[tuple[Cells, SectionRow]]] = {}
+    unusable: set[int | None] = set()
     for cells, row in each_row(TABLE, case.sections):
         yield from _element(cells, row, elements)
         for limit in SECTION_NUMBERS[:2]:
             if value_of(row, limit.column) is None:
                 yield cells.blank(limit.column, "positive", "Fill it or clear the whole row.")
-        yield from cells.numbers(row, SECTION_NUMBERS)
+        wrong = list(cells.numbers(row, SECTION_NUMBERS))
+        yield from wrong
         if row.material:
             yield from cells.name(
                 "Material", row.material, materials, "a material of table SectionMaterials"
             )
-        if row.od and row.id and row.id >= row.od:
-            yield _larger(
-                cells, row, "ID", row.id, "below the outer diameter", row.od, "Correct one of them."
-            )
-        yield from _keyway(cells, row)
         if row.element in elements:
             own.setdefault(str(row.element), []).append((cells, row))
+        if wrong:  # what follows from them is not said as well
+            unusable.add(cells.row)
+            continue
+        thinnest = min(row.od or 0.0, row.last_od or 0.0)
+        if thinnest and row.id and row.id >= thinnest:
+            yield _larger(
+                cells,
+                row,
+                "ID",
+                row.id,
+                "below the outer diameter",
+                thinnest,
+                "Correct one of them.",
+            )
+        if row.length and abs((row.last_od or 0.0) - (row.od or 0.0)) > STEEPEST * row.length:
+            yield cells.wrong(
+                "End OD",
+                row.end_od,
+                f"such that the diameter changes by at most {STEEPEST:g} of the length",
+                "A steeper taper twists like a step: type it as one.",
+                "m",
+            )
+        yield from _keyway(cells, row)
     for rows in own.values():
         yield from _names(rows)
-        yield from _fillets(rows)
+        yield from _fillets([(None if c.row in unusable else c, row) for c, row in rows])
     yield from _said_twice(case, set(own))
 
 
@@ -123,6 +146,14 @@ def _keyway(cells: Cells, row: SectionRow) -> Iterator[Problem]:
             yield cells.blank(column, "positive", action)
     if not od or not width or not depth:
         return
+    if row.last_od != od:
+        yield cells.wrong(
+            "Keyway width",
+            width,
+            "blank in a tapered section",
+            "Cut the keyed part into cylinders of their mean diameters.",
+            "m",
+        )
     known = "The stiffness of a shaft with a larger keyway is not known; leave it blank and type the stiffness."
     for (column, value, _), share in zip(pair, (WIDEST_KEYWAY, DEEPEST_KEYWAY), strict=True):
         if value and value > share * od:
@@ -152,12 +183,12 @@ def _names(rows: list[tuple[Cells, SectionRow]]) -> Iterator[Problem]:
         first.setdefault(name, cells.row)
 
 
-def _fillets(rows: list[tuple[Cells, SectionRow]]) -> Iterator[Problem]:
-    """A fillet stands at a step to the next section, and fits it."""
-    for (cells, row), (_, after) in pairwise(rows):
-        if not row.fillet or not row.od or not after.od:
+def _fillets(rows: list[tuple[Cells | None, SectionRow]]) -> Iterator[Problem]:
+    """A fillet stands at a step to the next section, and fits it; rows with wrong numbers have no cells."""
+    for (cells, row), (beside, after) in pairwise(rows):
+        if cells is None or beside is None or not row.fillet or not row.last_od or not after.od:
             continue
-        step = 0.5 * abs(after.od - row.od)
+        step = 0.5 * abs(after.od - row.last_od)
         if step == 0.0:
             yield cells.wrong(
                 "Fillet",
@@ -177,7 +208,7 @@ def _fillets(rows: list[tuple[Cells, SectionRow]]) -> Iterator[Problem]:
                 "Correct it, or the diameters beside it.",
             )
     cells, last = rows[-1]
-    if last.fillet:
+    if cells is not None and last.fillet:
         yield cells.wrong(
             "Fillet",
             last.fillet,

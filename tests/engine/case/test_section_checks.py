@@ -10,7 +10,17 @@ from engine.case.checks.find_problems import find_problems
 from engine.case.data import CaseData, ElementRow, SectionMaterialRow, SectionRow, StationRow
 
 FIRST = SectionRow(
-    "rotor", "journal", 0.4, 0.1, 0.02, "bronze", 0.01, 0.5, keyway_width=0.02, keyway_depth=0.01
+    "rotor",
+    "journal",
+    0.4,
+    0.1,
+    None,
+    0.02,
+    "bronze",
+    0.01,
+    0.5,
+    keyway_width=0.02,
+    keyway_depth=0.01,
 )
 SECOND = SectionRow("rotor", None, 0.3, 0.15)
 BRONZE = SectionMaterialRow("bronze", 45e9, 8800.0, "data sheet")
@@ -48,6 +58,19 @@ def test_right_sections_pass() -> None:
         (first(od=1e9), ("Sections", 1, "OD"), ["between 1e-6 and 1e6 m"]),
         (first(id=-0.01), ("Sections", 1, "ID"), ["zero or positive"]),
         (first(id=0.1), ("Sections", 1, "ID"), ["found 0.1 m", "below the outer diameter 0.1 m"]),
+        (first(end_od=0.015, keyway_width=None, keyway_depth=None), ("Sections", 1, "ID"), ["found 0.02 m", "0.015 m"]),
+        (
+            first(end_od=0.31, keyway_width=None, keyway_depth=None, fillet=None),
+            ("Sections", 1, "End OD"),
+            ["found 0.31 m", "at most 0.5 of the length", "type it as one"],
+        ),
+        (first(end_od=-0.1), ("Sections", 1, "End OD"), ["found -0.1 m"]),
+        (first(end_od=0.12), ("Sections", 1, "Keyway width"), ["tapered", "mean diameters"]),
+        (
+            first(end_od=0.145, keyway_width=None, keyway_depth=None),
+            ("Sections", 1, "Fillet"),
+            ["height of the step", "0.0025 m"],
+        ),
         (first(material="brass"), ("Sections", 1, "Material"), ["'brass'", "SectionMaterials"]),
         (first(fillet=0.03), ("Sections", 1, "Fillet"), ["0.03 m", "height of the step", "0.025 m", "the diameters beside it"]),
         (first(fillet=-0.03), ("Sections", 1, "Fillet"), ["zero or positive"]),

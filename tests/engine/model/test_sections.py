@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.integrate import quad
 from scipy.optimize import brentq
 from strategies import example_count
 
@@ -120,6 +121,43 @@ def test_a_keyway_takes_its_share_of_the_solid_section() -> None:
     assert 0.85 < share < 0.92
 
 
+@pytest.mark.parametrize(("first", "last"), [(0.1, 0.15), (0.3, 0.12)])
+@pytest.mark.parametrize("bore", [0.0, 0.05])
+def test_a_taper(first: float, last: float, bore: float) -> None:
+    """Integrals along it; of a solid one ∫ dx/J = 32 L (1/d³ − 1/D³) / 3π (D − d)."""
+
+    def area(share: float) -> float:
+        return polar(first + (last - first) * share, bore)
+
+    only = sections_of(train(section(0.6, first, end_od=last, id=bore)))["rotor"][0]
+    twist = 0.6 * quad(lambda share: 1.0 / area(share), 0.0, 1.0)[0]
+    assert only.stiffness == pytest.approx(G / twist, rel=1e-6)
+    assert only.inertia == pytest.approx(RHO * 0.6 * quad(area, 0.0, 1.0)[0], rel=1e-9)
+    assert only.effective_length == pytest.approx(twist * polar(first, bore), rel=1e-6)
+    if not bore:
+        closed = 32.0 * 0.6 * (first**-3 - last**-3) / (3.0 * math.pi * (last - first))
+        assert only.stiffness == pytest.approx(G / closed, rel=1e-6)
+    slices = only.slices if last > first else only.slices[::-1]
+    assert [a[0] for a in slices] == sorted((a[0] for a in slices), reverse=True)
+
+
+def test_a_taper_without_shoulders_has_no_step() -> None:
+    whole = stiffness(section(0.3, 0.1), section(0.4, 0.1, end_od=0.2), section(0.3, 0.2))
+    parts = (
+        stiffness(section(0.3, 0.1)),
+        stiffness(section(0.4, 0.1, end_od=0.2)),
+        stiffness(section(0.3, 0.2)),
+    )
+    assert 1.0 / whole == pytest.approx(sum(1.0 / k for k in parts), rel=1e-12)
+
+
+def test_a_step_beside_a_taper_is_that_of_the_diameters_there() -> None:
+    step = 0.1 * step_length(1.5) * (1.0 / polar(0.1) - 1.0 / polar(0.15))
+    whole = stiffness(section(0.4, 0.1), section(0.4, 0.15, end_od=0.2))
+    parts = (stiffness(section(0.4, 0.1)), stiffness(section(0.4, 0.15, end_od=0.2)))
+    assert 1.0 / whole == pytest.approx(sum(1.0 / k for k in parts) + step / G, rel=1e-12)
+
+
 def test_material_of_a_section() -> None:
     bronze = SectionMaterialRow("bronze", 45e9, 8800.0)
     light = SectionMaterialRow("massless", 79.3e9, 0.0)
@@ -139,18 +177,22 @@ def test_material_of_a_section() -> None:
 @st.composite
 def stepped(draw) -> tuple[SectionRow, ...]:
     """Sections of ratios up to 3, some hollow, in a hub or keyed, fillets that fit."""
-    rows = [
-        section(
-            draw(st.floats(0.01, 1.0)),
-            od := draw(st.floats(0.1, 0.3)),
-            id=draw(st.sampled_from([None, 0.3 * od, 0.6 * od])),
-            penetration=draw(st.sampled_from([None, 1.0 / 3.0])),
+    rows = []
+    for _ in range(draw(st.integers(1, 25))):
+        length, od = draw(st.floats(0.01, 1.0)), draw(st.floats(0.1, 0.3))
+        taper = (
+            draw(st.sampled_from([0.0, 1.0]))
+            * draw(st.floats(-1.0, 1.0))
+            * min(0.2 * od, 0.49 * length)
         )
-        for _ in range(draw(st.integers(1, 25)))
-    ]
+        bore = draw(st.sampled_from([None, 0.3 * od, 0.6 * od]))
+        hub = draw(st.sampled_from([None, 1.0 / 3.0]))
+        rows.append(
+            section(length, od, end_od=od + taper if taper else None, id=bore, penetration=hub)
+        )
     for i, (a, b) in enumerate(pairwise(rows)):
-        if a.od != b.od and draw(st.booleans()):
-            rows[i] = replace(a, fillet=draw(st.floats(0.0, 0.5)) * 0.5 * abs(a.od - b.od))
+        if a.last_od != b.od and draw(st.booleans()):
+            rows[i] = replace(a, fillet=draw(st.floats(0.0, 0.5)) * 0.5 * abs(a.last_od - b.od))
     return tuple(rows)
 
 
@@ -158,7 +200,7 @@ def turned(rows: tuple[SectionRow, ...]) -> tuple[SectionRow, ...]:
     """Seen from the other end; a fillet stands in the row before its step."""
     fillets = [row.fillet for row in rows[:-1]]
     return tuple(
-        replace(row, fillet=fillet)
+        replace(row, fillet=fillet, od=row.last_od, end_od=row.od)
         for row, fillet in zip(rows[::-1], [*fillets[::-1], None], strict=True)
     )
 
@@ -174,11 +216,12 @@ def test_the_same_from_either_end(rows: tuple[SectionRow, ...]) -> None:
 def test_between_the_thinnest_shaft_and_the_sum_of_cylinders(rows: tuple[SectionRow, ...]) -> None:
     """A step makes it softer than its cylinders, and never softer than if all were the thinnest of its solid parts."""
     twist = sum(
-        row.length * (row.penetration or 1.0) / polar(row.od, row.id or 0.0) for row in rows
+        row.length * (row.penetration or 1.0) / polar(max(row.od, row.last_od), row.id or 0.0)
+        for row in rows
     )
     found = stiffness(*rows)
     assert found <= G / twist * (1.0 + 1e-12)
-    least = min(polar(row.od, row.id or 0.0) for row in rows)
+    least = min(polar(min(row.od, row.last_od), row.id or 0.0) for row in rows)
     longest = sum(row.length for row in rows)
     assert found >= G * least / longest * (1.0 - 1e-12)
 

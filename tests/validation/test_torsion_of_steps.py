@@ -263,3 +263,30 @@ def test_solver_agrees_with_the_closed_solution_of_a_round_groove() -> None:
 )
 def test_loss_of_stiffness_by_a_keyway(width: float, depth: float) -> None:
     assert keyway_loss(width, depth) == pytest.approx(solved_keyway(width, depth), abs=5e-3)
+
+
+# --- tapers -----------------------------------------------------------------------------------------
+
+
+def solved_taper(ratio: float, length: float) -> float:
+    """Compliance of a solid taper over that of its cylindrical slices in series; lengths over the thinner diameter."""
+    twists = []
+    for n in (16, 32):
+        share, mesh = np.linspace(0.0, 1.0, n + 1), Mesh()
+        rows = [
+            mesh.row(share * (0.5 + 0.5 * (ratio - 1.0) * z), np.full(n + 1, length * z))
+            for z in np.linspace(0.0, 1.0, 4 * n + 1)
+        ]
+        for p, q in zip(rows[:-1], rows[1:], strict=True):
+            mesh.between(p, q)
+        twists.append(1.0 / revolution_stiffness(mesh, rows[0], rows[-1]))
+    slices = 32.0 * length * (1.0 - ratio**-3) / (3.0 * math.pi * (ratio - 1.0))
+    return limit(twists) / slices
+
+
+@pytest.mark.parametrize(
+    ("ratio", "length", "within"), [(1.1, 1.0, 0.002), (1.5, 2.0, 0.01), (1.5, 1.0, 0.04)]
+)
+def test_a_taper_twists_like_its_slices(ratio: float, length: float, within: float) -> None:
+    """Softer, the larger the angle: 14° of half angle in the last, the steepest that is read."""
+    assert solved_taper(ratio, length) == pytest.approx(1.0, abs=within)
