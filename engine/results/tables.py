@@ -18,6 +18,8 @@ from engine.backlash.motor_scan import WorstInstant
 from engine.case.data import CaseData
 from engine.case.result_words import Judgement
 from engine.fatigue.stress import shear_stress, stress_of_unit_torque
+from engine.model.links import link_of
+from engine.model.sections import sections_of
 from engine.motor.from_case import motor_curves
 from engine.numerics.same_bits import product
 from engine.operation.margins import percent_speed
@@ -36,6 +38,7 @@ def result_tables(results: Results) -> Mapping[str, list[Row]]:
     return {
         "Verdicts": _rows(results.verdicts),
         **speed_tables(results),
+        "SectionResults": _section_results(results.case),
         "MotorCurves": motor_curves(results.case),
         "ElectricalDamping": _electrical_damping(results),
         "StartupPeaks": _startup_peaks(results),
@@ -77,6 +80,25 @@ def _torque_reversals(results: Results) -> list[Row]:
         row["note"] = row.pop("sentence")
         for key in REVERSAL_DETAILS:
             del row[key]
+    return rows
+
+
+def _section_results(case: CaseData) -> list[Row]:
+    """Sections of each element, and the element as a whole."""
+    rows: list[Row] = []
+    elements = {e.element: e for e in case.elements}
+    for name, sections in sections_of(case).items():
+        keys = ("element", "section", "effective_length", "stiffness", "inertia")
+        rows += [{key: getattr(section, key) for key in keys} for section in sections]
+        link = link_of(elements[name], None, sections)
+        rows.append(
+            {
+                "element": name,
+                "section": "whole",
+                "stiffness": link.stiffness,
+                "inertia": link.inertia,
+            }
+        )
     return rows
 
 
