@@ -231,13 +231,7 @@ def motor_drive(modal: ModalTrain, event: MotorEvent) -> MotorDrive:
             balance=Balance(event.held), before=before,
         )  # fmt: skip
         motions[:] = [*motions[-1:], motion]
-
-        def applied() -> tuple[Floats, Floats]:
-            return motion.torque[None] - event.held, motion.torque_rate[None]
-
-        rows = system.room_for(len(motion.time))
-        rows[: len(motion.q), 0], rows[: len(motion.v), 1] = motion.q, motion.v
-        return system.response(motion.time, rows, applied)
+        return motion.response(system, event.held)
 
     # a torque of this size that turns with twice the line's frequency; it jumps only where the breaker opens
     largest = 2.0 * machine.torque_base / _subtransient(machine.circuit)
