@@ -190,6 +190,7 @@ def run_event_start(
             setup.truncation,
             fine,
             coarse,
+            with_impacts=bool(model.pieces.basis.flanks),
             guard_share=SAME_CONTACTS_SHARE,
             same_until=same_until,
         )

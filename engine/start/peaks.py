@@ -170,6 +170,7 @@ def _range(extremes: tuple[float, float]) -> float:
 def _difference(
     a: tuple[Floats, Floats],
     b: tuple[Floats, Floats],
+    with_impacts: bool = False,
     guard_share: float = 1.0,
     same_until: float = math.inf,
 ) -> float:
@@ -179,20 +180,25 @@ def _difference(
     after the largest are compared with the nearest of the other run, not rank by rank: where one
     run has a ripple the other has not, all ranks below it would be compared with their neighbours.
     After many impacts two runs go their own ways: what comes after both the largest value and `same_until`
-    says nothing about it. The share is all of it where the largest value comes after `same_until`.
+    says nothing about it. The share is all of it where the largest value comes after `same_until`. Extremes up to the
+    largest are compared by themselves, too, as among many one that differs finds a near one.
     """
     worst = 0.0
     for sign in (1.0, -1.0):
         largest = [float(when[int(np.argmax(sign * value))]) for when, value in (a, b)]
         share = guard_share if max(largest) < same_until else 1.0
-        until = max(*largest, same_until)
-        x, y = (_highest(sign * value[when <= until]) for when, value in (a, b))
-        worst = max(
-            worst,
-            abs(x[0] - y[0]),
-            share * _distance(x[:COMPARED_EXTREMES], y),
-            share * _distance(y[:COMPARED_EXTREMES], x),
-        )
+        until = [max(*largest, same_until)] * 2
+        for ends in (until, largest) if with_impacts else (until,):
+            x, y = (
+                _highest(sign * value[when <= end])
+                for (when, value), end in zip((a, b), ends, strict=True)
+            )
+            worst = max(
+                worst,
+                abs(x[0] - y[0]),
+                share * _distance(x[:COMPARED_EXTREMES], y),
+                share * _distance(y[:COMPARED_EXTREMES], x),
+            )
     return worst
 
 
@@ -271,6 +277,7 @@ def judge_run(
     fine: SingleRun,
     coarse: SingleRun,
     *,
+    with_impacts: bool = False,
     guard_share: float = 1.0,
     same_until: float = math.inf,
 ) -> JudgedRun:
@@ -288,6 +295,8 @@ def judge_run(
         Bound on what modes left out may add to each output. [N m]
     fine, coarse : SingleRun
         Simulations at h/2 and at h. [SI]
+    with_impacts : bool, optional
+        True: extremes up to the largest are compared by themselves, too. [flag]
     guard_share : float, optional
         How much of the change of the next smaller extremes is taken for the error of the finer run;
         default all of it, as always of the change of the extremes themselves. [1]
@@ -315,7 +324,10 @@ def judge_run(
     size = largest({i: float(np.max(np.abs(turning[i][1]))) for i in used})
     bound = largest({i: float(truncation[i]) for i in used})
     change = largest(
-        {i: _difference(turning[i], coarse.turning[i], guard_share, same_until) for i in used}
+        {
+            i: _difference(turning[i], coarse.turning[i], with_impacts, guard_share, same_until)
+            for i in used
+        }
     )
     floor = np.maximum(size, NEGLIGIBLE * np.max(size, initial=0.0))
     relative = change / np.where(floor > 0.0, floor, 1.0)
