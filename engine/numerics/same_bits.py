@@ -272,7 +272,10 @@ def product(a: Any, b: Any, out: Floats | None = None) -> Any:
         return np.matmul(a, b, out=out)
     left = np.ascontiguousarray(left, dtype=np.float64)
     right = np.ascontiguousarray(right, dtype=np.float64)
-    out = np.empty((m, n)) if out is None else out
+    if out is None:
+        out = np.empty((m, n))
+    elif out.shape != (m, n):
+        raise InternalError(f"a product of shape {(m, n)} into an array of shape {out.shape}")
     library.product(m, n, k, address(left), address(right), address(out))
     if a.ndim == b.ndim == 2:
         return out
