@@ -5,6 +5,7 @@ from __future__ import annotations
 from addin.contract.field import Field, TableSpec, choice, integer, number, sentence, table, text
 from engine.case.choices import (
     BelowEndurance,
+    Clearing,
     EffectChoice,
     ElementKind,
     FieldCircuit,
@@ -377,6 +378,11 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
                 "Latest clearing", "time", "Until then the worst Clears after is looked for.", blank="0.5 s",
             ),
             number("Per life", "count", "Such events in the life of the train.", blank="0"),
+            choice(
+                "Clearing", tuple(Clearing),
+                "Whether a fault clears in all phases at once, or in each where the motor's current next passes zero.",
+                blank="at once",
+            ),
         ),
     ),
     table(

@@ -235,6 +235,7 @@ EVENT = (
     "MotorEvents.Residual voltage",
     "MotorEvents.Clears after",
     "MotorEvents.Latest clearing",
+    "MotorEvents.Clearing",
     "TorqueTime.Torque",
     "InitialState",
     "Stations.Running load",

@@ -71,7 +71,9 @@ _OPTIONAL = frozenset(
         "TorqueFollows",
         "Latest clearing",
         "Per life",
-    }  # fmt: skip
+        "Event",
+        "Clearing",
+    }
 )
 
 

@@ -15,7 +15,7 @@ from functools import cache
 import numpy as np
 
 from engine.arrays import Floats
-from engine.backlash.motor_events import motor_drive, motor_event, number
+from engine.backlash.motor_events import MOTOR_FOLLOWED, motor_drive, motor_event, number
 from engine.case.data import CaseData, MotorEventRow
 from engine.case.defaults import DEFAULT_LATEST_CLEARING, DEFAULT_TOLERANCE_PEAK
 from engine.model.excitation import transmitted_torque
@@ -30,7 +30,7 @@ PHASES = 24
 #: Clearing times in a period of the line, and how many there are at the least: the flux that a fault leaves in the
 #: stator turns once in a period. [count]
 TIMES_PER_PERIOD, FEWEST_TIMES = 8, 20
-#: After its last change a combination is followed so long, the first swing of the rotor. [s]
+#: After clearing a combination of many is followed so long, the first swing of the rotor. [s]
 FOLLOWED = 0.5
 #: Wanted relative error of the peaks that are compared. [1]
 TOLERANCE = 0.02
@@ -199,7 +199,7 @@ class _Scan:
 
     def around(self, place: Place, halvings: int) -> dict[Place, Floats]:
         """Largest torques of a combination and of those beside it, at a spacing that was halved so often."""
-        (turn, time), share = place, 0.5**halvings
+        (turn, time), share = place, math.ldexp(1.0, -halvings)
         times = [t for t in _beside(time, share * self.spacing[1]) if t is None or t <= self.latest]
         return {
             (other, when): sizes
@@ -218,10 +218,17 @@ class _Scan:
         system, machine, balance = self.system, event.machine, Balance(event.held)
         before, state = event.beginning(system)
         if not self.spacing[1]:
+            end = min(event.last_change + MOTOR_FOLLOWED, self.case.maximum_time or math.inf)
             motion = machine_motion(
-                system, machine, event.supplies, state, event.last_change + FOLLOWED, self.step,
-                balance=balance, before=before,
-            )  # fmt: skip
+                system,
+                machine,
+                event.supplies,
+                state,
+                end,
+                self.step,
+                balance=balance,
+                before=before,
+            )
             return self._largest(motion, event.held, [math.inf])
         step = share * self.spacing[1]  # steps end at clearing times
         step /= math.ceil(step / self.step)

@@ -321,6 +321,7 @@ class MotorEventRow:
     #: Until then a worst `clears_after` is looked for; blank = 0.5 s. [s]
     latest_clearing: float | None = None
     per_life: float | None = None  #: Such events in the life of the train; blank = 0. [1]
+    clearing: str | None = None  #: ``at once`` (default) or ``zeros of current``.
 
     @property
     def scanned(self) -> tuple[str, ...]:

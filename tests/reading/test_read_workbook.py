@@ -189,6 +189,7 @@ def test_names_beyond_the_contract_may_be_missing(workbook, read):
     workbook.headers[("EventTorque", "Per life")] = None
     workbook.headers[("MotorEvents", "Per life")] = None
     workbook.headers[("MotorEvents", "Latest clearing")] = None
+    workbook.headers[("MotorEvents", "Clearing")] = None
     found = read(workbook)
     assert found.problems == ()
     assert found.warnings == ()
