@@ -264,7 +264,7 @@ def _profile_rows(case: CaseData, units: ShownUnits, labels: dict[str, Cell]) ->
     names = dict.fromkeys(str(row.element) for row in stepped)
     listed = ", ".join(names) if names else "no element has rows in table Sections"
     labels["Profile title"] = f"Profile from From to To: {listed}"
-    labels["Profile axis"] = f"Length [{units.name('Sections', 'Length')}]"
+    labels["Profile axis"] = f"Radius [{units.name('Sections', 'Length')}]"
     unit = units.factor("Sections", "Length")
     gap = 0.05 * sum(row.length or 0.0 for row in stepped)
     outlines: dict[str, list[list[tuple[float, float]]]] = {"outer": [], "hub": [], "bore": []}

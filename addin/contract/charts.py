@@ -283,8 +283,8 @@ _SPECS = (
     # the sections of stepped shafts, one element after another
     ChartSpec(
         "profile", "curves", Label("Profile title", r"Profile.*"),
-        Axis(Label("Profile axis", r"Length.*"), least=0, number="General", low=True),
-        Axis("Radius, same unit", number="General"),
+        Axis("Length, in the same unit", least=0, number="General", low=True),
+        Axis(Label("Profile axis", r"Radius.*"), number="General"),
         (
             _curve("ChartProfile", "Position", "Outline", "Section", "navy", 1.5),
             _curve("ChartProfile", "Hub position", "Hub", "Section inside a hub", "rust", 1.5),

@@ -197,7 +197,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             ),
             flag(
                 "Accurate", "no for a mode above the frequency up to which the pieces of shafts are fine enough.",
-                "yes where the estimated error from the pieces of shafts with Density is within 0.1 %, for this mode "
+                "yes where the estimated error from the pieces of shafts with Density or sections is within 0.1 %, for this mode "
                 "and all below",
                 "docs/method.md, Distributed shafts", of_case=MODAL, pane=Pane.WORKBOOK,
             ),
@@ -368,7 +368,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             ),
             number(
                 "Error", "fraction", "Estimated relative error of torque and stress.",
-                "What the last refinement of a sweep added, the change from half as many pieces of shafts with Density, and "
+                "What the last refinement of a sweep added, the change from half as many pieces of shafts with Density or sections, and "
                 "the rise at the low end of DampingRange",
                 "docs/method.md, Distributed shafts", of_case=("DampingRange", *MODAL), format=shown.ERROR, pane=Pane.MINOR,
                 error=ReportedError.ESTIMATE,

@@ -38,7 +38,7 @@ def result_tables(results: Results) -> Mapping[str, list[Row]]:
     return {
         "Verdicts": _rows(results.verdicts),
         **speed_tables(results),
-        "SectionResults": _section_results(results.case),
+        "SectionResults": section_results(results.case),
         "MotorCurves": motor_curves(results.case),
         "ElectricalDamping": _electrical_damping(results),
         "StartupPeaks": _startup_peaks(results),
@@ -83,8 +83,19 @@ def _torque_reversals(results: Results) -> list[Row]:
     return rows
 
 
-def _section_results(case: CaseData) -> list[Row]:
-    """Sections of each element, and the element as a whole."""
+def section_results(case: CaseData) -> list[Row]:
+    """Rows of `SectionResults`: sections of each element, and the element as a whole.
+
+    Parameters
+    ----------
+    case : CaseData
+        A case whose sections have passed their checks. [SI]
+
+    Returns
+    -------
+    list of dict
+        Rows by JSON key. [SI]
+    """
     rows: list[Row] = []
     elements = {e.element: e for e in case.elements}
     for name, sections in sections_of(case).items():
