@@ -268,11 +268,7 @@ def motor_drive(modal: ModalTrain, event: MotorEvent) -> MotorDrive:
             balance=Balance(event.held), before=before,
         )  # fmt: skip
         motions[:] = [*motions[-1:], motion]
-
-        def applied() -> tuple[Floats, Floats]:
-            return motion.torque[None] - event.held, motion.torque_rate[None]
-
-        return system.response(motion.time, motion.q, motion.v, applied)
+        return motion.response(system, event.held)
 
     # a torque of this size that turns with twice the line's frequency; it jumps only where the breaker opens
     largest = 2.0 * machine.torque_base / _subtransient(machine.circuit)
