@@ -234,6 +234,8 @@ EVENT = (
     "MotorEvents.Angle",
     "MotorEvents.Residual voltage",
     "MotorEvents.Clears after",
+    "MotorEvents.Latest clearing",
+    "MotorEvents.Clearing",
     "TorqueTime.Torque",
     "InitialState",
     "Stations.Running load",

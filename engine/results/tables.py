@@ -14,18 +14,17 @@ from typing import Any
 
 import numpy as np
 
+from engine.backlash.motor_scan import WorstInstant
 from engine.case.data import CaseData
 from engine.case.result_words import Judgement
 from engine.fatigue.stress import shear_stress, stress_of_unit_torque
 from engine.model.links import link_of
-from engine.model.modal_train import ModalTrain
 from engine.model.sections import sections_of
 from engine.motor.from_case import motor_curves
 from engine.numerics.same_bits import product
 from engine.operation.margins import percent_speed
 from engine.results.results import AccuracyRow, AtSpeed, Results
 from engine.results.verdicts import event_verdict, yield_torque
-from engine.start.electrical_damping import electrical_damping_of
 from engine.start.start_fatigue import is_counted
 
 Row = dict[str, Any]
@@ -116,7 +115,6 @@ def section_results(case: CaseData) -> list[Row]:
 
 def _electrical_damping(results: Results) -> list[Row]:
     """What each motor makes of each mode that the start crosses."""
-    modal = ModalTrain(results.train, results.modes, results.damping)
     return [
         {
             "station": row.station,
@@ -131,7 +129,7 @@ def _electrical_damping(results: Results) -> list[Row]:
             "damping_ratio": row.damping_ratio,
             "with_motors": row.with_motors,
         }
-        for row in electrical_damping_of(results.case, modal)
+        for row in results.electrical_damping
     ]
 
 
@@ -243,6 +241,8 @@ def _event_peaks(results: Results) -> list[Row]:
             verdict = Judgement.NOT_JUDGED
             rows += [{"event": event.name, "element": e, "verdict": verdict} for e in limits]
             continue
+        times = case.events_per_life.get(event.name)
+        instants = event.worst.of_element if event.worst else {}
         damage, errors = {s.element: s.damage for s in event.shafts}, dict(event.damage_errors)
         for p in event.response.peaks:
             per_torque, strength = yields.get(p.element, (1.0, math.inf))
@@ -259,14 +259,27 @@ def _event_peaks(results: Results) -> list[Row]:
                     if p.element in unit_stress
                     else None,
                     "damage": damage.get(p.element),
+                    "damage_per_life": times * damage[p.element]
+                    if times and p.element in damage
+                    else None,
                     "damage_error": errors.get(p.element),
                     "limit": limit if math.isfinite(limit) else None,
                     "verdict": event_verdict(limit, p),
                     "error": p.relative_error,
                     "left_out": event.response.left_out,
+                    **_worst_instant(case, event.name, instants.get(p.element)),
                 }
             )
     return rows
+
+
+def _worst_instant(case: CaseData, event: str, instant: WorstInstant | None) -> Row:
+    """Phase, angle and clearing time that were looked for, as they were found."""
+    if instant is None:
+        return {}
+    (row,) = (r for r in case.motor_events if r.event == event)
+    names = {"phase": "worst_phase", "angle": "worst_angle", "clears_after": "worst_clearing_time"}
+    return {names[name]: getattr(instant.row, name) for name in row.scanned}
 
 
 def _air_gap_torques(results: Results) -> list[Row]:
@@ -284,6 +297,9 @@ def _air_gap_torques(results: Results) -> list[Row]:
                 "closed_form": torque.closed_form,
                 "ratio": abs(torque.largest) / torque.closed_form if torque.closed_form else None,
                 "error": torque.error,
+                **_worst_instant(
+                    results.case, event.name, event.worst.of_motor if event.worst else None
+                ),
             }
     return rows
 

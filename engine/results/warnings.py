@@ -188,8 +188,9 @@ def _why_not_met(start: Start) -> str:
     """What kept a start from a finer step."""
     if start.is_sensitive:  # said elsewhere
         return ""
-    if start.left_out is not None and start.left_out > start.estimated_error:
-        return f" Effects left out may change it by {start.left_out:.2g}: force them on."
+    bound = (start.left_out or 0.0) - start.estimate
+    if bound > start.estimated_error:
+        return f" Effects left out may change it by {bound:.2g}: force them on."
     if not start.contacts:
         return ""
     return (
