@@ -105,24 +105,23 @@ def speed_rows(rounds: int) -> list[tuple[str, ...]]:
     fault = train()
     (motor,) = motors_from_data(fault)
     slips = np.linspace(0.0, 1.0, 101)
-    scanned = train(
-        motor_events=(
-            replace(
-                FAULT,
-                kind=MotorEventKind.LINE_TO_LINE_FAULT,
-                phase=Scanned.WORST,
-                clears_after=Scanned.WORST,
-            ),
-        ),
+    scan = replace(
+        FAULT,
+        kind=MotorEventKind.LINE_TO_LINE_FAULT,
+        phase=Scanned.WORST,
+        clears_after=Scanned.WORST,
     )
+    of_twenty = train(motor_events=(replace(scan, latest_clearing=20.0 / (8.0 * LINE)),))
+    of_all = train(motor_events=(scan,))
     calls: dict[str, tuple[Callable[[], Any], str]] = {
         "curves at 101 slips": (lambda: slip_curves(motor.circuit, slips), "≤ 1 ms"),
         f"three-phase fault, 0.5 s, {STATIONS} stations, with its error": (
             lambda: event_of(fault), "≤ 10 ms",
         ),
-        "line-to-line fault, worst phase and clearing time": (
-            lambda: event_of(scanned), "24 × 20 in ≤ 1 s of wall time",
+        "line-to-line fault, worst of 24 phases and 20 clearing times": (
+            lambda: event_of(of_twenty), "≤ 1 s of wall time on two cores",
         ),
+        "line-to-line fault, worst of 24 phases and 240 clearing times": (lambda: event_of(of_all), "–"),
     }  # fmt: skip
     taken = by_turns({name: call for name, (call, _) in calls.items()}, rounds)
     return [
