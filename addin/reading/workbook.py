@@ -52,6 +52,7 @@ from addin.reading.typed_case import (
     to_case_data,
     too_many_rows,
     word_entry,
+    word_in_place,
 )
 from addin.xlsx import DefinedName, Table, Workbook, open_workbook
 from addin.xlsx.references import Rect, cell_name, parse_cell, whole_number
@@ -61,7 +62,18 @@ from engine.errors import Problem
 #: Names this product has beyond the contract; a workbook without them, and without a value beside their label,
 #: reads as blank there.
 _OPTIONAL = frozenset(
-    {"RainflowResidue", "Gear type", "ContactLaw", "DampingRange", "InitialState", "TorqueFollows"}
+    {
+        "RainflowResidue",
+        "Gear type",
+        "ContactLaw",
+        "DampingRange",
+        "InitialState",
+        "TorqueFollows",
+        "Latest clearing",
+        "Per life",
+        "Event",
+        "Clearing",
+    }
 )
 
 
@@ -484,6 +496,9 @@ class _Reading:
         scaled = self._scale(unit, column, place)
         for i, cell in cells.items():
             place = (spec.name, i + 1, column.name)
+            if word := word_in_place(cell.value, column):
+                yield i, word
+                continue
             number = self._number(cell, column, place, "in the cell above the header")
             if scaled is None:
                 self.findings.silence(place)
