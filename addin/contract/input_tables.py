@@ -171,6 +171,11 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
                 "Pulsating", "torque", "Pulsating torque at twice slip frequency, zero-to-peak.",
                 us="%", si="%",
             ),
+            number(
+                "Phase", "angle",
+                "Phase of the pulsating torque at this speed, beside PulsationPhase: φ of T sin(2 (line − rotor angle) + φ).",
+                blank="0 at every speed",
+            ),
         ),
     ),
     table(

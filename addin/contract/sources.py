@@ -150,6 +150,7 @@ MOTOR = (
     "MotorTorque.Speed",
     "MotorTorque.Average",
     "MotorTorque.Pulsating",
+    "MotorTorque.Phase",
     "SupplyVoltage.Speed",
     "SupplyVoltage.Voltage",
     "LoadTorque.Speed",

@@ -61,7 +61,15 @@ from engine.errors import Problem
 #: Names this product has beyond the contract; a workbook without them, and without a value beside their label,
 #: reads as blank there.
 _OPTIONAL = frozenset(
-    {"RainflowResidue", "Gear type", "ContactLaw", "DampingRange", "InitialState", "TorqueFollows"}
+    {
+        "RainflowResidue",
+        "Gear type",
+        "ContactLaw",
+        "DampingRange",
+        "InitialState",
+        "TorqueFollows",
+        "MotorTorque.Phase",
+    }
 )
 
 
@@ -408,7 +416,7 @@ class _Reading:
         self.findings.add((spec.name, None, ""), None, "an Excel table of this name", message)
 
     def _note_missing_column(self, spec: TableSpec, column: Field, table: Table) -> None:
-        if column.name in _OPTIONAL:
+        if not _OPTIONAL.isdisjoint((column.name, f"{spec.name}.{column.name}")):
             return
         known = {_header(other.name) for other in (*spec.columns, *spec.extra_columns)}
         others = [name for name in table.columns if _header(name) not in known]

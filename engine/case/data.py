@@ -132,6 +132,7 @@ class MotorTorqueRow:
     speed: float | None = None  #: Fraction of that station's synchronous speed. [1]
     average: float | None = None  #: Average torque at rated voltage. [N m]
     pulsating: float | None = None  #: Pulsating torque at twice slip frequency, zero-to-peak. [N m]
+    phase: float | None = None  #: Of the pulsation, beside `pulsation_phase`; blank = 0. [rad]
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ from engine.case.effect import StartEffects
 from engine.errors import ModelError
 from engine.model.train import Train
 from engine.motor.from_case import CURVE_ERROR, motors_without_curve
-from engine.numerics.same_bits import atan2, hypot, square
+from engine.numerics.same_bits import atan2, cos, hypot, sin, square
 from engine.numerics.torque_curve import TorqueCurve, fitted_curves, torque_curve
 
 #: Arguments of the compiled loop; see `electrical_arrays`.
@@ -41,8 +41,8 @@ class Motor:
     synchronous_speed: float  #: Of its own station. [rad/s]
     pole_pairs: float  #: Line angular frequency over its synchronous speed. [1]
     phase: float  #: Of the pulsating torque at t = 0; with `parts`, twice the load angle. [rad]
-    #: Of a motor from its data sheet: the parts of the pulsation with sin 2δ and cos 2δ, δ the load
-    #: angle, in place of one curve of unchanging phase. [N m]
+    #: Where the phase changes with speed, of a data sheet or typed: the parts of the pulsation with sin 2δ
+    #: and cos 2δ, δ the load angle, in place of one curve of unchanging phase. [N m]
     parts: tuple[TorqueCurve, TorqueCurve] | None = None
     #: Whether it stands for the second part of another motor alone.
     is_second_part: bool = False
@@ -161,11 +161,34 @@ def motors_of(case: CaseData, train: Train) -> tuple[Motor, ...]:
             pulsating = torque_curve(
                 x, scale * np.array([p.pulsating for p in points], dtype=float)
             )
+            if points[0].phase is not None:
+                parts = _parts(
+                    pulsating, torque_curve(x, np.array([p.phase for p in points], float))
+                )
         pairs = 2.0 * math.pi * ratings.line_frequency / speed
         motor = Motor(station, average, pulsating, speed, pairs, phase, parts, scale=scale)
         supplied = [row for row in case.supply_voltage if row.station == name]
         motors.append(_on_supply(motor, supplied) if supplied else motor)
     return tuple(motors)
+
+
+def _parts(pulsating: TorqueCurve, phase: TorqueCurve) -> tuple[TorqueCurve, TorqueCurve]:
+    """The parts T cos φ and T sin φ of a pulsation T sin(2δ + φ) of typed phase: with sin 2δ and cos 2δ."""
+
+    def exact(fraction: Floats, within: Floats) -> tuple[Floats, Floats]:
+        (torque, of_torque), (angle, of_angle) = (
+            curve.piece(fraction, within) for curve in (pulsating, phase)
+        )
+        along, across = cos(angle), sin(angle)
+        sine, cosine = torque * along, torque * across
+        return (
+            np.stack([sine, cosine]),
+            np.stack([of_torque * along - cosine * of_angle, of_torque * across + sine * of_angle]),
+        )
+
+    largest = float(np.max(np.abs(pulsating.cubic[:, 0])))
+    sine, cosine = fitted_curves(exact, pulsating.knots, CURVE_ERROR * largest)
+    return sine, cosine
 
 
 def _on_supply(motor: Motor, supplied: Sequence[SupplyVoltageRow]) -> Motor:

@@ -565,6 +565,13 @@ def test_a_workbook_of_an_earlier_version_has_no_contact_law(workbook, read):
     assert found.data.contact_law is None
 
 
+def test_a_workbook_of_an_earlier_version_has_no_phase_of_its_curve(workbook, read):
+    workbook.headers[("MotorTorque", "Phase")] = None
+    found = read(workbook)
+    assert found.problems == ()
+    assert [row.phase for row in found.data.motor_torque] == [None] * len(found.data.motor_torque)
+
+
 def test_a_workbook_of_an_earlier_version_has_no_events(workbook, read):
     workbook.without |= {"EventTorque", "InitialState"}
     found = read(workbook)
