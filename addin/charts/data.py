@@ -78,6 +78,7 @@ def chart_blocks(
         "ChartTorque": _torque_rows(case, run),
         "ChartMotor": _motor_rows(case, run, units, labels),
         "ChartMotorEvent": _motor_event_rows(run, units, labels),
+        "ChartClearing": _clearing_rows(run, units, labels),
         "ChartSpeedTime": _speed_time_rows(run),
         "ChartCrossings": _crossing_rows(case, run, labels),
         "ChartSN": _sn_rows(case, run, units, labels),
@@ -262,6 +263,23 @@ def _motor_event_rows(run: RunView | None, units: ShownUnits, labels: dict[str, 
     labels["Air-gap element"] = history.element
     unit = units.factor("AirGapTorque", "Largest")
     columns = (history.time, history.air_gap / unit, history.torque / unit)
+    return side_by_side([plain(column) for column in columns])
+
+
+def _clearing_rows(run: RunView | None, units: ShownUnits, labels: dict[str, Cell]) -> Rows:
+    """Largest torques against clearing time, in the unit of table `AirGapTorque`."""
+    labels["Clearing axis"] = f"Torque at own speed [{units.name('AirGapTorque', 'Largest')}]"
+    if run is None or run.clearing is None:
+        labels["Clearing title"] = (
+            "Peak against clearing time: no event whose Clears after is worst"
+        )
+        labels["Clearing element"] = "(no element)"
+        return [[None] * 3]
+    name, worst = run.clearing
+    labels["Clearing title"] = f"Peak against clearing time of event '{name}', worst phase at each"
+    labels["Clearing element"] = worst.element
+    unit = units.factor("AirGapTorque", "Largest")
+    columns = (worst.clearing, worst.air_gap / unit, worst.torque / unit)
     return side_by_side([plain(column) for column in columns])
 
 

@@ -62,6 +62,9 @@ LABELS: tuple[str, ...] = (
     "Air-gap title",
     "Air-gap axis",
     "Air-gap element",
+    "Clearing title",
+    "Clearing axis",
+    "Clearing element",
 )
 
 CHART_TABLES: tuple[ChartTable, ...] = (
@@ -136,5 +139,10 @@ CHART_TABLES: tuple[ChartTable, ...] = (
         "ChartMotorEvent",
         ("Time", "Air gap", "Element"),
         "Air-gap torque and the largest torque of an element against time [s], in the event with the largest air-gap torque.",
+    ),
+    ChartTable(
+        "ChartClearing",
+        ("Time", "Air gap", "Element"),
+        "Largest air-gap torque and largest torque of an element against clearing time [s], where the worst one is looked for.",
     ),
 )

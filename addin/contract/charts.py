@@ -291,6 +291,16 @@ _SPECS = (
         ),
         legend=True,
     ),
+    ChartSpec(
+        "clearing", "curves", Label("Clearing title", r"Peak against clearing time.*"),
+        Axis("Clearing time [s]", least=0, number="General", low=True),
+        Axis(Label("Clearing axis", r"Torque.*"), number="General"),
+        (
+            _curve("ChartClearing", "Time", "Air gap", "Air-gap torque", "rust", 1.25),
+            _curve("ChartClearing", "Time", "Element", Label("Clearing element"), "navy", 1.75),
+        ),
+        legend=True,
+    ),
     # stress against life, and how often a start (and all starts) reaches a stress
     ChartSpec(
         "sn", "curves", Label("S-N title", r"S-N line.*"),

@@ -11,6 +11,7 @@ from engine.case.choices import (
     GearType,
     MotorEventKind,
     MotorKind,
+    Scanned,
     SNBasis,
 )
 from engine.case.effects import EFFECTS
@@ -318,12 +319,13 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
             number(
                 "Phase", "angle",
                 "Of the voltage of the healthy phase (line-to-line fault), or of the phase that changes (unbalance), at "
-                "the event.",
-                blank="0",
+                "the event; or worst.",
+                blank="0", choices=tuple(Scanned),
             ),
             number(
-                "Angle", "angle", "Of the motor's voltage ahead of the line's at closing: rotor ahead, torque brakes.",
-                blank="as the rotor is then (reclosing)",
+                "Angle", "angle",
+                "Of the motor's voltage ahead of the line's at closing: rotor ahead, torque brakes; or worst.",
+                blank="as the rotor is then (reclosing)", choices=tuple(Scanned),
             ),
             number(
                 "Residual voltage", "fraction",
@@ -331,8 +333,11 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
                 us="pu", si="pu", units=("pu", "%"), blank="1 (closing), what is left (reclosing)",
             ),
             number(
-                "Clears after", "time", "How long the line is faulted, changed or off.",
-                blank="for good; reclosing at once",
+                "Clears after", "time", "How long the line is faulted, changed or off; or worst.",
+                blank="for good; reclosing at once", choices=tuple(Scanned),
+            ),
+            number(
+                "Latest clearing", "time", "Until then the worst Clears after is looked for.", blank="0.5 s",
             ),
         ),
     ),

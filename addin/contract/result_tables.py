@@ -71,6 +71,20 @@ LIMITS = (
 )  # fmt: skip
 #: Rows kept free for the crossings of the start; what stands below them begins there.
 CROSSING_ROWS = 8
+_SCAN_METHOD = "docs/method.md, Events of a motor"
+#: Of an event whose phase, angle or clearing time is ``worst``, where it was found.
+_WORST_INSTANT = tuple(
+    number(
+        name, dimension, f"{column} with the largest torque of this row, where {column} is worst.",
+        f"largest of all {column} of the scan, then of those half a spacing beside it", _SCAN_METHOD,
+        of_case=(f"MotorEvents.{column}", *more), pane=Pane.MINOR, error=ReportedError.ESTIMATE,
+    )
+    for name, dimension, column, more in (
+        ("Worst phase", "angle", "Phase", ()),
+        ("Worst angle", "angle", "Angle", ()),
+        ("Worst clearing time", "time", "Clears after", ("MotorEvents.Latest clearing",)),
+    )
+)  # fmt: skip
 
 #: Result tables of workbook and JSON.
 RESULT_TABLES: tuple[TableSpec, ...] = (
@@ -448,6 +462,12 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 "docs/method.md, Errors of a start", us="lbf*ft", of_row=("StartupPeaks.Error", "StartupPeaks.Left out"),
                 format=shown.SIGNED, error=ReportedError.PEAKS, share_of="Peak-to-peak torque", pane=Pane.MINOR,
             ),
+            number(
+                "Worst phase", "angle", "Phase of the pulsation at which the larger of maximum and minimum is the largest; blank unless PulsationPhase is worst.",
+                "PulsationPhase of the start with the largest magnitude",
+                "docs/method.md, The worst phase", of_case=("PulsationPhase",), format=shown.ONE_DECIMAL,
+                pane=Pane.MINOR,
+            ),
         ),
     ),
     table(
@@ -720,6 +740,12 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 "docs/method.md, Errors of a start", of_row=("AllowableStarts.Error", "AllowableStarts.Left out"),
                 format=shown.STARTS, error=ReportedError.STARTS, pane=Pane.MINOR,
             ),
+            number(
+                "Worst phase", "angle", "Phase of the pulsation with the largest damage; blank unless PulsationPhase is worst.",
+                "PulsationPhase of the start with the largest damage",
+                "docs/method.md, The worst phase", of_case=("PulsationPhase",), format=shown.ONE_DECIMAL,
+                pane=Pane.MINOR,
+            ),
         ),
         extra_columns=(
             number(
@@ -916,7 +942,8 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             number(
                 "Error", "fraction", "Estimated error of maximum and minimum, relative to the larger.",
                 "Change of both extremes from spacing h to h/2 (the samples are exact), with what comes after the end, a "
-                "bound on fast modes and the error from the pieces of distributed shafts",
+                "bound on fast modes, the error from the pieces of distributed shafts and, of a worst instant, what half "
+                "the spacing of its scan changes",
                 EVENT_METHOD, of_case=("TolerancePeak",), format=shown.ERROR,
                 error=ReportedError.ESTIMATE, pane=Pane.MINOR,
             ),
@@ -926,6 +953,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 EVENT_METHOD, of_case=("EffectChoices.Choice", "MaximumTime", *CLEARANCES),
                 format=shown.ERROR, error=ReportedError.ESTIMATE, pane=Pane.MINOR,
             ),
+            *_WORST_INSTANT,
         ),
     ),
     table(
@@ -955,9 +983,11 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             ),
             number(
                 "Error", "fraction", "Estimated error of the largest torque.",
-                "Change of the largest torque from spacing h to h/2", EVENT_METHOD, of_case=("TolerancePeak",),
+                "Change of the largest torque from spacing h to h/2; of a worst instant with what half its spacing changes",
+                EVENT_METHOD, of_case=("TolerancePeak",),
                 format=shown.ERROR, error=ReportedError.ESTIMATE, pane=Pane.MINOR,
             ),
+            *_WORST_INSTANT,
         ),
     ),
     table(

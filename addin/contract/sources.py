@@ -216,6 +216,7 @@ EVENT = (
     "MotorEvents.Angle",
     "MotorEvents.Residual voltage",
     "MotorEvents.Clears after",
+    "MotorEvents.Latest clearing",
     "TorqueTime.Torque",
     "InitialState",
     "Stations.Running load",

@@ -285,6 +285,19 @@ def word_entry(text: str, spec: Field, place: Place, findings: Findings) -> str 
     return None
 
 
+def word_in_place(value: object, spec: Field) -> str | None:
+    """The word that may stand in the place of a number.
+
+    Returns
+    -------
+    str or None
+        In the spelling of the list; None for anything else.
+    """
+    if not spec.choices or not isinstance(value, str):
+        return None
+    return {_folded(word): str(word) for word in spec.choices}.get(_folded(value))
+
+
 def too_many_rows(table: str, count: int, findings: Findings) -> bool:
     """Whether a table has more rows than are read; noted if so."""
     most = {"Stations": MOST_PARTS, "Elements": MOST_PARTS, "TorqueTime": MOST_TIMES}.get(
@@ -603,6 +616,7 @@ _FOLLOWERS = {
     ("Elements", "Kind"): ("Stiffness", "To"),
     ("Excitations", "Frequency"): ("Order",),
     ("Meshes", "Mesh stiffness"): ("Backlash",),
+    ("MotorEvents", "Clears after"): ("Latest clearing",),
 }
 #: Kind of a reference → the column it refers to.
 _REFERRED = {

@@ -52,6 +52,7 @@ from addin.reading.typed_case import (
     to_case_data,
     too_many_rows,
     word_entry,
+    word_in_place,
 )
 from addin.xlsx import DefinedName, Table, Workbook, open_workbook
 from addin.xlsx.references import Rect, cell_name, parse_cell, whole_number
@@ -69,6 +70,7 @@ _OPTIONAL = frozenset(
         "InitialState",
         "TorqueFollows",
         "MotorTorque.Phase",
+        "Latest clearing",
     }
 )
 
@@ -306,6 +308,8 @@ class _Reading:
         entry: Entry | None = None
         if not spec.is_number:
             entry = self._words(cell, spec, place)
+        elif word := word_in_place(cell.value, spec):
+            entry = word
         else:
             number = self._number(cell, spec, place, "in the cell to the right of it")
             if number is not None:
@@ -481,6 +485,9 @@ class _Reading:
         scaled = self._scale(unit, column, place)
         for i, cell in cells.items():
             place = (spec.name, i + 1, column.name)
+            if word := word_in_place(cell.value, column):
+                yield i, word
+                continue
             number = self._number(cell, column, place, "in the cell above the header")
             if scaled is None:
                 self.findings.silence(place)

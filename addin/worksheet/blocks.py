@@ -35,6 +35,7 @@ from addin.reading.typed_case import (
     in_typed_units,
     to_case_data,
     word_entry,
+    word_in_place,
 )
 from addin.worksheet.registry import Block, Cell, FunctionError
 from engine.case.case import Case
@@ -381,6 +382,8 @@ class _Reading:
             if not spec.is_number:
                 words = read_text(cell, spec)
                 return None if words is None else word_entry(words, spec, place, self.findings)
+            if word := word_in_place(value, spec):
+                return word
             number = read_number(cell, spec, "in the cell above the header")
         except CellFault as fault:
             self.findings.add(place, fault.found, fault.allowed, fault.message)

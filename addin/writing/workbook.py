@@ -65,6 +65,7 @@ _OPTIONAL = frozenset(
     *(table.name for table in fields.RESULT_TABLES if table.later),
     "ChartMotor",
     "ChartMotorEvent",
+    "ChartClearing",
 }
 #: What the rows of a plain recalculation are, below `NO_STUDY`.
 ANALYSES = (

@@ -31,7 +31,7 @@ from engine.motor.two_axis import (
 from engine.numerics.same_bits import product
 from engine.start.machine_motion import Balance, Machine, MachineMotion, Supply, machine_motion
 from engine.start.prescribed import SAMPLES_PER_PERIOD, Drive
-from engine.start.time_response import TimeResponse, modal_system
+from engine.start.time_response import ModalSystem, TimeResponse, modal_system
 from engine.start.torque_outputs import force_reach
 from engine.stepping.linear_loop import turning_points
 
@@ -49,6 +49,29 @@ class MotorEvent:
     state: MachineState  #: Its fluxes just before. [pu]
     held: float  #: Its torque in operation, with which the train is in balance. [N m]
     released: bool  #: Whether it gives no torque before the event. [flag]
+
+    def beginning(self, system: ModalSystem) -> tuple[tuple[Floats, Floats], MachineState]:
+        """Modal positions and velocities at the event, and the state of the motor there.
+
+        Parameters
+        ----------
+        system : ModalSystem
+            The train under the torque of the motor. [SI]
+
+        Returns
+        -------
+        before : tuple of ndarray, shape (n_kept,)
+            Of a released motor those of the train without its torque. [SI]
+        state : MachineState
+            Its angle is that of the train in balance. [pu, rad]
+        """
+        none = np.zeros(len(system.omega))
+        if not self.released:
+            return (none, none), self.state
+        stiff = np.where(system.omega > 0.0, system.omega, np.inf)
+        twisted = -self.held * system.reach[:, 0] / (stiff * stiff)
+        turned = self.machine.pole_pairs * float(product(system.reach[:, 0], twisted))
+        return (twisted, none), replace(self.state, angle=self.state.angle - turned)
 
     @property
     def last_change(self) -> float:
@@ -116,7 +139,7 @@ def motor_event(case: CaseData, train: Train, row: MotorEventRow) -> MotorEvent:
     released = row.kind == MotorEventKind.OUT_OF_PHASE_CLOSING
     if released:
         voltage = 1.0 if row.residual_voltage is None else row.residual_voltage
-        state = open_circuit_state(circuit, voltage, row.angle or 0.0)
+        state = open_circuit_state(circuit, voltage, number(row.angle) or 0.0)
     else:
         # its current leads: a synchronous motor is rated with an excited field
         state = running_state(circuit, held / motor.torque_base, -(sheet.power_factor or 1.0))
@@ -132,13 +155,12 @@ def _motor_of(case: CaseData, station: str | None) -> MotorFromData:
 
 def _supplies(row: MotorEventRow) -> tuple[Supply, ...]:
     """What the line does, with the phase `row.phase` of the healthy phase, or of the one that changes."""
+    clears = number(row.clears_after)
     match row.kind:
         case MotorEventKind.OUT_OF_PHASE_CLOSING:
             return (Supply(0.0),)
         case MotorEventKind.RECLOSING:
-            closing = Supply(
-                row.clears_after or 0.0, residual=row.residual_voltage, ahead=row.angle
-            )
+            closing = Supply(clears or 0.0, residual=row.residual_voltage, ahead=number(row.angle))
             return Supply(0.0, is_open=True), closing
         case MotorEventKind.THREE_PHASE_FAULT:
             left, against = 0.0, 0.0
@@ -149,8 +171,26 @@ def _supplies(row: MotorEventRow) -> tuple[Supply, ...]:
         case _:  # one phase with a share of its voltage
             lost = (1.0 - (row.residual_voltage or 0.0)) / 3.0
             left, against = 1.0 - lost, -lost
-    changed = Supply(0.0, (left, 0.0), (against, -2.0 * (row.phase or 0.0)))
-    return (changed,) if row.clears_after is None else (changed, Supply(row.clears_after))
+    changed = Supply(0.0, (left, 0.0), (against, -2.0 * (number(row.phase) or 0.0)))
+    return (changed,) if clears is None else (changed, Supply(clears))
+
+
+def number(value: float | str | None) -> float | None:
+    """A number of a row of which no worst value is looked for any more.
+
+    Parameters
+    ----------
+    value : float, str or None
+        Phase, angle or clearing time. [rad, s]
+
+    Returns
+    -------
+    float or None
+        [as given]
+    """
+    if isinstance(value, str):
+        raise InternalError(f"an event has '{value}' in the place of a number")
+    return value
 
 
 def motor_drive(modal: ModalTrain, event: MotorEvent) -> MotorDrive:
@@ -177,15 +217,7 @@ def motor_drive(modal: ModalTrain, event: MotorEvent) -> MotorDrive:
 
     def respond(end: float, count: int, kept: Mask) -> TimeResponse:
         system = modal_system(train, modes, stations, damping.structural, kept)
-        before, state = None, event.state
-        if (
-            event.released
-        ):  # the train without the torque of the motor, whose angle is given as it then stands
-            stiff = np.where(system.omega > 0.0, system.omega, np.inf)
-            twisted = -event.held * system.reach[:, 0] / (stiff * stiff)
-            before = twisted, np.zeros(len(twisted))
-            turned = machine.pole_pairs * float(product(system.reach[:, 0], twisted))
-            state = replace(state, angle=state.angle - turned)
+        before, state = event.beginning(system)
         motion = machine_motion(
             system, machine, event.supplies, state, end, end / count,
             balance=Balance(event.held), before=before,

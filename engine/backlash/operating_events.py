@@ -27,7 +27,9 @@ from engine.backlash.motor_events import (
     air_gap_torque_of,
     motor_drive,
     motor_event,
+    number,
 )
+from engine.backlash.motor_scan import WorstInstants, any_instant, worst_instants
 from engine.case.choices import ContactLaw, EffectChoice, ElementKind
 from engine.case.data import CaseData, EventTorqueRow, MotorEventRow
 from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, LONGEST_START, NOTABLE_REVERSAL
@@ -91,6 +93,9 @@ class OperatingEvent:
     damage_errors: tuple[tuple[str, float | None], ...] = ()
     air_gap: AirGapTorque | None = None  #: Torque of the motor, in an event of `MotorEvents`. [SI]
     history: EventHistory | None = None  #: Likewise, for a chart. [SI]
+    #: Where the worst phase, angle or clearing time was looked for: what was found. Each element has the peaks and
+    #: the damage of its own worst instant. [SI]
+    worst: WorstInstants | None = None
     #: What a reader must know of it: why it was not calculated, or what was not followed to its end.
     note: str = ""
 
@@ -128,6 +133,8 @@ def operating_events(case: CaseData, analysis: ModalAnalysis) -> tuple[Operating
 def _event(case: CaseData, analysis: ModalAnalysis, name: str) -> OperatingEvent:
     tolerance = case.tolerance_peak or DEFAULT_TOLERANCE_PEAK
     row = _motor_row(case, name)
+    if row is not None and row.scanned:
+        return _worst_event(case, analysis, row)
     if row is None:
         dies_out, why = _length(case, analysis.reported, name, tolerance)
         longest = case.maximum_time or LONGEST_START
@@ -212,8 +219,55 @@ def _event(case: CaseData, analysis: ModalAnalysis, name: str) -> OperatingEvent
         errors,
         air_gap,
         _history(response, drive, modal.train.elements),
-        " ".join(notes),
+        note=" ".join(notes),
     )
+
+
+def _worst_event(case: CaseData, analysis: ModalAnalysis, row: MotorEventRow) -> OperatingEvent:
+    """An event of which each element shows its own worst instant."""
+    name, modal = str(row.event), analysis.reported
+    if words := _unable(case, modal.train, any_instant(row)):
+        return OperatingEvent(name, None, note=f"Event '{name}' is not calculated: {words}.")
+    worst = worst_instants(case, modal, row)
+    plain = CaseData(**vars(case))
+    events = {
+        instant.row: _event(replace(plain, motor_events=(instant.row,)), analysis, name)
+        for instant in (*worst.of_element.values(), worst.of_motor)
+    }
+    if lost := next((e for e in events.values() if e.response is None), None):
+        return lost
+    responses = {instant: e.response for instant, e in events.items() if e.response is not None}
+    peaks, shafts, errors = [], [], []
+    for element, instant in worst.of_element.items():
+        event, response = events[instant.row], responses[instant.row]
+        for peak in response.peaks:
+            if peak.element == element:
+                missed = instant.error * peak.size + abs(peak.size - instant.largest)
+                peaks.append(peak.with_error(missed))
+        shafts += [s for s in event.shafts if s.element == element]
+        errors += [pair for pair in event.damage_errors if pair[0] == element]
+    drawn = worst.of_element[worst.element].row if worst.element else worst.of_motor.row
+    bounds = [r.left_out for r in responses.values()]
+    error = max((p.relative_error for p in peaks), default=0.0)
+    response = replace(
+        responses[drawn],
+        peaks=tuple(peaks),
+        estimated_error=error,
+        left_out=None if None in bounds else max(b for b in bounds if b is not None),
+        met_tolerance=all(r.met_tolerance for r in responses.values())
+        and error <= (case.tolerance_peak or DEFAULT_TOLERANCE_PEAK),
+    )
+    air_gap = events[worst.of_motor.row].air_gap
+    if air_gap is not None:
+        missed = worst.of_motor.error + abs(abs(air_gap.largest) - worst.of_motor.largest) / (
+            abs(air_gap.largest) or 1.0
+        )
+        air_gap = replace(air_gap, error=air_gap.error + missed)
+    notes = dict.fromkeys(e.note for e in events.values() if e.note)
+    return OperatingEvent(
+        name, response, tuple(shafts), tuple(errors), air_gap, events[drawn].history, worst,
+        " ".join(notes),
+    )  # fmt: skip
 
 
 def _with_errors(response: Start, pieces: Mapping[str, float], tolerance: float) -> Start:
@@ -387,7 +441,7 @@ def harmonic_drive(modal: ModalTrain, tones: Tones) -> Drive:
 
 def _followed(row: MotorEventRow) -> float:
     """How long a motor is followed where nothing ends it sooner. [s]"""
-    return (row.clears_after or 0.0) + MOTOR_FOLLOWED
+    return (number(row.clears_after) or 0.0) + MOTOR_FOLLOWED
 
 
 def _falls(response: Start, end: float) -> bool:

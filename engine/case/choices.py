@@ -140,3 +140,9 @@ class MotorEventKind(StrEnum):
     RECLOSING = "reclosing"
     VOLTAGE_DIP = "voltage dip"
     VOLTAGE_UNBALANCE = "voltage unbalance"
+
+
+class Scanned(StrEnum):
+    """What stands in the place of a number that is to be the worst one."""
+
+    WORST = "worst"

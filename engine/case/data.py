@@ -16,7 +16,7 @@ from dataclasses import dataclass, fields
 from functools import cache
 from typing import Any
 
-from engine.case.choices import InitialState, TorqueFollows
+from engine.case.choices import InitialState, Scanned, TorqueFollows
 
 #: Name of the event in operation that table `TorqueTime` is where `InitialState` is ``running``.
 TABLED_EVENT = "TorqueTime"
@@ -275,13 +275,22 @@ class MotorEventRow:
     event: str | None = None  #: Its name.
     station: str | None = None  #: Where the motor acts.
     kind: str | None = None  #: One of `MotorEventKind`.
-    #: Voltage of the healthy phase, or of the one that changes, at the event; blank = 0. [rad]
-    phase: float | None = None
-    angle: float | None = None  #: Of the motor's voltage ahead of the line's at closing. [rad]
+    #: Voltage of the healthy phase, or of the one that changes, at the event; blank = 0; or ``worst``. [rad]
+    phase: float | str | None = None
+    #: Of the motor's voltage ahead of the line's at closing; or ``worst``. [rad]
+    angle: float | str | None = None
     #: At the motor's terminals just before it closes, or what a dip leaves. [1]
     residual_voltage: float | None = None
-    #: How long the line is faulted, changed or off; blank = for good, reclosing at once. [s]
-    clears_after: float | None = None
+    #: How long the line is faulted, changed or off; blank = for good, reclosing at once; or ``worst``. [s]
+    clears_after: float | str | None = None
+    #: Until then a worst `clears_after` is looked for; blank = 0.5 s. [s]
+    latest_clearing: float | None = None
+
+    @property
+    def scanned(self) -> tuple[str, ...]:
+        """Attributes of which the worst value is looked for."""
+        looked_for = ("phase", "angle", "clears_after")
+        return tuple(name for name in looked_for if getattr(self, name) == Scanned.WORST)
 
 
 @dataclass(frozen=True)
@@ -420,7 +429,8 @@ class CaseData:
     method: str | None = None  #: ``exponential`` (default) or ``newmark``.
     keep_history: str | None = None  #: ``no`` (default), ``parquet`` or ``npz``.
     rainflow_residue: str | None = None  #: ``half cycles`` (ASTM, default) or ``repeated``.
-    pulsation_phase: float | None = None  #: Phase of the pulsation at t = 0; blank = 0. [rad]
+    #: Phase of the pulsation at t = 0; blank = 0; or ``worst``. [rad]
+    pulsation_phase: float | str | None = None
     #: Voltage over the voltage at which the torque curves are given; blank = 1. [1]
     voltage: float | None = None
     shock_amplitude: float | None = None  #: Transient at breaker closing. [N m, s]
@@ -477,6 +487,17 @@ class CaseData:
     def reads_own_speed(self) -> bool:
         """Whether curves of motors are read at the speed of their stations, vibration included. [flag]"""
         return self.torque_follows in (None, TorqueFollows.OWN_SPEED)
+
+    @property
+    def looks_for_worst_phase(self) -> bool:
+        """Whether starts at many phases of the pulsation are asked for. [flag]"""
+        return self.pulsation_phase == Scanned.WORST
+
+    @property
+    def one_phase(self) -> float:
+        """Phase of the pulsation at t = 0; where the worst is looked for, 0 as the first of them. [rad]"""
+        phase = self.pulsation_phase
+        return 0.0 if phase is None or isinstance(phase, str) else phase
 
     @property
     def event_names(self) -> tuple[str, ...]:

@@ -147,7 +147,7 @@ def motors_of(case: CaseData, train: Train) -> tuple[Motor, ...]:
         points = [p for p in case.motor_torque if p.station == name]
         station = train.stations.index(str(name))
         speed = ratings.synchronous_speed * float(train.speed_ratio[station])
-        phase = case.pulsation_phase or 0.0
+        phase = case.one_phase
         parts = None
         if name in from_data:
             average, sine, cosine = (c.scaled(scale) for c in from_data[name].curves)

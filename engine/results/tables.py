@@ -14,6 +14,8 @@ from typing import Any
 
 import numpy as np
 
+from engine.backlash.motor_scan import WorstInstant
+from engine.case.data import CaseData
 from engine.case.result_words import Judgement
 from engine.fatigue.stress import shear_stress, stress_of_unit_torque
 from engine.model.modal_train import ModalTrain
@@ -187,6 +189,7 @@ def _startup_peaks(results: Results) -> list[Row]:
                 "peak_high": p.high,
                 "minimum_low": None if p.minimum_range is None else p.minimum_range[0],
                 "minimum_high": None if p.minimum_range is None else p.minimum_range[1],
+                "worst_phase": p.phase,
             }
         )
     return rows
@@ -209,6 +212,7 @@ def _event_peaks(results: Results) -> list[Row]:
             verdict = Judgement.NOT_JUDGED
             rows += [{"event": event.name, "element": e, "verdict": verdict} for e in limits]
             continue
+        instants = event.worst.of_element if event.worst else {}
         damage, errors = {s.element: s.damage for s in event.shafts}, dict(event.damage_errors)
         for p in event.response.peaks:
             per_torque, strength = yields.get(p.element, (1.0, math.inf))
@@ -230,9 +234,19 @@ def _event_peaks(results: Results) -> list[Row]:
                     "verdict": event_verdict(limit, p),
                     "error": p.relative_error,
                     "left_out": event.response.left_out,
+                    **_worst_instant(case, event.name, instants.get(p.element)),
                 }
             )
     return rows
+
+
+def _worst_instant(case: CaseData, event: str, instant: WorstInstant | None) -> Row:
+    """Phase, angle and clearing time that were looked for, as they were found."""
+    if instant is None:
+        return {}
+    (row,) = (r for r in case.motor_events if r.event == event)
+    names = {"phase": "worst_phase", "angle": "worst_angle", "clears_after": "worst_clearing_time"}
+    return {names[name]: getattr(instant.row, name) for name in row.scanned}
 
 
 def _air_gap_torques(results: Results) -> list[Row]:
@@ -250,6 +264,9 @@ def _air_gap_torques(results: Results) -> list[Row]:
                 "closed_form": torque.closed_form,
                 "ratio": abs(torque.largest) / torque.closed_form if torque.closed_form else None,
                 "error": torque.error,
+                **_worst_instant(
+                    results.case, event.name, event.worst.of_motor if event.worst else None
+                ),
             }
     return rows
 
@@ -275,6 +292,7 @@ def _allowable_starts(results: Results) -> list[Row]:
             "left_out": s.left_out,
             "starts_low": s.starts_low,
             "starts_high": s.starts_high,
+            "worst_phase": s.phase,
         }
         for s in starts.shafts
     ]

@@ -27,6 +27,7 @@ from engine.results.results import Results
 from engine.start.event_results import CONFIDENCE
 from engine.start.start import Start
 from engine.start.start_fatigue import judged_shafts
+from engine.start.worst_phase import PHASES
 
 #: A first mode below this frequency, and a start longer than this, look like a wrong unit. [Hz, s]
 LOW_FREQUENCY, LONG_START = 1.0, 60.0
@@ -106,6 +107,12 @@ def _start_warnings(results: Results) -> Iterator[str]:
     if start is None:
         yield "No motor torque curve and no prescribed torque: no start was calculated."
         return
+    if start.phase is not None:
+        yield (
+            f"PulsationPhase is worst: peaks and damage are each the worst of {PHASES} phases and of those between "
+            "the worst of them. All else of the start is that of "
+            f"{math.degrees(start.phase):.0f} degrees, where the largest peak is."
+        )
     tripped = start.outcome.outcome == Outcome.TRIPPED  # its time is that of the coast-down
     if LONG_START < start.outcome.time <= RUN_UP[1] and start.runup is not None and not tripped:
         yield (

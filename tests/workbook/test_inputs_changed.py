@@ -63,7 +63,7 @@ def in_si(dimension: str, unit: str) -> list[float]:
 
 def filled(spec: TableSpec, field: Field, row: int) -> Any:
     """Something in every cell: whether it makes sense is of no matter here."""
-    if field.choices:
+    if field.choices and (not field.is_number or row == ROWS - 1):
         return field.choices[row % len(field.choices)]
     if not field.is_number:
         return STATIONS[row] if field.name == "Station" else f"{field.name} {row + 1}"

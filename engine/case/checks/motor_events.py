@@ -16,6 +16,7 @@ from engine.case.checks.problem import (
     suggestion,
 )
 from engine.case.choices import MotorEventKind as Kind
+from engine.case.choices import Scanned
 from engine.case.data import TABLED_EVENT, CaseData, MotorEventRow, value_of
 from engine.errors import Problem
 
@@ -24,6 +25,8 @@ TABLE = "MotorEvents"
 LARGEST_VOLTAGE = 1.5
 #: Faults are cleared, and supplies return, within; above, milliseconds were typed. [s]
 LONGEST = 10.0
+#: Backup protection trips within; a worst clearing time is looked for until then at most. [s]
+LONGEST_SCANNED = 1.0
 _ANGLE = Allowed(lambda v: abs(v) <= 2.0 * math.pi, "between -360 and 360 degrees")
 NUMBERS = (
     Limit("Phase", _ANGLE, "rad", "It is an angle at line frequency."),
@@ -41,7 +44,16 @@ NUMBERS = (
         "It counts from the event, so that nothing clears before it begins; milliseconds typed as seconds? "
         "Write 120 ms or 0.12 s.",
     ),
+    Limit(
+        "Latest clearing",
+        Allowed(lambda v: 0.0 < v <= LONGEST_SCANNED, f"above 0 and at most {LONGEST_SCANNED:g} s"),
+        "s",
+        "It counts from the event; milliseconds typed as seconds? Write 300 ms or 0.3 s.",
+    ),
 )
+
+#: Columns of which the worst value is looked for where this word stands.
+SCANNED = ("Phase", "Angle", "Clears after")
 
 
 class Takes(NamedTuple):
@@ -123,6 +135,11 @@ def _motor(case: CaseData, cells: Cells, row: MotorEventRow) -> Iterator[Problem
             )
 
 
+def _word(row: MotorEventRow, column: str) -> str | None:
+    value = value_of(row, column)
+    return value if isinstance(value, str) else None
+
+
 def _columns(cells: Cells, row: MotorEventRow, takes: Takes) -> Iterator[Problem]:
     for column in ("Phase", "Angle", "Residual voltage", "Clears after"):
         value = value_of(row, column)
@@ -135,6 +152,15 @@ def _columns(cells: Cells, row: MotorEventRow, takes: Takes) -> Iterator[Problem
                 f"blank for a {row.kind}",
                 f"it has no effect on a {row.kind}. Clear the cell.",
             )
+    for column in SCANNED:
+        yield from cells.choice(column, _word(row, column), Scanned, "a number, or worst")
+    if row.latest_clearing is not None and row.clears_after != Scanned.WORST:
+        yield cells.problem(
+            "Latest clearing",
+            row.latest_clearing,
+            "blank where Clears after is not worst",
+            "it has no effect unless Clears after is worst. Type worst there, or clear the cell.",
+        )
     if row.residual_voltage == 0.0 and row.kind in (Kind.RECLOSING, Kind.OUT_OF_PHASE_CLOSING):
         yield cells.wrong(
             "Residual voltage",

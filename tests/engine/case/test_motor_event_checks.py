@@ -20,6 +20,9 @@ RIGHT = (
     MotorEventRow("transfer", "motor", "reclosing", None, 1.0, 0.8, 0.2),
     MotorEventRow("dip", "motor", "voltage dip", residual_voltage=0.0, clears_after=0.2),
     MotorEventRow("phase", "motor", "voltage unbalance", 0.3, residual_voltage=0.9),
+    MotorEventRow("worst", "motor", "line-to-line fault", "worst", clears_after="worst"),
+    MotorEventRow("angle", "motor", "out-of-phase closing", angle="worst"),
+    replace(FAULT, event="late", clears_after="worst", latest_clearing=0.3),
 )
 
 
@@ -48,6 +51,14 @@ def test_right_events_pass():
             replace(FAULT, residual_voltage=0.5),
             "Residual voltage",
             "no effect on a three-phase fault",
+        ),
+        (replace(FAULT, phase="worst"), "Phase", "no effect on a three-phase fault"),
+        (replace(FAULT, clears_after="best"), "Clears after", "it must be a number, or worst"),
+        (replace(FAULT, latest_clearing=0.2), "Latest clearing", "unless Clears after is worst"),
+        (
+            replace(FAULT, clears_after="worst", latest_clearing=300.0),
+            "Latest clearing",
+            "Write 300 ms or 0.3 s",
         ),
         (replace(FAULT, phase=0.5), "Phase", "no effect on a three-phase fault"),
         (replace(FAULT, angle=float("nan")), "Angle", "found nan"),
