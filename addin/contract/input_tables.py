@@ -13,6 +13,7 @@ from engine.case.choices import (
     MotorKind,
     Scanned,
     SNBasis,
+    Starting,
 )
 from engine.case.effects import EFFECTS
 
@@ -266,6 +267,32 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
             text("Station", "Where the motor acts.", kind="station"),
             number("Speed", "speed fraction", _CURVE_SPEED),
             number("Voltage", "fraction", "Voltage at this speed."),
+        ),
+    ),
+    table(
+        "Supply", sheet="Motor", caption="Line and starter",
+        help="The line of a motor of table MotorData in the start, and what stands between: the voltage at its terminals follows "
+        "from its current. Instead of SupplyVoltage.",
+        rows=4, row_name=("Station",), short_caption=True, later=True,
+        columns=(
+            text("Station", "Station of a row of table MotorData.", kind="station"),
+            number(
+                "Short-circuit power", "apparent power", "Three-phase short-circuit power at the motor's terminals.",
+                blank="the line does not give way",
+            ),
+            number("X/R", "ratio", "Reactance over resistance of the line.", blank="no resistance"),
+            choice(
+                "Starting", tuple(Starting), "What is between the line and the motor up to Switch-over speed.",
+                blank="direct",
+            ),
+            number(
+                "Tap", "fraction",
+                "Autotransformer: its voltage. Reactor: what it leaves the motor at rest on a line that does not give way.",
+            ),
+            number(
+                "Switch-over speed", "speed fraction",
+                "Speed at which the motor is put on the line, without interruption.",
+            ),
         ),
     ),
     table(

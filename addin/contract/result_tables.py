@@ -56,6 +56,7 @@ from addin.contract.sources import (
     STEADY,
     STRENGTH,
     STRESS,
+    SUPPLY,
     SVD,
     TRANSIENT,
     named,
@@ -472,7 +473,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
     ),
     table(
         "MotorCurves", sheet="Motor", caption="Calculated torque curves",
-        help="Torques and current of each motor of table MotorData while it slips, at rated voltage.",
+        help="Torques and current of each motor of table MotorData while it slips, rated voltage behind its row of table Supply.",
         row_name=("Station", "Slip"), later=True,
         columns=(
             text(
@@ -486,30 +487,35 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             ),
             number(
                 "Average", "torque", "Mean torque.", "Im(Ψ₋ I₋* − Ψ₊ I₊*) × S / ω_s", CURVES_FROM_DATA,
-                us="lbf*ft", of_row=("MotorCurves.Slip",), of_case=(*MOTOR_DATA, *LINE),
+                us="lbf*ft", of_row=("MotorCurves.Slip",), of_case=(*MOTOR_DATA, *SUPPLY, *LINE),
                 format=shown.SIGNED,
             ),
             number(
                 "Pulsating", "torque", "Torque at twice slip frequency, zero-to-peak.",
                 "|Ψ₊ I₋ − Ψ₋ I₊| × S / ω_s", CURVES_FROM_DATA,
-                us="lbf*ft", of_row=("MotorCurves.Slip",), of_case=(*MOTOR_DATA, *LINE),
+                us="lbf*ft", of_row=("MotorCurves.Slip",), of_case=(*MOTOR_DATA, *SUPPLY, *LINE),
                 format=shown.SIGNED,
             ),
             number(
                 "Phase", "angle",
                 "Phase of the pulsation, of cos(2 s ω t) with the voltage along the axis of the poles at t = 0.",
                 "arg j (Ψ₊ I₋ − Ψ₋ I₊)", CURVES_FROM_DATA,
-                of_row=("MotorCurves.Slip",), of_case=(*MOTOR_DATA, *LINE), format="0.0",
+                of_row=("MotorCurves.Slip",), of_case=(*MOTOR_DATA, *SUPPLY, *LINE), format="0.0",
             ),
             number(
                 "Current", "ratio", "Current over rated current, rms of all frequencies.", "√(|I₊|² + |I₋|²)",
                 CURVES_FROM_DATA,
-                of_row=("MotorCurves.Slip",), of_case=(*MOTOR_DATA, *LINE), format="0.000",
+                of_row=("MotorCurves.Slip",), of_case=(*MOTOR_DATA, *SUPPLY, *LINE), format="0.000",
             ),
             number(
                 "Power factor", "ratio", "Of the part at line frequency; below 0 it feeds power back.",
-                "Re I₊ / |I₊|", CURVES_FROM_DATA,
-                of_row=("MotorCurves.Slip",), of_case=(*MOTOR_DATA, *LINE), format="0.000",
+                "Re U I₊* / |U I₊|, U the voltage at the terminals", CURVES_FROM_DATA,
+                of_row=("MotorCurves.Slip",), of_case=(*MOTOR_DATA, *SUPPLY, *LINE), format="0.000",
+            ),
+            number(
+                "Terminal voltage", "fraction", "Voltage at the terminals, of line frequency, over that of the line; 100 % without table Supply.",
+                "|V − (R + j X) I₊|, V, R and X of the line and the starter", CURVES_FROM_DATA,
+                of_row=("MotorCurves.Slip",), of_case=(*MOTOR_DATA, *SUPPLY, *LINE), format=shown.TWO_DECIMALS,
             ),
         ),
     ),

@@ -167,8 +167,9 @@ SHEETS: tuple[Sheet, ...] = (
         "Motor",
         "input",
         {"A": 1.5, "B": 18, "C": 12, "D:W": 11, "X:AE": 8},
-        {"MotorData": "B5", "MotorCircuit": "B15", "MotorCurves": "B25", "SupplyVoltage": "K46"},
-        (ChartAt("motor-curves", "K26", 640, 334),),
+        {"MotorData": "B5", "MotorCircuit": "B15", "MotorCurves": "B25", "SupplyVoltage": "L46",
+         "Supply": "P46"},
+        (ChartAt("motor-curves", "L26", 640, 334),),
         freeze="A4",
         intro="Optional: the data sheet of a motor, from which its torque curves are calculated. Where sheet "
         "Torque has no curve of its station, the start uses them.",

@@ -153,11 +153,20 @@ MOTOR = (
     "MotorTorque.Phase",
     "SupplyVoltage.Speed",
     "SupplyVoltage.Voltage",
+    "Supply.Short-circuit power",
+    "Supply.X/R",
+    "Supply.Starting",
+    "Supply.Tap",
+    "Supply.Switch-over speed",
     "LoadTorque.Speed",
     "LoadTorque.Torque",
     "RatedPower",
     "RatedTorque",
     "Voltage",
+)
+SUPPLY = tuple(
+    f"Supply.{column}"
+    for column in ("Short-circuit power", "X/R", "Starting", "Tap", "Switch-over speed")
 )
 MOTOR_DATA = (
     *(

@@ -131,6 +131,14 @@ class FieldCircuit(StrEnum):
     OPEN = "open"
 
 
+class Starting(StrEnum):
+    """What stands between the line and a motor at first."""
+
+    DIRECT = "direct"
+    AUTOTRANSFORMER = "autotransformer"
+    REACTOR = "reactor"
+
+
 class MotorEventKind(StrEnum):
     """What happens to a motor in operation."""
 

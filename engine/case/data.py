@@ -145,6 +145,21 @@ class SupplyVoltageRow:
 
 
 @dataclass(frozen=True)
+class SupplyRow:
+    """One row of `Supply`: the line of a motor with a data sheet, and how it is switched on."""
+
+    station: str | None = None  #: Where the motor acts.
+    #: Short-circuit power of the line at the motor's terminals; blank = it does not give way. [V A]
+    short_circuit_power: float | None = None
+    x_r: float | None = None  #: Reactance over resistance of the line; blank = no resistance. [1]
+    starting: str | None = None  #: One of `Starting`; blank = ``direct``.
+    #: Of an autotransformer its ratio; of a reactor what it leaves the motor at rest on a stiff line. [1]
+    tap: float | None = None
+    #: Fraction of synchronous speed at which the motor is put on the line. [1]
+    switch_over_speed: float | None = None
+
+
+@dataclass(frozen=True)
 class MotorDataRow:
     """One row of `MotorData`: the data sheet of a motor, from which its torque curves follow.
 
@@ -348,6 +363,7 @@ TABLES: dict[str, tuple[str, type]] = {
     "MotorData": ("motor_data", MotorDataRow),
     "MotorCircuit": ("motor_circuit", MotorCircuitRow),
     "SupplyVoltage": ("supply_voltage", SupplyVoltageRow),
+    "Supply": ("supply", SupplyRow),
     "LoadTorque": ("load_torque", LoadTorqueRow),
     "TorqueTime": ("torque_time", TorqueTimeRow),
     "EventTorque": ("event_torque", EventTorqueRow),
@@ -451,6 +467,7 @@ class CaseData:
     motor_data: tuple[MotorDataRow, ...] = ()  #: Likewise. [rows]
     motor_circuit: tuple[MotorCircuitRow, ...] = ()  #: Likewise. [rows]
     supply_voltage: tuple[SupplyVoltageRow, ...] = ()  #: Likewise. [rows]
+    supply: tuple[SupplyRow, ...] = ()  #: Likewise. [rows]
     load_torque: tuple[LoadTorqueRow, ...] = ()  #: Likewise. [rows]
     torque_time: tuple[TorqueTimeRow, ...] = ()  #: Likewise. [rows]
     event_torque: tuple[EventTorqueRow, ...] = ()  #: Likewise. [rows]
@@ -487,6 +504,13 @@ class CaseData:
     def reads_own_speed(self) -> bool:
         """Whether curves of motors are read at the speed of their stations, vibration included. [flag]"""
         return self.torque_follows in (None, TorqueFollows.OWN_SPEED)
+
+    @property
+    def switch_over_speeds(self) -> tuple[float, ...]:
+        """Speeds of the reference shaft at which motors are put on the line, rising, each once. [rad/s]"""
+        synchronous = self.ratings.synchronous_speed or 0.0
+        shares = {row.switch_over_speed for row in self.supply if row.switch_over_speed}
+        return tuple(share * synchronous for share in sorted(shares))
 
     @property
     def looks_for_worst_phase(self) -> bool:
