@@ -14,6 +14,7 @@ from engine.case.choices import (
     Scanned,
     SNBasis,
     Starting,
+    TimeConstantKind,
 )
 from engine.case.effects import EFFECTS
 
@@ -210,6 +211,11 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
             number("Td transient", "time", "Td' with the stator short-circuited, instead of Td0'."),
             number("Td subtransient", "time", "Td'' with the stator short-circuited, instead of Td0''."),
             number("Tq subtransient", "time", "Tq'' with the stator short-circuited, instead of Tq0''."),
+            choice(
+                "Time constants", tuple(TimeConstantKind),
+                "classical: by the relations of one winding after the other; measured: as tests show them, roots of the whole circuit.",
+                blank="classical",
+            ),
             number("Ta", "time", "Time constant of the direct current in the stator."),
             number("Ra", "per unit", "Resistance of the stator, instead of Ta."),
             number(

@@ -41,6 +41,7 @@ from addin.contract.sources import (
     FIGURE_3,
     LABEL,
     LINE,
+    MEASURED_TIMES,
     MIL,
     MODAL,
     MODAL_ELECTRICAL,
@@ -516,6 +517,33 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 "Terminal voltage", "fraction", "Voltage at the terminals, of line frequency, over that of the line; 100 % without table Supply.",
                 "|V − (R + j X) I₊|, V, R and X of the line and the starter", CURVES_FROM_DATA,
                 of_row=("MotorCurves.Slip",), of_case=(*MOTOR_DATA, *SUPPLY, *LINE), format=shown.TWO_DECIMALS,
+            ),
+        ),
+    ),
+    table(
+        "MotorTimeConstants", sheet="Motor", caption="Time constants",
+        help="Of field and damper in the axis of the poles, of the circuit that the start uses: as the relations of one winding after "
+        "the other give them, and as tests show them.",
+        row_name=("Station", "Time constant"), short_caption=True, later=True,
+        columns=(
+            text(
+                "Station", "Where the motor acts.", kind="station", trace=named("MotorData.Station"),
+            ),
+            text(
+                "Time constant", "As the columns of MotorData.", "Td0, the stator open; Td, short-circuited", MEASURED_TIMES,
+                of_case=("MotorData.Time constants",),
+            ),
+            number(
+                "Classical", "time", "By the relations of one winding after the other.", "(X_w + X) / (ω₀ R_w), X what it has in parallel",
+                MEASURED_TIMES, of_row=("MotorTimeConstants.Time constant",), of_case=(*MOTOR_DATA, *LINE), format="0.0000",
+            ),
+            number(
+                "Measured", "time", "As tests show it.", "Root of the whole circuit",
+                MEASURED_TIMES, of_row=("MotorTimeConstants.Time constant",), of_case=(*MOTOR_DATA, *LINE), format="0.0000",
+            ),
+            number(
+                "Difference", "fraction", "Measured over classical, less 1.", "Measured / Classical − 1", MEASURED_TIMES,
+                of_row=("MotorTimeConstants.Classical", "MotorTimeConstants.Measured"), format=shown.TWO_DECIMALS,
             ),
         ),
     ),

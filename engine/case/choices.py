@@ -131,6 +131,13 @@ class FieldCircuit(StrEnum):
     OPEN = "open"
 
 
+class TimeConstantKind(StrEnum):
+    """What the time constants of a data sheet are."""
+
+    CLASSICAL = "classical"
+    MEASURED = "measured"
+
+
 class Starting(StrEnum):
     """What stands between the line and a motor at first."""
 

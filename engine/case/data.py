@@ -185,6 +185,8 @@ class MotorDataRow:
     td_transient: float | None = None  #: Instead of these, with the stator short-circuited. [s]
     td_subtransient: float | None = None  #: Likewise. [s]
     tq_subtransient: float | None = None  #: Likewise. [s]
+    #: ``classical`` (default): of one winding after the other; ``measured``: roots of the whole circuit.
+    time_constants: str | None = None
     ta: float | None = None  #: Time constant of the direct current in the stator. [s]
     ra: float | None = None  #: Instead of it, resistance of the stator. [1]
     #: Resistance across the field in the start, over that of the field; blank = short-circuited. [1]

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from engine.arrays import Floats
-from engine.case.choices import FieldCircuit, MotorKind
+from engine.case.choices import FieldCircuit, MotorKind, TimeConstantKind
 from engine.case.data import CaseData, MotorCircuitRow, MotorDataRow, SupplyRow
 from engine.errors import InternalError
 from engine.motor.circuit import (
@@ -18,9 +18,11 @@ from engine.motor.circuit import (
     Step,
     Winding,
     line_omega,
+    measured_windings,
     rotor_windings,
     starting_circuit,
     stator_resistance,
+    time_constants,
 )
 from engine.motor.curves import slip_curves
 from engine.motor.supply import Connection, connections_of
@@ -35,6 +37,10 @@ FIRST_POINTS = 33
 NEARBY = 1e-5
 #: Slips of table `MotorCurves`: every per cent.
 SHOWN_SLIPS = np.linspace(1.0, 0.0, 101)
+
+
+#: Names of `engine.motor.circuit.TimeConstants` in table `MotorTimeConstants`.
+SHOWN_TIMES = ("Td0 transient", "Td0 subtransient", "Td transient", "Td subtransient")
 
 
 @dataclass(frozen=True, eq=False)
@@ -179,6 +185,39 @@ def _curves_of(motor: MotorFromData, stage: Stage, slip: Floats) -> dict[str, Fl
     }
 
 
+def motor_time_constants(case: CaseData) -> list[dict[str, Any]]:
+    """Rows of table `MotorTimeConstants`: of each motor with a field and a data sheet.
+
+    Parameters
+    ----------
+    case : CaseData
+        Checked. [SI]
+
+    Returns
+    -------
+    list of dict
+        By JSON key. [s, 1]
+    """
+    by_circuit = {row.station for row in case.motor_circuit}
+    rows = []
+    for motor in motors_from_data(case):
+        if motor.circuit.field is None or motor.station in by_circuit:
+            continue
+        omega = line_omega(case.ratings.line_frequency or 0.0)
+        both = time_constants(motor.circuit, omega)
+        for name, classical, measured in zip(SHOWN_TIMES, *both, strict=True):
+            rows.append(
+                {
+                    "station": motor.station,
+                    "time_constant": name,
+                    "classical": classical,
+                    "measured": measured,
+                    "difference": measured / classical - 1.0,
+                }
+            )
+    return rows
+
+
 def motors_without_curve(case: CaseData) -> dict[str, MotorFromData]:
     """Motors of which the start uses the calculated curves: no curve of theirs is typed.
 
@@ -260,6 +299,9 @@ def circuit_of(
     if has_field:
         steps.insert(0, Step(_given(row.xd_transient), _given(transient), short))
     of_d = rotor_windings(xd, xl, steps, omega)
+    if has_field and row.time_constants == TimeConstantKind.MEASURED:
+        three, two = (xd, _given(row.xd_transient), xd2), (_given(transient), td2)
+        of_d = _possible(measured_windings(three, xl, two, omega, short_circuit=short))
     of_q = rotor_windings(xq, xl, [Step(xq2, tq2, short)], omega)
     resistance = (
         row.ra if row.ra is not None else stator_resistance(xd2, xq2, _given(row.ta), omega)
@@ -315,6 +357,12 @@ def row_of_circuit(station: str | None, circuit: Circuit) -> MotorCircuitRow:
         **{f"r{name}": winding.resistance for name, winding in windings.items()},
         **{f"xl{name}": winding.leakage for name, winding in windings.items()},
     )
+
+
+def _possible(windings: tuple[Winding, Winding] | None) -> tuple[Winding, Winding]:
+    if windings is None:
+        raise InternalError("time constants of no circuit were not refused")
+    return windings
 
 
 def _given(value: float | None) -> float:

@@ -19,7 +19,7 @@ from engine.case.data import CaseData
 from engine.case.result_words import Judgement
 from engine.fatigue.stress import shear_stress, stress_of_unit_torque
 from engine.model.modal_train import ModalTrain
-from engine.motor.from_case import motor_curves
+from engine.motor.from_case import motor_curves, motor_time_constants
 from engine.numerics.same_bits import product
 from engine.operation.margins import percent_speed
 from engine.results.results import AccuracyRow, AtSpeed, Results
@@ -39,6 +39,7 @@ def result_tables(results: Results) -> Mapping[str, list[Row]]:
         "Verdicts": _rows(results.verdicts),
         **speed_tables(results),
         "MotorCurves": motor_curves(results.case),
+        "MotorTimeConstants": motor_time_constants(results.case),
         "ElectricalDamping": _electrical_damping(results),
         "StartupPeaks": _startup_peaks(results),
         "StartupCrossings": _startup_crossings(results),

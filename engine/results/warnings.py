@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
-from engine.case.choices import ElementKind, Method, MotorKind
+from engine.case.choices import ElementKind, Method, MotorKind, TimeConstantKind
 from engine.case.data import CaseData
 from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, DEFAULT_TOLERANCE_STARTS
 from engine.case.plausibility import implausible
@@ -15,7 +16,7 @@ from engine.case.result_words import Outcome
 from engine.fatigue.allowable_starts import notes_on_starts
 from engine.model.excitation import transmitted_torque
 from engine.model.motor import motors_of
-from engine.motor.from_case import motors_without_curve
+from engine.motor.from_case import motor_time_constants, motors_without_curve
 from engine.operation.full_speed import full_speed
 from engine.operation.plausible_train import unusual_train
 from engine.results.implausible_results import (
@@ -31,6 +32,8 @@ from engine.start.worst_phase import PHASES
 
 #: A first mode below this frequency, and a start longer than this, look like a wrong unit. [Hz, s]
 LOW_FREQUENCY, LONG_START = 1.0, 60.0
+#: Makers state time constants to about this; below, it does not matter which they are. [1]
+NOTABLE_DIFFERENCE = 0.05
 
 
 def warnings_of(results: Results) -> Iterator[str]:
@@ -60,6 +63,7 @@ def _motor_data(case: CaseData) -> Iterator[str]:
                 f"'{row.station}' has a torque curve and a data sheet: the start uses the curve of table "
                 "MotorTorque. Table MotorCurves shows the calculated one."
             )
+    yield from _time_constants(case)
     for name, motor in calculated.items():
         if (
             motor.sheet.kind != MotorKind.INDUCTION
@@ -69,6 +73,25 @@ def _motor_data(case: CaseData) -> Iterator[str]:
                 f"The torques of '{name}' are calculated with at most one damper winding in each axis, which "
                 "does not represent solid poles. Ask the maker for measured curves, or for a circuit with "
                 "two dampers in each axis (table MotorCircuit)."
+            )
+
+
+def _time_constants(case: CaseData) -> Iterator[str]:
+    """Classical and measured time constants that differ by more than makers state them."""
+    taken = {
+        row.station: row.time_constants or TimeConstantKind.CLASSICAL for row in case.motor_data
+    }
+    worst: dict[str, dict[str, Any]] = {}
+    for row in motor_time_constants(case):
+        other = worst.setdefault(row["station"], row)
+        if abs(row["difference"]) > abs(other["difference"]):
+            worst[row["station"]] = row
+    for name, row in worst.items():
+        if abs(row["difference"]) > NOTABLE_DIFFERENCE:
+            yield (
+                f"{row['time_constant']} of '{name}' is {row['classical']:.4g} s by the classical relations and "
+                f"{row['measured']:.4g} s as a root of the whole circuit. Those typed are taken as {taken[name]}: check "
+                "column Time constants of table MotorData (test reports give measured ones)."
             )
 
 
