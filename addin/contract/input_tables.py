@@ -15,6 +15,7 @@ from engine.case.choices import (
     SNBasis,
     Starting,
     TimeConstantKind,
+    TorqueBase,
 )
 from engine.case.effects import EFFECTS
 
@@ -329,10 +330,14 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
         columns=(
             text("Event", "Name of the event; the rows of one name add up."),
             text("Station", "Where the torque acts: the motor.", kind="station"),
+            choice(
+                "Base", tuple(TorqueBase),
+                "What Amplitude is a share of: RatedTorque, or Apparent power of the motor (MotorData) over its speed.",
+                blank="rated torque",
+            ),
             number(
                 "Amplitude", "fraction",
-                "A: torque over RatedTorque at the speed of that station, signed, positive in the running "
-                "direction.",
+                "A: torque over Base at the speed of that station, signed, positive in the running direction.",
                 us="pu", si="pu", units=("pu", "%"),
             ),
             number("Multiple", "ratio", "m: multiple of the line frequency, 0 = no oscillation.", blank="0"),

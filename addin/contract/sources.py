@@ -219,6 +219,7 @@ EVENT = (
     *DAMPING,
     *LINE,
     "EventTorque.Station",
+    "EventTorque.Base",
     "EventTorque.Amplitude",
     "EventTorque.Multiple",
     "EventTorque.Phase",

@@ -131,6 +131,13 @@ class FieldCircuit(StrEnum):
     OPEN = "open"
 
 
+class TorqueBase(StrEnum):
+    """What a published torque is a share of."""
+
+    RATED_TORQUE = "rated torque"
+    APPARENT_POWER = "apparent power"
+
+
 class TimeConstantKind(StrEnum):
     """What the time constants of a data sheet are."""
 

@@ -278,11 +278,14 @@ class EventTorqueRow:
 
     event: str | None = None  #: Event; its rows add up.
     station: str | None = None  #: Where it acts.
-    #: A over the rated torque at the speed of that station, in the running direction. [1]
+    #: A over the rated torque at the speed of that station, or over the apparent power of its motor at that
+    #: speed, in the running direction. [1]
     amplitude: float | None = None
     multiple: float | None = None  #: m, multiple of the line frequency; blank or 0 = constant. [1]
     phase: float | None = None  #: φ; blank = 0. [rad]
     time_constant: float | None = None  #: τ; blank = it does not decay. [s]
+    #: What the amplitude is a share of, one of `TorqueBase`; blank = the rated torque.
+    base: str | None = None
 
 
 @dataclass(frozen=True)
