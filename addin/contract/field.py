@@ -158,6 +158,7 @@ class Field:
     units: tuple[str, ...] = ()
     #: Allowed words of a choice, the first one the default; of a number, words in its place.
     choices: tuple[str, ...] = ()
+    signed: bool = False  #: It may be negative, where other numbers of its dimension may not.
     default_text: str = (
         ""  #: What a blank cell means; empty where a blank has no meaning of its own.
     )

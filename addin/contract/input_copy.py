@@ -199,7 +199,7 @@ def changed_numbers(
     # one side of a number both are below it or neither; which is the lower one depends on the sign.
     other = f"({live}<>{then})*(({live}>{then}*(1+{_SAME}))=({live}>{then}*(1-{_SAME})))"
     for word in words:
-        other += f'*(1-EXACT({live},"{word}")*({copy}={word_in_copy(words, word):G}))'
+        other += f'*(1-({live}="{word}")*({copy}={word_in_copy(words, word):G}))'
     filled = f'({live}<>"")<>({copy}<>"")'
     return _unless_resized(live, copy, f'SUMPRODUCT(({filled})+({copy}<>"")*{other})', renamed)
 

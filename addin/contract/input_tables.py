@@ -198,7 +198,12 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
                 blank="RatedPower / (Power factor × Efficiency)",
             ),
             number("Voltage", "voltage", "Rated voltage, line to line; needed for data in ohm."),
-            number("Power factor", "ratio", "Power factor at rated power; needed without Apparent power."),
+            number(
+                "Power factor", "ratio",
+                "At rated power; a synchronous motor's current leads in operation, below 0 it lags. Needed without "
+                "Apparent power.",
+                signed=True,
+            ),
             number("Efficiency", "ratio", "Efficiency at rated power; needed without Apparent power."),
             number("Xd", "per unit", "Synchronous reactance Xd, axis of the poles."),
             number("Xq", "per unit", "Synchronous reactance Xq, between the poles."),
@@ -338,11 +343,14 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
             number(
                 "Amplitude", "fraction",
                 "A: torque over Base at the speed of that station, signed, positive in the running direction.",
-                us="pu", si="pu", units=("pu", "%"),
+                us="pu", si="pu", units=("pu", "%"), signed=True,
             ),
             number("Multiple", "ratio", "m: multiple of the line frequency, 0 = no oscillation.", blank="0"),
             number("Phase", "angle", "φ: phase of the cosine at the event.", blank="0"),
             number("Time constant", "time", "τ: time constant of the decay.", blank="it does not decay"),
+            number(
+                "Per life", "count", "Such events in the life of the train, in one row of the event.", blank="0",
+            ),
         ),
     ),
     table(
@@ -377,6 +385,7 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
             number(
                 "Latest clearing", "time", "Until then the worst Clears after is looked for.", blank="0.5 s",
             ),
+            number("Per life", "count", "Such events in the life of the train.", blank="0"),
         ),
     ),
     table(

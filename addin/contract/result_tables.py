@@ -78,7 +78,7 @@ _SCAN_METHOD = "docs/method.md, Events of a motor"
 _WORST_INSTANT = tuple(
     number(
         name, dimension, f"{column} with the largest torque of this row, where {column} is worst.",
-        f"largest of all {column} of the scan, then of those half a spacing beside it", _SCAN_METHOD,
+        f"largest of all {column} of the scan, then of those beside it, ever nearer", _SCAN_METHOD,
         of_case=(f"MotorEvents.{column}", *more), pane=Pane.MINOR, error=ReportedError.ESTIMATE,
     )
     for name, dimension, column, more in (
@@ -951,9 +951,15 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 of_row=("EventPeaks.Maximum", "EventPeaks.Minimum", *SECTION), error=ReportedError.EVENTS,
             ),
             number(
-                "Damage", "count", "Miner sum of one such event; multiply by the events in a life.",
+                "Damage", "count", "Miner sum of one such event.",
                 f"Σ nᵢ/Nᵢ over the rainflow cycles of SCF · {STRESS}; amplitude = half range, mean ignored",
                 FIGURE_3, of_case=(*EVENT, *FATIGUE), format=shown.DAMAGE, error=ReportedError.EVENT_DAMAGE,
+            ),
+            number(
+                "Damage per life", "count", "The same times Per life; blank where that is blank.",
+                "damage × Per life", FIGURE_3, of_row=("EventPeaks.Damage",),
+                of_case=("EventTorque.Per life", "MotorEvents.Per life"), format=shown.DAMAGE,
+                error=ReportedError.EVENT_DAMAGE,
             ),
             number(
                 "Damage error", "fraction", "Estimated relative error of the damage.",
@@ -976,8 +982,8 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             number(
                 "Error", "fraction", "Estimated error of maximum and minimum, relative to the larger.",
                 "Change of both extremes from spacing h to h/2 (the samples are exact), with what comes after the end, a "
-                "bound on fast modes, the error from the pieces of distributed shafts and, of a worst instant, what half "
-                "the spacing of its scan changes",
+                "bound on fast modes, the error from the pieces of distributed shafts and, of a worst instant, what "
+                "halving the spacing of its scan changes",
                 EVENT_METHOD, of_case=("TolerancePeak",), format=shown.ERROR,
                 error=ReportedError.ESTIMATE, pane=Pane.MINOR,
             ),
@@ -1017,7 +1023,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             ),
             number(
                 "Error", "fraction", "Estimated error of the largest torque.",
-                "Change of the largest torque from spacing h to h/2; of a worst instant with what half its spacing changes",
+                "Change of the largest torque from spacing h to h/2; of a worst instant with what halving its spacing changes",
                 EVENT_METHOD, of_case=("TolerancePeak",),
                 format=shown.ERROR, error=ReportedError.ESTIMATE, pane=Pane.MINOR,
             ),

@@ -279,10 +279,10 @@ SHEETS: tuple[Sheet, ...] = (
     Sheet(
         "Events",
         "result",
-        {"A": 1.5, "B": 24, "C": 22, "D:E": 12, "F:H": 10, "I:J": 11, "K": 12, "L": 20, "M:Q": 10,
-         "R": 2, "S": 24, "T:AA": 12},
-        {"EventPeaks": "B5", "AirGapTorque": "S5"},
-        (ChartAt("air-gap", "S22", 640, 334), ChartAt("clearing", "S40", 640, 334)),
+        {"A": 1.5, "B": 24, "C": 22, "D:E": 12, "F:H": 10, "I:K": 11, "L": 12, "M": 20, "N:R": 10,
+         "S": 2, "T": 24, "U:AB": 12},
+        {"EventPeaks": "B5", "AirGapTorque": "T5"},
+        (ChartAt("air-gap", "T22", 640, 334), ChartAt("clearing", "T40", 640, 334)),
         freeze="A8",
         header_rows=7,
         intro="Faults in operation: events of tables EventTorque and MotorEvents (sheet Excitation) upon the train that "

@@ -73,6 +73,7 @@ _OPTIONAL = frozenset(
         "EventTorque.Base",
         "MotorData.Time constants",
         "Latest clearing",
+        "Per life",
     }
 )
 

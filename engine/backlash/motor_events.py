@@ -20,7 +20,8 @@ from engine.errors import InternalError
 from engine.model.excitation import transmitted_torque
 from engine.model.modal_train import ModalTrain
 from engine.model.train import Train
-from engine.motor.circuit import Circuit, Winding, line_omega, starting_circuit
+from engine.motor.circuit import Circuit, line_omega, starting_circuit
+from engine.motor.fault_torques import largest_of_constant_fluxes
 from engine.motor.from_case import MotorFromData, motors_from_data
 from engine.motor.two_axis import (
     MachineState,
@@ -29,7 +30,14 @@ from engine.motor.two_axis import (
     running_state,
 )
 from engine.numerics.same_bits import product
-from engine.start.machine_motion import Balance, Machine, MachineMotion, Supply, machine_motion
+from engine.start.machine_motion import (
+    Balance,
+    Machine,
+    MachineMotion,
+    Supply,
+    machine_motion,
+    switched,
+)
 from engine.start.prescribed import SAMPLES_PER_PERIOD, Drive
 from engine.start.time_response import ModalSystem, TimeResponse, modal_system
 from engine.start.torque_outputs import force_reach
@@ -37,6 +45,9 @@ from engine.stepping.linear_loop import turning_points
 
 #: Largest phase of the line in a step: the fluxes of the stator turn so far in the rotor's axes. [rad]
 LINE_PHASE = 0.15
+#: An event of a motor is followed so long after the last change of its supply: several swings of the rotor, whose
+#: frequency is 1 to 10 Hz. [s]
+MOTOR_FOLLOWED = 2.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,7 +152,7 @@ def motor_event(case: CaseData, train: Train, row: MotorEventRow) -> MotorEvent:
         voltage = 1.0 if row.residual_voltage is None else row.residual_voltage
         state = open_circuit_state(circuit, voltage, number(row.angle) or 0.0)
     else:
-        # its current leads: a synchronous motor is rated with an excited field
+        # its current leads unless typed otherwise: a synchronous motor is rated with an excited field
         state = running_state(circuit, held / motor.torque_base, -(sheet.power_factor or 1.0))
     return MotorEvent(machine, station, _supplies(row), state, held, released)
 
@@ -243,13 +254,11 @@ def _subtransient(circuit: Circuit) -> float:
     return 1.0 / max(float(system.current[0, 0]), float(system.current[system.q, system.q]))
 
 
-def air_gap_torque_of(modal: ModalTrain, drive: MotorDrive) -> AirGapTorque:
+def air_gap_torque_of(drive: MotorDrive) -> AirGapTorque:
     """What the torque of the motor was in the runs that were made.
 
     Parameters
     ----------
-    modal : ModalTrain
-        The train. [SI]
     drive : MotorDrive
         After `follow`. [SI]
 
@@ -265,7 +274,7 @@ def air_gap_torque_of(modal: ModalTrain, drive: MotorDrive) -> AirGapTorque:
     change /= abs(largest) or 1.0
     return AirGapTorque(
         largest, time, max(change, LEAST_PEAK_ERROR),
-        _closed_form(modal, drive.event), _turns(drive.event, drive.motions[-1]),
+        _closed_form(drive.event), _turns(drive.event, drive.motions[-1]),
     )  # fmt: skip
 
 
@@ -291,32 +300,17 @@ def _largest(when: Floats, value: Floats) -> tuple[float, float]:
     return float(value[i]), float(when[i])
 
 
-def _closed_form(modal: ModalTrain, event: MotorEvent) -> float | None:
-    """Largest torque of constant flux linkages: no resistance, one speed."""
-    machine, supplies = event.machine, event.supplies
-    if supplies[0].is_open:
-        closing = replace(supplies[1], begins=0.0)
-        if closing.ahead is None and supplies[1].begins > 0.0:
+def _closed_form(event: MotorEvent) -> float | None:
+    """Largest torque of constant flux linkages: no resistance, one speed. [N m]"""
+    machine, state, flux = event.machine, event.state, event.state.flux
+    supply, *then = event.supplies
+    if supply.is_open:
+        closing = replace(then[0], begins=0.0)
+        if closing.ahead is None and then[0].begins > 0.0:
             return None
-        supplies = (supplies[0], closing)
-    else:
-        supplies = supplies[:1]
-    circuit = machine.circuit
-
-    def bare(windings: tuple[Winding, ...]) -> tuple[Winding, ...]:
-        return tuple(w._replace(resistance=0.0) for w in windings)
-
-    without = replace(
-        circuit, stator_resistance=0.0, field=circuit.field and bare((circuit.field,))[0],
-        dampers_d=bare(circuit.dampers_d), dampers_q=bare(circuit.dampers_q),
-    )  # fmt: skip
-    train, modes, damping = modal
-    stations = np.array([event.station], dtype=np.int64)
-    none = np.zeros(modes.n_modes, dtype=np.bool_)
-    still = modal_system(train, modes, stations, damping.structural, none)
-    cycle = 2.0 * math.pi / machine.line_omega
-    motion = machine_motion(
-        still, replace(machine, circuit=without), supplies, replace(event.state, field_voltage=0.0),
-        cycle, LINE_PHASE / machine.line_omega, balance=Balance(0.0),
-    )  # fmt: skip
-    return abs(_largest(*_turning(motion))[0])
+        _, flux = switched(machine, supply, state, flux)
+        supply, flux = switched(machine, closing, state, flux)
+    (with_line, ahead), (against, back) = supply.forward, supply.backward
+    return machine.torque_base * largest_of_constant_fluxes(
+        machine.circuit, flux, (with_line, ahead - state.angle), (against, back - state.angle)
+    )

@@ -10,13 +10,14 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 
 from engine.arrays import Floats
-from engine.backlash.motor_events import motor_drive, motor_event, number
+from engine.backlash.motor_events import MOTOR_FOLLOWED, motor_drive, motor_event, number
 from engine.case.data import CaseData, MotorEventRow
-from engine.case.defaults import DEFAULT_LATEST_CLEARING
+from engine.case.defaults import DEFAULT_LATEST_CLEARING, DEFAULT_TOLERANCE_PEAK
 from engine.model.excitation import transmitted_torque
 from engine.model.modal_train import ModalTrain
 from engine.start.machine_motion import Balance, MachineMotion, machine_motion, stretch_of
@@ -29,12 +30,15 @@ PHASES = 24
 #: Clearing times in a period of the line, and how many there are at the least: the flux that a fault leaves in the
 #: stator turns once in a period. [count]
 TIMES_PER_PERIOD, FEWEST_TIMES = 8, 20
-#: After its last change a combination is followed so long, the first swing of the rotor. [s]
+#: After clearing a combination of many is followed so long, the first swing of the rotor. [s]
 FOLLOWED = 0.5
 #: Wanted relative error of the peaks that are compared. [1]
 TOLERANCE = 0.02
 #: Steps are so much longer than those of an event; their error is of fourth order. [1]
 LONGER = 2.0
+#: Around a worst one the spacing is halved until what another one may have is less than this share of the tolerance of
+#: peaks, at most so often. [1, count]
+SHARE_OF_TOLERANCE, MOST_HALVINGS = 0.25, 4
 
 
 #: Phase or angle, and clearing time; None: it is not looked for. [rad, s]
@@ -47,8 +51,8 @@ class WorstInstant:
 
     row: MotorEventRow  #: The event with numbers in the place of words. [rad, s]
     largest: float  #: That torque, as the scan has it. [N m]
-    #: What that torque may be larger at another one: its change from the spacing of the scan to half of it, or the top
-    #: of a parabola through three of them, relative. [1]
+    #: What that torque may be larger at another one: its change when the spacing was halved last, or the top of a
+    #: parabola through three of them, relative. [1]
     error: float
 
 
@@ -83,20 +87,25 @@ def worst_instants(case: CaseData, modal: ModalTrain, row: MotorEventRow) -> Wor
     WorstInstants
         [mixed]
     """
-    scan = _Scan.of(case, modal, row)
+    scan, tolerance = _Scan.of(case, modal, row), case.tolerance_peak or DEFAULT_TOLERANCE_PEAK
     turns, times = scan.turns, scan.times
     sizes = np.stack([scan.sizes(turn, times) for turn in turns])  # turn, time, element
     best = sizes.reshape(-1, sizes.shape[-1]).argmax(axis=0)
-    finer: dict[tuple[int, int], dict[Place, Floats]] = {}
+    finer = cache(scan.around)
     found = []
     for k, at in enumerate(best.tolist()):
         i, j = divmod(at, len(times))
-        if (i, j) not in finer:
-            finer[i, j] = scan.around(turns[i], times[j])
-        beside = {place: float(sizes_there[k]) for place, sizes_there in finer[i, j].items()}
-        worst = max(beside, key=beside.__getitem__)
-        error = _rise(beside, (turns[i], times[j])) / (beside[worst] or 1.0)
-        found.append(WorstInstant(scan.row_of(*worst), beside[worst], error))
+        place, error = (turns[i], times[j]), math.inf
+        for halvings in range(1, MOST_HALVINGS + 1):
+            beside = {
+                where: float(all_sizes[k]) for where, all_sizes in finer(place, halvings).items()
+            }
+            worst = max(beside, key=beside.__getitem__)
+            error = _rise(beside, place) / (beside[worst] or 1.0)
+            place = worst
+            if error <= SHARE_OF_TOLERANCE * tolerance:
+                break
+        found.append(WorstInstant(scan.row_of(*place), beside[place], error))
     names = modal.train.elements
     largest_of = int(np.argmax(sizes[..., :-1].max(axis=(0, 1)))) if names else -1
     over_time = sizes.max(axis=0) if scan.spacing[1] else sizes[0, :0]
@@ -188,28 +197,40 @@ class _Scan:
         turned = {self.turn: turn} if self.turn else {}
         return replace(self.row, **turned, clears_after=time, latest_clearing=None)  # type: ignore[arg-type]
 
-    def around(self, turn: float | None, time: float | None) -> dict[Place, Floats]:
-        """Largest torques of a combination and of those half a spacing from it."""
-        times = [t for t in _beside(time, self.spacing[1]) if t is None or t <= self.latest]
+    def around(self, place: Place, halvings: int) -> dict[Place, Floats]:
+        """Largest torques of a combination and of those beside it, at a spacing that was halved so often."""
+        (turn, time), share = place, math.ldexp(1.0, -halvings)
+        times = [t for t in _beside(time, share * self.spacing[1]) if t is None or t <= self.latest]
         return {
             (other, when): sizes
-            for other in _beside(turn, self.spacing[0])
-            for when, sizes in zip(times, self.sizes(other, times), strict=True)
+            for other in _beside(turn, share * self.spacing[0])
+            for when, sizes in zip(times, self.sizes(other, times, share), strict=True)
         }
 
-    def sizes(self, turn: float | None, times: Sequence[float | None]) -> Floats:
-        """Largest torque of each element and of the motor. [N m] Shape (n_times, n_elements + 1)."""
+    def sizes(
+        self, turn: float | None, times: Sequence[float | None], share: float = 0.5
+    ) -> Floats:
+        """Largest torque of each element and of the motor. [N m] Shape (n_times, n_elements + 1).
+
+        Clearing times are multiples of that share of their spacing.
+        """
         event = motor_event(self.case, self.modal.train, self.row_of(turn, times[-1]))
         system, machine, balance = self.system, event.machine, Balance(event.held)
         before, state = event.beginning(system)
         if not self.spacing[1]:
+            end = min(event.last_change + MOTOR_FOLLOWED, self.case.maximum_time or math.inf)
             motion = machine_motion(
-                system, machine, event.supplies, state, event.last_change + FOLLOWED, self.step,
-                balance=balance, before=before,
-            )  # fmt: skip
+                system,
+                machine,
+                event.supplies,
+                state,
+                end,
+                self.step,
+                balance=balance,
+                before=before,
+            )
             return self._largest(motion, event.held, [math.inf])
-        # steps end where each half of a spacing does
-        step = 0.5 * self.spacing[1]
+        step = share * self.spacing[1]  # steps end at clearing times
         step /= math.ceil(step / self.step)
         changed, cleared = event.supplies
         stretch, now = stretch_of(system, machine, changed, state, (*before, state.flux), balance)
@@ -247,7 +268,7 @@ class _Scan:
 
 
 def _rise(beside: Mapping[Place, float], middle: Place) -> float:
-    """What a worst one may be above the largest of some: the change from the scan, or to the top of parabolas."""
+    """What a worst one may be above the largest of some: the change from the middle, or to the top of parabolas."""
     worst, own = max(beside.values()), beside[middle]
     top = own
     for axis in (0, 1):
@@ -265,7 +286,7 @@ def _period(row: MotorEventRow) -> float:
 
 
 def _beside(value: float | None, spacing: float) -> tuple[float | None, ...]:
-    """A value of a scan with those half a spacing before and after it."""
+    """A value of a scan with those a spacing before and after it."""
     if value is None or not spacing:
         return (value,)
-    return value - 0.5 * spacing, value, value + 0.5 * spacing
+    return value - spacing, value, value + spacing

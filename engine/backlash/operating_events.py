@@ -22,6 +22,7 @@ import numpy as np
 from engine.arrays import Floats
 from engine.backlash.event_start import EventTorques, clearances_of, run_event_start
 from engine.backlash.motor_events import (
+    MOTOR_FOLLOWED,
     AirGapTorque,
     MotorDrive,
     air_gap_torque_of,
@@ -60,9 +61,6 @@ from engine.start.time_response import PrescribedTorque, TimeResponse, tabled_to
 LARGEST_GAIN = 1e3
 #: An event is followed so long at the least: a constant torque on a rigid train has no time of its own. [s]
 SHORTEST = 0.1
-#: An event of a motor is followed so long after the last change of its supply: several swings of the rotor, whose
-#: frequency is 1 to 10 Hz. [s]
-MOTOR_FOLLOWED = 2.0
 #: A chart shows so much after the last change, with at most so many points (twice as many). [s, count]
 DRAWN_AFTER, MOST_DRAWN = 0.3, 1000
 #: Peaks are over where the range of every torque in the last part of an event is below this share of all of it; of
@@ -160,7 +158,7 @@ def _event(case: CaseData, analysis: ModalAnalysis, name: str) -> OperatingEvent
     drive = _drive(case, modal, name)
     response = follow(modal, drive, end, left, running)
     response = _with_errors(response, pieces, tolerance)
-    air_gap = air_gap_torque_of(modal, drive) if isinstance(drive, MotorDrive) else None
+    air_gap = air_gap_torque_of(drive) if isinstance(drive, MotorDrive) else None
     notes = []
     if names := list(_separating(modal.train, response)):
         quoted = ", ".join(f"'{element}'" for element in names)

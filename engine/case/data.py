@@ -171,7 +171,8 @@ class MotorDataRow:
     #: Rated apparent power, the base of all that is per unit; blank = from `RatedPower`. [V A]
     apparent_power: float | None = None
     voltage: float | None = None  #: Rated voltage, line to line: the base of what is in ohm. [V]
-    power_factor: float | None = None  #: At rated power. [1]
+    #: At rated power; below 0: the current of a synchronous motor lags in operation, else it leads. [1]
+    power_factor: float | None = None
     efficiency: float | None = None  #: At rated power. [1]
     xd: float | None = None  #: Synchronous reactances of the two axes. [1]
     xq: float | None = None  #: Likewise. [1]
@@ -214,7 +215,7 @@ class MotorDataRow:
         if self.apparent_power is not None:
             return self.apparent_power
         if rated_power and self.power_factor and self.efficiency:
-            return rated_power / (self.power_factor * self.efficiency)
+            return rated_power / (abs(self.power_factor) * self.efficiency)
         return None
 
     def base_impedance(self, rated_power: float | None) -> float | None:
@@ -284,6 +285,8 @@ class EventTorqueRow:
     multiple: float | None = None  #: m, multiple of the line frequency; blank or 0 = constant. [1]
     phase: float | None = None  #: φ; blank = 0. [rad]
     time_constant: float | None = None  #: τ; blank = it does not decay. [s]
+    #: Such events in the life of the train, in one row of each; blank = 0. [1]
+    per_life: float | None = None
     #: What the amplitude is a share of, one of `TorqueBase`; blank = the rated torque.
     base: str | None = None
 
@@ -305,6 +308,7 @@ class MotorEventRow:
     clears_after: float | str | None = None
     #: Until then a worst `clears_after` is looked for; blank = 0.5 s. [s]
     latest_clearing: float | None = None
+    per_life: float | None = None  #: Such events in the life of the train; blank = 0. [1]
 
     @property
     def scanned(self) -> tuple[str, ...]:
@@ -535,6 +539,12 @@ class CaseData:
         names = dict.fromkeys(str(row.event) for row in self.event_torque)
         names |= dict.fromkeys(str(row.event) for row in self.motor_events)
         return (*names, TABLED_EVENT) if tabled else tuple(names)
+
+    @property
+    def events_per_life(self) -> dict[str, float]:
+        """How often each event in operation happens in the life of the train; those that do not are left out. [1]"""
+        counts = {str(row.event): row.per_life for row in self.event_torque if row.per_life}
+        return counts | {str(row.event): row.per_life for row in self.motor_events if row.per_life}
 
     @property
     def motor_stations(self) -> tuple[str | None, ...]:

@@ -213,6 +213,7 @@ def _event_peaks(results: Results) -> list[Row]:
             verdict = Judgement.NOT_JUDGED
             rows += [{"event": event.name, "element": e, "verdict": verdict} for e in limits]
             continue
+        times = case.events_per_life.get(event.name)
         instants = event.worst.of_element if event.worst else {}
         damage, errors = {s.element: s.damage for s in event.shafts}, dict(event.damage_errors)
         for p in event.response.peaks:
@@ -230,6 +231,9 @@ def _event_peaks(results: Results) -> list[Row]:
                     if p.element in unit_stress
                     else None,
                     "damage": damage.get(p.element),
+                    "damage_per_life": times * damage[p.element]
+                    if times and p.element in damage
+                    else None,
                     "damage_error": errors.get(p.element),
                     "limit": limit if math.isfinite(limit) else None,
                     "verdict": event_verdict(limit, p),

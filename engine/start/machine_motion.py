@@ -177,7 +177,8 @@ def stretch_of(
         Likewise, just after. [SI, pu]
     """
     held, speed = balance
-    supply, flux = _switched(system, machine, supply, state, now, speed)
+    turned = machine.pole_pairs * float(product(system.reach[:, 0], now[0]))
+    supply, flux = switched(machine, supply, state, now[2], turned=turned, speed=speed)
     fluxes = flux_system(
         machine.circuit, machine.line_omega, speed, state.field_voltage, is_open=supply.is_open
     )
@@ -185,16 +186,39 @@ def stretch_of(
     return stretch, (*now[:2], flux)
 
 
-def _switched(
-    system: ModalSystem,
+def switched(
     machine: Machine,
     supply: Supply,
     state: MachineState,
-    now: State,
-    speed: float,
+    flux: Floats,
+    *,
+    turned: float = 0.0,
+    speed: float = 1.0,
 ) -> tuple[Supply, Floats]:
-    """The supply with its angle known, and the fluxes just after it has changed to it."""
-    q, _, flux = now
+    """A supply with its angle known, and the fluxes just after the motor is connected to it.
+
+    Parameters
+    ----------
+    machine : Machine
+        The motor. [pu, SI]
+    supply : Supply
+        What it is connected to from now on. [pu, rad]
+    state : MachineState
+        As for `machine_motion`. [pu, rad]
+    flux : ndarray, shape (n_flux,)
+        Fluxes just before. [pu]
+    turned : float
+        Electrical angle of the rotor beyond that in balance. [rad]
+    speed : float
+        Of the rotor in balance, over synchronous speed. [1]
+
+    Returns
+    -------
+    supply : Supply
+        [pu, rad]
+    flux : ndarray, shape (n_flux,)
+        [pu]
+    """
     if supply.is_open:
         return supply, opened(machine.circuit, flux)
     if supply.residual is None and supply.ahead is None:
@@ -203,7 +227,6 @@ def _switched(
     if supply.residual is not None:
         flux = flux * (supply.residual / size)
     if supply.ahead is not None:
-        turned = machine.pole_pairs * float(product(system.reach[:, 0], q))
         lost = (speed - 1.0) * machine.line_omega * supply.begins
         of_line = angle + state.angle + turned + lost - supply.ahead
         supply = replace(supply, forward=(supply.forward[0], of_line))

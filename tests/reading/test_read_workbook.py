@@ -186,6 +186,9 @@ def test_headers_may_differ_in_capitals_and_blanks(workbook, read):
 def test_names_beyond_the_contract_may_be_missing(workbook, read):
     workbook.without.add("RainflowResidue")
     workbook.headers[("Meshes", "Gear type")] = None
+    workbook.headers[("EventTorque", "Per life")] = None
+    workbook.headers[("MotorEvents", "Per life")] = None
+    workbook.headers[("MotorEvents", "Latest clearing")] = None
     found = read(workbook)
     assert found.problems == ()
     assert found.warnings == ()

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
+from engine.case.checks.events import PER_LIFE
 from engine.case.checks.problem import (
     SCALARS,
     Allowed,
@@ -50,6 +51,7 @@ NUMBERS = (
         "s",
         "It counts from the event; milliseconds typed as seconds? Write 300 ms or 0.3 s.",
     ),
+    PER_LIFE,
 )
 
 #: Columns of which the worst value is looked for where this word stands.

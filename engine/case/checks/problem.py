@@ -73,6 +73,10 @@ VOLTAGE = Limit(
 )
 
 
+#: How often something happens.
+COUNTS = Allowed(NOT_NEGATIVE.holds, "zero or more, and finite")
+
+
 class Cells(NamedTuple):
     """The cells of one row, or the scalars of the case, and how a sentence names what is wrong."""
 

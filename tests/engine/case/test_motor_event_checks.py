@@ -53,6 +53,7 @@ def test_right_events_pass():
             "no effect on a three-phase fault",
         ),
         (replace(FAULT, phase="worst"), "Phase", "no effect on a three-phase fault"),
+        (replace(FAULT, per_life=-1.0), "Per life", "the number of such events"),
         (replace(FAULT, clears_after="best"), "Clears after", "it must be a number, or worst"),
         (replace(FAULT, latest_clearing=0.2), "Latest clearing", "unless Clears after is worst"),
         (
