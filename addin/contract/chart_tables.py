@@ -65,6 +65,8 @@ LABELS: tuple[str, ...] = (
     "Clearing title",
     "Clearing axis",
     "Clearing element",
+    "Profile title",
+    "Profile axis",
 )
 
 CHART_TABLES: tuple[ChartTable, ...] = (
@@ -144,5 +146,10 @@ CHART_TABLES: tuple[ChartTable, ...] = (
         "ChartClearing",
         ("Time", "Air gap", "Element"),
         "Largest air-gap torque and largest torque of an element against clearing time [s], where the worst one is looked for.",
+    ),
+    ChartTable(
+        "ChartProfile",
+        ("Position", "Outline", "Hub position", "Hub", "Bore position", "Bore"),
+        "Outlines of the sections of table Sections, those inside a hub, and bores: radii against length.",
     ),
 )

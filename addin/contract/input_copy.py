@@ -152,8 +152,9 @@ def is_speed(unit: str, stored: str, was_speed: bool, speeds: str) -> str:
 
 def changed_words(live: str, copy: str, renamed: str = "") -> str:
     """How many cells of a column, or whether a scalar, hold other words; `renamed` as of `changed_numbers`."""
-    # EXACT tells capitals apart; where it takes no ranges, what differs otherwise is found still.
-    count = f"SUMPRODUCT(1*(({live}<>{copy})+1-EXACT({live},{copy})>0))"
+    # EXACT tells capitals apart; where it takes no ranges, what differs otherwise is found still. In ranges it
+    # finds no number equal to itself (LibreOffice), and a name may be one.
+    count = f'SUMPRODUCT(1*(({live}<>{copy})+1-EXACT({live}&"",{copy}&"")>0))'
     return _unless_resized(live, copy, count, renamed)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from addin.contract.field import Field, TableSpec, choice, integer, number, sentence, table, text
 from engine.case.choices import (
     BelowEndurance,
+    Clearing,
     EffectChoice,
     ElementKind,
     FieldCircuit,
@@ -100,6 +101,40 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
             number("Peak torque limit", "torque", "The maker's peak torque.", blank="not judged"),
             number("Reversal limit", "torque", "Allowed reversing torque.", blank="not judged"),
             number("Vibratory limit", "torque", "Allowed vibratory torque.", blank="not judged"),
+        ),
+    ),
+    table(
+        "Sections", sheet="Sections", caption="Sections",
+        help="Optional: lengths of constant section of an element, from From to To; they give its stiffness and its own "
+        "inertia.",
+        rows=30, row_name=("Element", "Section"), later=True,
+        columns=(
+            text("Element", "The shaft or coupling of table Elements; a row for each of its sections.", kind="element"),
+            text("Section", "Name or number of the section.", blank="its number"),
+            number("Length", "length", "Length of the section."),
+            number("OD", "length", "Outer diameter."),
+            number("End OD", "length", "Outer diameter at the To end, of a tapered section.", blank="OD"),
+            number("ID", "length", "Bore.", blank="0"),
+            text("Material", "Name of the material, from table SectionMaterials.", blank="steel: 79.3 GPa, 7850 kg/m³"),
+            number("Fillet", "length", "Fillet radius at the step to the next section.", blank="sharp"),
+            number(
+                "Penetration", "fraction",
+                "Share of the length that twists, of a section inside a hub or a shrink fit: one third by the usual rule.",
+                blank="all of it",
+            ),
+            number("Keyway width", "length", "Width of a keyway along the section.", blank="no keyway"),
+            number("Keyway depth", "length", "Depth of the keyway from the crown of the shaft.", blank="no keyway"),
+        ),
+    ),
+    table(
+        "SectionMaterials", sheet="Sections", caption="Materials of sections",
+        help="What sections are made of, where it is not steel of 79.3 GPa and 7850 kg/m³.",
+        rows=4, row_name=("Material",), later=True,
+        columns=(
+            text("Material", "Name of the material."),
+            number("Shear modulus", "pressure", "Shear modulus.", si="GPa"),
+            number("Density", "density", "Density; 0 for sections that have no inertia of their own."),
+            sentence("Source", "Where the two numbers come from."),
         ),
     ),
     table(
@@ -386,6 +421,11 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
                 "Latest clearing", "time", "Until then the worst Clears after is looked for.", blank="0.5 s",
             ),
             number("Per life", "count", "Such events in the life of the train.", blank="0"),
+            choice(
+                "Clearing", tuple(Clearing),
+                "Whether a fault clears in all phases at once, or in each where the motor's current next passes zero.",
+                blank="at once",
+            ),
         ),
     ),
     table(

@@ -46,6 +46,7 @@ from addin.contract.sources import (
     MODAL,
     MODAL_ELECTRICAL,
     MOTOR_DATA,
+    OF_SECTION,
     PAPER,
     PEAK,
     PHILOSOPHY,
@@ -55,6 +56,7 @@ from addin.contract.sources import (
     SPEEDS,
     START,
     STEADY,
+    STEPPED_SHAFTS,
     STRENGTH,
     STRESS,
     SUPPLY,
@@ -197,7 +199,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             ),
             flag(
                 "Accurate", "no for a mode above the frequency up to which the pieces of shafts are fine enough.",
-                "yes where the estimated error from the pieces of shafts with Density is within 0.1 %, for this mode "
+                "yes where the estimated error from the pieces of shafts with Density or sections is within 0.1 %, for this mode "
                 "and all below",
                 "docs/method.md, Distributed shafts", of_case=MODAL, pane=Pane.WORKBOOK,
             ),
@@ -368,7 +370,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             ),
             number(
                 "Error", "fraction", "Estimated relative error of torque and stress.",
-                "What the last refinement of a sweep added, the change from half as many pieces of shafts with Density, and "
+                "What the last refinement of a sweep added, the change from half as many pieces of shafts with Density or sections, and "
                 "the rise at the low end of DampingRange",
                 "docs/method.md, Distributed shafts", of_case=("DampingRange", *MODAL), format=shown.ERROR, pane=Pane.MINOR,
                 error=ReportedError.ESTIMATE,
@@ -430,10 +432,11 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 error=ReportedError.ESTIMATE, printed="Estimated error", pane=Pane.MINOR,
             ),
             number(
-                "Left out", "fraction", "Bound on the relative change by effects that are off; blank: none is known.",
+                "Left out", "fraction", "Bound on the relative change by effects that are off, with an estimate of what "
+                "motors without data damp; blank: no bound is known.",
                 "Sum of the bounds of the effects left out; where teeth separate, the change of the peaks by one start "
-                "with all of them on",
-                "docs/method.md, Errors of a start", of_case=("EffectChoices.Choice",), format=shown.ERROR,
+                "with all of them on; and the change by motor curves read at the other speed",
+                "docs/method.md, Errors of a start", of_case=("EffectChoices.Choice", "TorqueFollows"), format=shown.ERROR,
                 error=ReportedError.ESTIMATE, pane=Pane.MINOR,
             ),
             number(
@@ -469,6 +472,33 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 "PulsationPhase of the start with the largest magnitude",
                 "docs/method.md, The worst phase", of_case=("PulsationPhase",), format=shown.ONE_DECIMAL,
                 pane=Pane.MINOR,
+            ),
+        ),
+    ),
+    table(
+        "SectionResults", sheet="Sections", caption="Stiffness and inertia of the sections",
+        help="Each section of table Sections as it twists and turns, and each element as a whole.",
+        row_name=("Element", "Section"), later=True,
+        columns=(
+            text("Element", "The element.", kind="element", trace=named("Sections.Element")),
+            text("Section", "The section; whole: all of the element.", trace=named("Sections.Section")),
+            number(
+                "Effective length", "length", "Length of a plain cylinder of its OD and ID that twists as much.",
+                "Penetration × length (of a taper J ∫ dx/J) + Σ λ ((D/d)⁴ − 1) of the steps to thinner sections, over the share of the "
+                "stiffness that a keyway leaves",
+                STEPPED_SHAFTS, of_row=OF_SECTION, format="0.0000",
+            ),
+            number(
+                "Stiffness", "torsional stiffness", "Torsional stiffness; of a whole element as it is calculated.",
+                "G π (D⁴ − d⁴) / 32 effective length; of all: 1 / Σ 1/k, or the Stiffness typed in Elements",
+                f"{STRENGTH}; {STEPPED_SHAFTS}",
+                of_row=("SectionResults.Effective length", "Sections.OD", "Sections.ID", "Elements.Stiffness"),
+                of_case=("SectionMaterials.Shear modulus",),
+            ),
+            number(
+                "Inertia", "inertia", "Polar inertia, distributed along the element.",
+                "ρ π (D⁴ − d⁴) L / 32, of a taper integrated; of all: the sum", f"{STRENGTH}; {STEPPED_SHAFTS}",
+                of_row=("Sections.Length", "Sections.OD", "Sections.ID"), of_case=("SectionMaterials.Density",),
             ),
         ),
     ),
@@ -572,7 +602,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             ),
             number(
                 "Share of the slope", "fraction", "Damping ratio that the slope makes of it: with TorqueFollows = own "
-                "speed a start has it, else the estimate of what is left out.",
+                "speed a start has it, else it has not.",
                 "−½ slope φ²/ω, φ at unit modal mass", MODAL_ELECTRICAL,
                 of_row=("ElectricalDamping.Slope of the curve",), of_case=MODAL, format="0.000",
             ),
@@ -756,9 +786,10 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 of_row=("AllowableStarts.Damage",), pane=Pane.MINOR,
             ),
             number(
-                "Left out", "fraction", "Bound on the relative change by effects that are off; blank: none is known.",
-                "Change of 1/q where every torque is larger by the bound of the effects left out",
-                "docs/method.md, Errors of a start", of_case=("EffectChoices.Choice",), format=shown.ERROR,
+                "Left out", "fraction", "Bound on the relative change by effects that are off, with an estimate of what "
+                "motors without data damp; blank: no bound is known.",
+                "Change of 1/q where every torque is larger by what is left out, or by motor curves read at the other speed",
+                "docs/method.md, Errors of a start", of_case=("EffectChoices.Choice", "TorqueFollows"), format=shown.ERROR,
                 error=ReportedError.ESTIMATE, pane=Pane.MINOR,
             ),
             number(
@@ -1061,7 +1092,8 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             ),
             number(
                 "Bound", "fraction", "Largest change of a result if the effect is left out; 0 = none.",
-                "Deciding number × gain; 0 where leaving it out is exact",
+                "Deciding number × gain; 0 where leaving it out is exact; of electrical damping without MotorData an "
+                "estimate: the change of a peak with motor curves read at the other speed",
                 "docs/method.md, The plan", of_row=("Effects.Deciding number",),
                 error=ReportedError.ESTIMATE,
             ),

@@ -149,6 +149,16 @@ SHEETS: tuple[Sheet, ...] = (
               "blank means. Insert table rows where a table is full.",
     ),
     Sheet(
+        "Sections",
+        "input",
+        {"A": 1.5, "B": 20, "C": 12, "D:G": 10, "H": 16, "I:L": 10, "M": 2, "N": 20, "O:R": 12},
+        {"Sections": "B20", "SectionMaterials": "B55", "SectionResults": "N20"},
+        (ChartAt("profile", "B5", 1180, 280),),
+        freeze="A4",
+        intro="Optional: stepped shafts and rotors from their sections, which give Stiffness and inertia of their "
+        "element in table Elements.",
+    ),
+    Sheet(
         "Torque",
         "input",
         {"A": 1.5, "B": 14, "C:F": 10, "G": 2, "H": 14, "I": 10, "J": 13, "K": 2, "L": 14,

@@ -7,7 +7,7 @@ counted as in `CaseData` (blank rows left out); the readers know which row that 
 from __future__ import annotations
 
 import re
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, TypeGuard
@@ -410,6 +410,7 @@ def to_case_data(typed: TypedCase, findings: Findings) -> CaseData:
     CaseData
         Unchecked; unresolved numbers are left blank and noted in `findings`. [SI]
     """
+    typed = with_names_as_defined(typed)
     absolute = {
         name: entry
         for name, entry in typed.scalars.items()
@@ -434,6 +435,47 @@ def to_case_data(typed: TypedCase, findings: Findings) -> CaseData:
     _silence_meshes(typed, findings)
     _silence_references(typed, findings)
     return CaseData(**scalars, **tables)  # type: ignore[arg-type]
+
+
+def with_names_as_defined(typed: TypedCase) -> TypedCase:
+    """References to stations, elements and materials in the capitals of the row that defines them.
+
+    A name that no row or more than one differs from by capitals alone stays as it is typed.
+
+    Parameters
+    ----------
+    typed : TypedCase
+        Everything typed. [as typed]
+
+    Returns
+    -------
+    TypedCase
+        The same, with these words replaced. [as typed]
+    """
+    names = {kind: _by_folded_name(typed, *where) for kind, where in _REFERRED.items()}
+    tables = dict(typed.tables)
+    for spec in INPUT_TABLES:
+        columns = [column for column in spec.columns if column.kind in names]
+        if spec.name not in tables or not columns:
+            continue
+        tables[spec.name] = [
+            row
+            | {
+                column.name: names[column.kind].get(word.casefold(), word)
+                for column in columns
+                if isinstance(word := row.get(column.name), str)
+            }
+            for row in typed.tables[spec.name]
+        ]
+    return replace(typed, tables=tables)
+
+
+def _by_folded_name(typed: TypedCase, table: str, column: str) -> dict[str, str]:
+    defined = [
+        name for row in typed.tables.get(table, []) if isinstance(name := row.get(column), str)
+    ]
+    folded = Counter(name.casefold() for name in dict.fromkeys(defined))
+    return {name.casefold(): name for name in defined if folded[name.casefold()] == 1}
 
 
 def _refuse_circular(typed: TypedCase, findings: Findings) -> None:

@@ -74,6 +74,8 @@ _OPTIONAL = frozenset(
         "MotorData.Time constants",
         "Latest clearing",
         "Per life",
+        "Event",
+        "Clearing",
     }
 )
 
@@ -243,6 +245,7 @@ class _Reading:
         self._note_lost_sheets()
         for table in INPUT_TABLES:
             self._read_table(table)
+        self._note_earlier_default()
         data = to_case_data(self.typed, self.findings)
         problems = all_problems(data, self.findings)
         return WorkbookInput(
@@ -291,6 +294,16 @@ class _Reading:
                 "FILE."
             )
         return version
+
+    def _note_earlier_default(self) -> None:
+        """A workbook without the scalar was calculated otherwise by the version that made it."""
+        if "torquefollows" in self.names or not self.typed.tables.get("MotorTorque"):
+            return
+        self.warnings.append(
+            "The workbook has no scalar TorqueFollows, so motor curves are read at the mean speed. Version 0.1.0 read "
+            "them at the rotor's own speed: for its numbers make a workbook of this version (torsionbook new NEW.xlsx "
+            "--from FILE) and set TorqueFollows to own speed."
+        )
 
     def _read_scalar(self, spec: Field) -> None:
         """One scalar, by its defined name."""

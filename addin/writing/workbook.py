@@ -66,6 +66,7 @@ _OPTIONAL = frozenset(
     "ChartMotor",
     "ChartMotorEvent",
     "ChartClearing",
+    "ChartProfile",
 }
 #: What the rows of a plain recalculation are, below `NO_STUDY`.
 ANALYSES = (

@@ -13,7 +13,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from engine.arrays import Floats, Mask
-from engine.case.choices import MotorEventKind
+from engine.backlash.current_zeros import clearing_by_phase
+from engine.case.choices import Clearing, MotorEventKind
 from engine.case.data import CaseData, MotorEventRow
 from engine.case.defaults import LEAST_PEAK_ERROR
 from engine.errors import InternalError
@@ -60,6 +61,8 @@ class MotorEvent:
     state: MachineState  #: Its fluxes just before. [pu]
     held: float  #: Its torque in operation, with which the train is in balance. [N m]
     released: bool  #: Whether it gives no torque before the event. [flag]
+    #: Axes of the currents that must pass zero before a phase clears; empty: all clear at once. [rad]
+    poles: tuple[float, ...] = ()
 
     def beginning(self, system: ModalSystem) -> tuple[tuple[Floats, Floats], MachineState]:
         """Modal positions and velocities at the event, and the state of the motor there.
@@ -83,6 +86,22 @@ class MotorEvent:
         twisted = -self.held * system.reach[:, 0] / (stiff * stiff)
         turned = self.machine.pole_pairs * float(product(system.reach[:, 0], twisted))
         return (twisted, none), replace(self.state, angle=self.state.angle - turned)
+
+    def supplies_of(self, system: ModalSystem) -> tuple[Supply, ...]:
+        """What the stator is connected to, with the zeros of current at which phases clear. [pu]
+
+        Parameters
+        ----------
+        system : ModalSystem
+            The train under the torque of the motor. [SI]
+        """
+        if not self.poles:
+            return self.supplies
+        before, state = self.beginning(system)
+        return clearing_by_phase(
+            system, self.machine, self.supplies[0], self.last_change, self.poles, state, before,
+            Balance(self.held),
+        )  # fmt: skip
 
     @property
     def last_change(self) -> float:
@@ -154,7 +173,7 @@ def motor_event(case: CaseData, train: Train, row: MotorEventRow) -> MotorEvent:
     else:
         # its current leads unless typed otherwise: a synchronous motor is rated with an excited field
         state = running_state(circuit, held / motor.torque_base, -(sheet.power_factor or 1.0))
-    return MotorEvent(machine, station, _supplies(row), state, held, released)
+    return MotorEvent(machine, station, _supplies(row), state, held, released, _poles(row))
 
 
 def _motor_of(case: CaseData, station: str | None) -> MotorFromData:
@@ -184,6 +203,16 @@ def _supplies(row: MotorEventRow) -> tuple[Supply, ...]:
             left, against = 1.0 - lost, -lost
     changed = Supply(0.0, (left, 0.0), (against, -2.0 * (number(row.phase) or 0.0)))
     return (changed,) if clears is None else (changed, Supply(clears))
+
+
+def _poles(row: MotorEventRow) -> tuple[float, ...]:
+    """Axes of the phases whose currents must pass zero; of a line-to-line fault, of what flows between the two."""
+    if row.clearing != Clearing.ZEROS:
+        return ()
+    first = -(number(row.phase) or 0.0)
+    if row.kind == MotorEventKind.LINE_TO_LINE_FAULT:
+        return (first + 0.5 * math.pi,)
+    return tuple(first + k * 2.0 * math.pi / 3.0 for k in range(3))
 
 
 def number(value: float | str | None) -> float | None:
@@ -225,20 +254,19 @@ def motor_drive(modal: ModalTrain, event: MotorEvent) -> MotorDrive:
     omega = np.where(modes.omega > 0.0, modes.omega, np.inf)
     reach = np.abs(force_reach(train, modes, stations)).sum(axis=1)
     motions: list[MachineMotion] = []
+    supplies: list[Supply] = []
 
     def respond(end: float, count: int, kept: Mask) -> TimeResponse:
         system = modal_system(train, modes, stations, damping.structural, kept)
         before, state = event.beginning(system)
+        if not supplies:  # at one place whatever the step
+            supplies.extend(event.supplies_of(system))
         motion = machine_motion(
-            system, machine, event.supplies, state, end, end / count,
+            system, machine, supplies, state, end, end / count,
             balance=Balance(event.held), before=before,
         )  # fmt: skip
         motions[:] = [*motions[-1:], motion]
-
-        def applied() -> tuple[Floats, Floats]:
-            return motion.torque[None] - event.held, motion.torque_rate[None]
-
-        return system.response(motion.time, motion.q, motion.v, applied)
+        return motion.response(system, event.held)
 
     # a torque of this size that turns with twice the line's frequency; it jumps only where the breaker opens
     largest = 2.0 * machine.torque_base / _subtransient(machine.circuit)

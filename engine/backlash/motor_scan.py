@@ -251,10 +251,7 @@ class _Scan:
     def _largest(self, motion: MachineMotion, held: float, until: Sequence[float]) -> Floats:
         """Largest torque of each element and of the motor until some times. [N m] Shape (n_until, n_elements + 1)."""
         train = self.modal.train
-        response = self.system.response(
-            motion.time, motion.q, motion.v,
-            lambda: (motion.torque[None] - held, motion.torque_rate[None]),
-        )  # fmt: skip
+        response = motion.response(self.system, held)
         torque = [*(self.offset[:, None] + response.torque), motion.torque]
         rate = [*response.torque_rate, motion.torque_rate]
         largest = np.zeros((len(until), len(train.elements) + 1))

@@ -245,7 +245,11 @@ def _worst_event(case: CaseData, analysis: ModalAnalysis, row: MotorEventRow) ->
         shafts += [s for s in event.shafts if s.element == element]
         errors += [pair for pair in event.damage_errors if pair[0] == element]
     drawn = worst.of_element[worst.element].row if worst.element else worst.of_motor.row
-    bounds = [r.left_out for r in responses.values()]
+    # torques of slipping poles change too fast with the instant to be scanned
+    slips = any(e.air_gap and e.air_gap.slipped for e in events.values())
+    bounds = [None if slips else r.left_out for r in responses.values()]
+    if slips:
+        peaks = [replace(p, left_out=None) for p in peaks]
     error = max((p.relative_error for p in peaks), default=0.0)
     response = replace(
         responses[drawn],
@@ -253,7 +257,8 @@ def _worst_event(case: CaseData, analysis: ModalAnalysis, row: MotorEventRow) ->
         estimated_error=error,
         left_out=None if None in bounds else max(b for b in bounds if b is not None),
         met_tolerance=all(r.met_tolerance for r in responses.values())
-        and error <= (case.tolerance_peak or DEFAULT_TOLERANCE_PEAK),
+        and error <= (case.tolerance_peak or DEFAULT_TOLERANCE_PEAK)
+        and not slips,
     )
     air_gap = events[worst.of_motor.row].air_gap
     if air_gap is not None:
@@ -262,6 +267,10 @@ def _worst_event(case: CaseData, analysis: ModalAnalysis, row: MotorEventRow) ->
         )
         air_gap = replace(air_gap, error=air_gap.error + missed)
     notes = dict.fromkeys(e.note for e in events.values() if e.note)
+    if slips:
+        notes[
+            f"Event '{name}' slips poles at its worst instant: torques at another one may be larger."
+        ] = None
     return OperatingEvent(
         name, response, tuple(shafts), tuple(errors), air_gap, events[drawn].history, worst,
         " ".join(notes),

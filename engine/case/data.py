@@ -83,6 +83,39 @@ class ElementRow:
 
 
 @dataclass(frozen=True)
+class SectionRow:
+    """One row of `Sections`: a length of constant section of an element, from From to To."""
+
+    element: str | None = None  #: The shaft or coupling of `Elements`.
+    section: str | None = None  #: Its name; blank = its number.
+    length: float | None = None  #: Length. [m]
+    od: float | None = None  #: Outer diameter. [m]
+    end_od: float | None = None  #: Outer diameter at the To end of a taper; blank = OD. [m]
+    id: float | None = None  #: Bore; blank = 0. [m]
+    material: str | None = None  #: Row of `SectionMaterials`; blank = carbon steel.
+    fillet: float | None = None  #: Fillet radius at the step to the next row; blank = sharp. [m]
+    #: Share of its length that twists, of a section inside a hub; blank = all of it. [1]
+    penetration: float | None = None
+    keyway_width: float | None = None  #: One keyway along the section; blank = none. [m]
+    keyway_depth: float | None = None  #: From the crown of the shaft. [m]
+
+    @property
+    def last_od(self) -> float | None:
+        """Outer diameter at the To end. [m]"""
+        return self.od if self.end_od is None else self.end_od
+
+
+@dataclass(frozen=True)
+class SectionMaterialRow:
+    """One row of `SectionMaterials`: what sections may be made of beside carbon steel."""
+
+    material: str | None = None  #: Name.
+    shear_modulus: float | None = None  #: Shear modulus. [Pa]
+    density: float | None = None  #: Density; 0 = sections without inertia. [kg/m³]
+    source: str | None = None  #: Where the two numbers come from.
+
+
+@dataclass(frozen=True)
 class MeshRow:
     """One row of `Meshes`: gear geometry, clearances and bearings of an element.
 
@@ -309,6 +342,7 @@ class MotorEventRow:
     #: Until then a worst `clears_after` is looked for; blank = 0.5 s. [s]
     latest_clearing: float | None = None
     per_life: float | None = None  #: Such events in the life of the train; blank = 0. [1]
+    clearing: str | None = None  #: ``at once`` (default) or ``zeros of current``.
 
     @property
     def scanned(self) -> tuple[str, ...]:
@@ -366,6 +400,8 @@ class EffectChoiceRow:
 TABLES: dict[str, tuple[str, type]] = {
     "Stations": ("stations", StationRow),
     "Elements": ("elements", ElementRow),
+    "Sections": ("sections", SectionRow),
+    "SectionMaterials": ("section_materials", SectionMaterialRow),
     "Meshes": ("meshes", MeshRow),
     "ModeDamping": ("mode_damping", ModeDampingRow),
     "MotorTorque": ("motor_torque", MotorTorqueRow),
@@ -443,7 +479,7 @@ class CaseData:
     maximum_time: float | None = None
     #: Where the torques of `torque_time` begin: ``rest`` (default), or ``running``, an event in operation.
     initial_state: str | None = None
-    #: At which speed torque curves of motors are read: ``own speed`` (default), ``mean speed`` or ``machine``.
+    #: At which speed torque curves of motors are read: ``mean speed`` (default), ``own speed`` or ``machine``.
     torque_follows: str | None = None
     starts_required: float | None = None  #: Starts the shaft must survive. [1]
     #: Allowable starts are divided by it before they are judged; blank = 1. [1]
@@ -470,6 +506,8 @@ class CaseData:
     contact_law: str | None = None
     stations: tuple[StationRow, ...] = ()  #: Rows of the tables of the same name. [rows]
     elements: tuple[ElementRow, ...] = ()  #: Likewise. [rows]
+    sections: tuple[SectionRow, ...] = ()  #: Likewise. [rows]
+    section_materials: tuple[SectionMaterialRow, ...] = ()  #: Likewise. [rows]
     meshes: tuple[MeshRow, ...] = ()  #: Likewise. [rows]
     mode_damping: tuple[ModeDampingRow, ...] = ()  #: Likewise. [rows]
     motor_torque: tuple[MotorTorqueRow, ...] = ()  #: Likewise. [rows]
@@ -512,7 +550,7 @@ class CaseData:
     @property
     def reads_own_speed(self) -> bool:
         """Whether curves of motors are read at the speed of their stations, vibration included. [flag]"""
-        return self.torque_follows in (None, TorqueFollows.OWN_SPEED)
+        return self.torque_follows == TorqueFollows.OWN_SPEED
 
     @property
     def switch_over_speeds(self) -> tuple[float, ...]:

@@ -18,13 +18,13 @@ from engine.backlash.motor_scan import WorstInstant
 from engine.case.data import CaseData
 from engine.case.result_words import Judgement
 from engine.fatigue.stress import shear_stress, stress_of_unit_torque
-from engine.model.modal_train import ModalTrain
+from engine.model.links import link_of
+from engine.model.sections import sections_of
 from engine.motor.from_case import motor_curves, motor_time_constants
 from engine.numerics.same_bits import product
 from engine.operation.margins import percent_speed
 from engine.results.results import AccuracyRow, AtSpeed, Results
 from engine.results.verdicts import event_verdict, yield_torque
-from engine.start.electrical_damping import electrical_damping_of
 from engine.start.start_fatigue import is_counted
 
 Row = dict[str, Any]
@@ -38,6 +38,7 @@ def result_tables(results: Results) -> Mapping[str, list[Row]]:
     return {
         "Verdicts": _rows(results.verdicts),
         **speed_tables(results),
+        "SectionResults": section_results(results.case),
         "MotorCurves": motor_curves(results.case),
         "MotorTimeConstants": motor_time_constants(results.case),
         "ElectricalDamping": _electrical_damping(results),
@@ -83,9 +84,38 @@ def _torque_reversals(results: Results) -> list[Row]:
     return rows
 
 
+def section_results(case: CaseData) -> list[Row]:
+    """Rows of `SectionResults`: sections of each element, and the element as a whole.
+
+    Parameters
+    ----------
+    case : CaseData
+        A case whose sections have passed their checks. [SI]
+
+    Returns
+    -------
+    list of dict
+        Rows by JSON key. [SI]
+    """
+    rows: list[Row] = []
+    elements = {e.element: e for e in case.elements}
+    for name, sections in sections_of(case).items():
+        keys = ("element", "section", "effective_length", "stiffness", "inertia")
+        rows += [{key: getattr(section, key) for key in keys} for section in sections]
+        link = link_of(elements[name], None, sections)
+        rows.append(
+            {
+                "element": name,
+                "section": "whole",
+                "stiffness": link.stiffness,
+                "inertia": link.inertia,
+            }
+        )
+    return rows
+
+
 def _electrical_damping(results: Results) -> list[Row]:
     """What each motor makes of each mode that the start crosses."""
-    modal = ModalTrain(results.train, results.modes, results.damping)
     return [
         {
             "station": row.station,
@@ -100,7 +130,7 @@ def _electrical_damping(results: Results) -> list[Row]:
             "damping_ratio": row.damping_ratio,
             "with_motors": row.with_motors,
         }
-        for row in electrical_damping_of(results.case, modal)
+        for row in results.electrical_damping
     ]
 
 

@@ -29,7 +29,7 @@ from engine.motor.two_axis import (
     torque_rate,
 )
 from engine.numerics.same_bits import cos, product, sin
-from engine.start.time_response import ModalSystem, coupled_step
+from engine.start.time_response import ModalSystem, TimeResponse, coupled_step
 from engine.stepping.exponential import polynomial_step
 from engine.stepping.library import address, library, struct
 
@@ -90,6 +90,14 @@ class MachineMotion:
     flux: Floats  #: In the order of `FluxSystem`. [pu] Shape (n_flux, n_times).
     torque: Floats  #: Air-gap torque and its rate. [N m, N m/s] Shape (n_times,).
     torque_rate: Floats  #: Likewise. [N m/s] Shape (n_times,).
+
+    def response(self, system: ModalSystem, held: float) -> TimeResponse:
+        """What it does to stations and elements; `held` of the torque is balanced before. [N m]"""
+        rows = system.room_for(len(self.time))
+        rows[: len(self.q), 0], rows[: len(self.v), 1] = self.q, self.v
+        return system.response(
+            self.time, rows, lambda: (self.torque[None] - held, self.torque_rate[None])
+        )
 
 
 def machine_motion(

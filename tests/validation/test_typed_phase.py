@@ -35,7 +35,7 @@ def test_the_start_uses_the_phase_at_each_speed():
     case = with_phase(
         geared(
             damping_ratio=None, load_torque=(), end_speed=170.0, tolerance_peak=1e-5,
-            pulsation_phase=0.4,
+            pulsation_phase=0.4, torque_follows="own speed",
         )
     )  # fmt: skip
     found = started(case)

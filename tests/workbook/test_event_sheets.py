@@ -111,6 +111,7 @@ def test_events_of_a_motor_on_the_sheet(tmp_path: Path) -> None:
         0.1,
         None,
         None,
+        None,
     ]
     assert second[:3] == ["Dip", "Motor", "voltage dip"]
     assert second[5] == pytest.approx(0.8)

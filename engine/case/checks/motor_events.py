@@ -16,8 +16,8 @@ from engine.case.checks.problem import (
     has_possible_ratings,
     suggestion,
 )
+from engine.case.choices import Clearing, Scanned
 from engine.case.choices import MotorEventKind as Kind
-from engine.case.choices import Scanned
 from engine.case.data import TABLED_EVENT, CaseData, MotorEventRow, value_of
 from engine.errors import Problem
 
@@ -100,7 +100,11 @@ def check_motor_events(case: CaseData) -> Iterator[Problem]:
         yield from cells.choice("Kind", row.kind, Kind)
         yield from cells.numbers(row, NUMBERS)
         if row.kind in tuple(Kind):
-            yield from _columns(cells, row, COLUMNS[Kind(row.kind)])
+            takes = COLUMNS[Kind(row.kind)]
+            if row.clearing == Clearing.ZEROS and row.kind == Kind.THREE_PHASE_FAULT:
+                takes = Takes(takes.needs, (*takes.may, "Phase"))
+            yield from _columns(cells, row, takes)
+            yield from _clearing(cells, row)
     if case.motor_events and has_possible_ratings(case):
         ratings = case.ratings
         if ratings.line_frequency is None or ratings.synchronous_speed is None:
@@ -135,6 +139,29 @@ def _motor(case: CaseData, cells: Cells, row: MotorEventRow) -> Iterator[Problem
                 "a motor with a field winding, which keeps it in step",
                 "Type Xd transient in its row of table MotorData, or Rf and Xlf in MotorCircuit.",
             )
+
+
+def _clearing(cells: Cells, row: MotorEventRow) -> Iterator[Problem]:
+    """Zeros of current are those of a fault that clears at a given time."""
+    yield from cells.choice("Clearing", row.clearing, Clearing)
+    if row.clearing != Clearing.ZEROS:
+        return
+    if row.kind not in (Kind.THREE_PHASE_FAULT, Kind.LINE_TO_LINE_FAULT):
+        yield cells.problem(
+            "Clearing", row.clearing, f"blank for a {row.kind}",
+            f"no fault is cleared in a {row.kind}. Clear the cell.",
+        )  # fmt: skip
+    elif row.clears_after is None:
+        yield cells.blank(
+            "Clears after",
+            "given where Clearing is zeros of current",
+            "Type when the breaker opens.",
+        )
+    elif row.clears_after == Scanned.WORST:
+        yield cells.wrong(
+            "Clears after", row.clears_after, "a number where Clearing is zeros of current",
+            "Phases clear at zeros whatever its number: type some, or Clearing at once.",
+        )  # fmt: skip
 
 
 def _word(row: MotorEventRow, column: str) -> str | None:

@@ -134,3 +134,12 @@ def test_a_motor_that_cannot_carry_its_load_is_not_scanned():
     (found,) = run(motor(FREE, motor_circuit=(replace(CIRCUIT, rs=0.9),))).events
     assert found.response is None
     assert "does not carry its torque" in found.note
+
+
+def test_a_worst_instant_with_slipping_poles_has_no_bound() -> None:
+    """Torques then change too fast with the instant."""
+    long = replace(FREE, latest_clearing=0.8)
+    (found,) = run(motor(long, effect_choices=TOGETHER)).events
+    assert "slips poles at its worst instant" in found.note
+    assert found.response.left_out is None
+    assert all(p.high is None for p in found.response.peaks)
