@@ -221,6 +221,8 @@ def _why_not_met(start: Start) -> str:
     bound = (start.left_out or 0.0) - start.estimate
     if bound > start.estimated_error:
         return f" Effects left out may change it by {bound:.2g}: force them on."
+    if start.phase is not None:
+        return " It holds what other phases of the pulsation may change. Type one phase to see that of a start alone."
     if not start.contacts:
         return ""
     return (

@@ -118,17 +118,41 @@ def worst_of_phases(
         named += [_highest(coarse, i).phase, _lowest(coarse, i).phase]
     nodes = {round(phase / spacing) for phase in named if phase is not None}
     between = {(2 * k + side) % (2 * PHASES) for k in nodes for side in (-1, 1)}
-    finer = _worst([*coarse, *answers_of(0.5 * spacing * k for k in sorted(between))])
-    pairs = zip(finer.peaks, worst.peaks, strict=True)
+    every = [*coarse, *answers_of(0.5 * spacing * k for k in sorted(between))]
+    finer = _worst(every)
     peaks = tuple(
-        a.with_error(max(a.maximum - b.maximum, b.minimum - a.minimum, 0.0)) for a, b in pairs
+        peak.with_error(
+            max(
+                _beyond(coarse, every, partial(_rise, i)),
+                _beyond(coarse, every, partial(_fall, i)),
+            )
+        )
+        for i, peak in enumerate(finer.peaks)
     )
     shafts, errors = [], []
-    for (name, error), a, b in zip(finer.errors, finer.shafts, worst.shafts, strict=True):
-        change = a.damage / b.damage - 1.0 if b.damage > 0.0 else 0.0
+    for j, ((name, error), a) in enumerate(zip(finer.errors, finer.shafts, strict=True)):
+        more = _beyond(coarse, every, partial(_damage, j))
+        change = more / a.damage if a.damage > 0.0 else 0.0
         shafts.append(_with_more_damage(a, change))
         errors.append((name, None if error is None else error + change))
     return replace(finer, peaks=peaks, shafts=tuple(shafts), errors=tuple(errors))
+
+
+def _beyond(
+    coarse: Sequence[PhaseAnswers],
+    every: Sequence[PhaseAnswers],
+    size: Callable[[PhaseAnswers], float],
+) -> float:
+    """How far a size may go beyond the largest one: the change by half the spacing, or the top of the parabola's reach.
+
+    The largest value has neighbours at half the spacing, and the top is within a quarter of it: on a parabola an eighth of what
+    both neighbours are lower, or less.
+    """
+    sizes = {round(2 * PHASES * a.phase / (2.0 * math.pi)): size(a) for a in every}
+    top = max(sizes, key=sizes.__getitem__)
+    # where all are equal, as without damage, the first has no neighbours
+    beside = [sizes.get((top + side) % (2 * PHASES), sizes[top]) for side in (-1, 1)]
+    return max(sizes[top] - max(map(size, coarse)), (2.0 * sizes[top] - sum(beside)) / 8.0)
 
 
 def _worst(all_answers: Sequence[PhaseAnswers]) -> WorstOfPhases:
@@ -171,6 +195,21 @@ def _worst(all_answers: Sequence[PhaseAnswers]) -> WorstOfPhases:
         max(bounded) if len(bounded) == len(left_out) else None,
         len(all_answers),
     )
+
+
+def _rise(i: int, answers: PhaseAnswers) -> float:
+    """The highest torque of an element."""
+    return answers.peaks[i].maximum
+
+
+def _fall(i: int, answers: PhaseAnswers) -> float:
+    """The lowest torque of an element, its sign changed."""
+    return -answers.peaks[i].minimum
+
+
+def _damage(j: int, answers: PhaseAnswers) -> float:
+    """Damage of a judged shaft."""
+    return answers.shafts[j].damage
 
 
 def _wear(j: int, answers: PhaseAnswers) -> tuple[float, float]:

@@ -335,9 +335,9 @@ def test_the_matrix_of_starts_looks_for_the_worst_phase(tmp_path: Path) -> None:
     source.write_text(json.dumps(typed))
     said("starts", source, "--json", target)
     (row,) = json.loads(target.read_text())["start_matrix"]
-    worst = run(replace(sample_case("proposed"), pulsation_phase="worst")).start
+    case = read_workbook(template_path("example_proposed.xlsx")).case()
+    worst = run(replace(case, pulsation_phase="worst")).start
     assert worst is not None
-    speeds = sample_case("proposed").element_speed_ratios
-    rated = sample_case("proposed").rated_torque
+    speeds, rated = case.element_speed_ratios, case.rated_torque
     assert rated is not None
     assert row["peak_over_rated"] == pytest.approx(worst.largest_peak(speeds)[1] / rated, rel=1e-6)
