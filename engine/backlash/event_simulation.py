@@ -72,6 +72,9 @@ class EventSchedule:
     trip_speed: float | None = None
     coast_end: float | None = None  #: Likewise. [rad/s]
     coast_time: float = math.inf  #: Longest coast-down that is followed. [s]
+    switch_speeds: tuple[
+        float, ...
+    ] = ()  #: Mean speeds at which motors are switched over, rising. [rad/s]
     look_every: float = math.inf  #: How often `settled` is asked. [s]
     stops: tuple[float, ...] = ()  #: Times at which a step is made to end. [s]
     keep_state: bool = False  #: True: positions and velocities in the common basis are kept, too.
@@ -233,6 +236,10 @@ class _Simulation:
         self.electrical: Any = tuple(
             a.copy() if isinstance(a, np.ndarray) else a for a in model.electrical
         )
+        self.curves_of = tuple(np.array(a, dtype=np.int64) for a in model.motors[1:3])
+        self.switched = 0
+        if script.switch_speeds:
+            self._connect()
         n_outputs, n_bodies = len(pieces.output_element), len(pieces.basis.train.bodies)
         self._rows: dict[str, Any] = {  # filled again and again
             "t": np.empty(ROWS),
@@ -266,7 +273,8 @@ class _Simulation:
                 limited=model.limited, contact=self.contact,
             ),
             drive_struct(
-                model.curves, model.motors, model.loads, model.timed, self.electrical, model.tones
+                model.curves, (model.motors[0], *self.curves_of, *model.motors[3:]), model.loads,
+                model.timed, self.electrical, model.tones,
             ),
             struct(
                 "state_t", q=self.q, v=self.v, phase=self.phase, force=self.force, force_rate=self.rate
@@ -332,6 +340,8 @@ class _Simulation:
         speeds = {"trip": s.trip_speed, "end": s.end_speed}
         if self.field_time is None and not self._waits_for_angle:
             speeds["field"] = s.field_speed
+        if self.switched < len(s.switch_speeds):
+            speeds["switch"] = s.switch_speeds[self.switched]
         return {what: speed for what, speed in speeds.items() if speed is not None}
 
     def _await(self) -> None:
@@ -356,11 +366,20 @@ class _Simulation:
             self.trip_time = t
             self.electrical[8][:] = 0.0
             self.clock.fresh = 2
+        elif reached == "switch":
+            self.switched += 1
+            self._connect()
+            self.clock.fresh = 2
         elif reached == "field" and self.script.field_angle is not None:
             self._waits_for_angle = True
         elif reached == "field":
             self._apply_field(t)
         return reached != "end"
+
+    def _connect(self) -> None:
+        """From here on the motors have the curves of their present connection."""
+        for now, then in zip(self.curves_of, self.model.switched[self.switched], strict=True):
+            now[:] = then
 
     def _apply_field(self, t: float) -> None:
         self.field_time = t

@@ -500,6 +500,7 @@ def _script(
         trip_speed=trip_speed,
         coast_end=COAST_END * synchronous,
         coast_time=COAST_TIME,
+        switch_speeds=case.switch_over_speeds if effects.switch_over else (),
         look_every=LOOK_EVERY,
         keep_all=keeps_history(case),
     )

@@ -31,7 +31,7 @@ from engine.backlash.motor_events import (
     number,
 )
 from engine.backlash.motor_scan import WorstInstants, any_instant, worst_instants
-from engine.case.choices import ContactLaw, EffectChoice, ElementKind
+from engine.case.choices import ContactLaw, EffectChoice, ElementKind, TorqueBase
 from engine.case.data import CaseData, EventTorqueRow, MotorEventRow
 from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, LONGEST_START, NOTABLE_REVERSAL
 from engine.case.effect import StartEffects
@@ -395,13 +395,20 @@ def _drive(case: CaseData, modal: ModalTrain, name: str) -> Drive:
 
 
 def _term(case: CaseData, train: Train, row: EventTorqueRow) -> DecayingHarmonic:
-    """One row of `EventTorque`: rated torque at the speed of its station is what its amplitude is a share of."""
+    """One row of `EventTorque`: rated torque, or apparent power, at the speed of its station is what its amplitude is a
+    share of."""
     station = train.stations.index(str(row.station))
-    rated = (case.ratings.rated_torque or 0.0) / float(train.speed_ratio[station])
+    base = case.ratings.rated_torque or 0.0
+    if row.base == TorqueBase.APPARENT_POWER:
+        (motor,) = (m for m in case.motor_data if m.station == row.station)
+        base = (motor.base_power(case.ratings.rated_power) or 0.0) / (
+            case.ratings.synchronous_speed or 1.0
+        )
+    base /= float(train.speed_ratio[station])
     line_omega = 2.0 * math.pi * (case.ratings.line_frequency or 0.0)
     return DecayingHarmonic(
         station,
-        (row.amplitude or 0.0) * rated,
+        (row.amplitude or 0.0) * base,
         row.phase or 0.0,
         (row.multiple or 0.0) * line_omega,
         1.0 / row.time_constant if row.time_constant else 0.0,

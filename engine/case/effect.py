@@ -22,6 +22,9 @@ class StartEffects:
     breaker_closing: bool = False  #: Whether that effect is simulated.
     pull_in: bool = False  #: Likewise.
     aborted_start: bool = False  #: Likewise.
+    switch_over: bool = (
+        False  #: Whether motors are switched over from a reduced voltage, as table `Supply` says.
+    )
     #: True: dampers act as torques between their ends; False: on each mode for itself.
     coupled_damping: bool = False
     electrical_damping: bool = False  #: True: motors answer to the vibration of each mode.

@@ -35,6 +35,7 @@ module            responsibility
                   during a start
 `start_fatigue`   from a start to allowable starts: fatigue of the judged shafts, and how sure it
                   is
+`worst_phase`     the worst of starts that differ in the phase of the pulsation alone
 `pieces`          what the pieces of distributed shafts do to the torques of a start, and how many
                   it needs
 ================  ================================================================================

@@ -32,7 +32,7 @@ from engine.start.event_results import (
     Repeatability,
 )
 from engine.start.outcome import StartOutcome, outcome_of, run_length, start_settled
-from engine.start.peaks import ElementPeak, JudgedRun, judge_run
+from engine.start.peaks import ElementPeak, JudgedRun, judge_run, largest_relative_error
 from engine.start.settings import PLAIN_START, StartSettings, keeps_history, settings_of
 from engine.start.side_by_side import turning_of_start
 from engine.start.simulation import Simulation, start_with_histories
@@ -101,6 +101,8 @@ class Start(JudgedRun):
     load_angle: Floats | None = None
     #: Whether it was stopped after as much work as a start may take: what follows is missing. [flag]
     gave_up: bool = False
+    #: Where its peaks are the worst over many phases of the pulsation: the phase of the rest. [rad]
+    phase: float | None = None
 
     @property
     def is_sensitive(self) -> bool:
@@ -169,6 +171,41 @@ def with_left_out(
         replace(p, left_out=None if whole is None else whole * p.size) for p in start.peaks
     )
     return replace(start, peaks=peaks, left_out=whole, estimate=estimate, met_tolerance=met)
+
+
+def with_peaks(
+    start: Start,
+    peaks: tuple[ElementPeak, ...],
+    left_out: float | None,
+    phase: float,
+    tolerance: float,
+) -> Start:
+    """A start with the peaks of several.
+
+    Parameters
+    ----------
+    start : Start
+        The one whose histories are kept. [SI]
+    peaks : tuple of ElementPeak
+        In the order of its own. [N m]
+    left_out : float or None
+        Bound on the change by effects that are off, of all of them; None = none is known. [1]
+    phase : float
+        Phase of the pulsation of the start itself. [rad]
+    tolerance : float
+        Wanted relative error of peak torques. [1]
+
+    Returns
+    -------
+    Start
+        With their errors. [SI]
+    """
+    error = largest_relative_error(peaks)
+    met = left_out is not None and error + left_out <= tolerance
+    return replace(
+        start, peaks=peaks, left_out=left_out, phase=phase, estimated_error=error,
+        met_tolerance=start.met_tolerance and met,
+    )  # fmt: skip
 
 
 def _first_step(settings: StartSettings, fastest: float) -> float:
@@ -258,6 +295,11 @@ def prepared_start(
     Raises `ModelError` if the train cannot turn (a spring holds it to ground) or has no motor.
     """
     train, modes = modal.train, modal.modes
+    if case.looks_for_worst_phase:
+        raise ModelError(
+            "PulsationPhase is worst, but one start has one phase. Type a phase, for example Worst phase of "
+            "table StartupPeaks."
+        )
     if modes.n_rigid == 0:
         raise ModelError(
             "A train held to ground by a spring cannot start: it has no rigid-body mode. Remove "

@@ -80,6 +80,8 @@ class Machines:
     #: Transient, field and connection of each motor, before anything was switched. [SI]
     electrical: tuple[Any, ...]
     phase: Floats  #: Phase of each pulsation at t = 0. [rad] Shape (n_motors,).
+    #: Curves of average and pulsating torque of each motor before any and after each switch-over; empty: none.
+    switched: tuple[tuple[Ints, Ints], ...]
     swings: Swings  #: Motors that answer to small oscillations of each mode. [SI]
 
 
@@ -308,7 +310,7 @@ def machine_arrays(
     counts.
     """
     column = {station: i for i, station in enumerate(stations)}
-    motors = drives_of(motors)
+    whole, motors = motors, drives_of(motors)
     n = len(motors)
     curves = [curve for m in motors for curve in (m.average, m.pulsating)]
     with_field = np.arange(0, 2 * n, 2)
@@ -317,6 +319,16 @@ def machine_arrays(
         curves += [through_synchronism(m.average) for m in motors]
     of_loads = np.arange(len(curves), len(curves) + len(loads))
     curves += [d.torque for d in loads]
+    switched = []
+    shares = [until for m in whole for until, _ in m.stages if until < math.inf]
+    for share in (0.0, *sorted(set(shares))) if shares else ():
+        first = len(curves)
+        curves += [
+            c for m in drives_of([m.above(share) for m in whole]) for c in (m.average, m.pulsating)
+        ]
+        switched.append(
+            (np.arange(first, first + 2 * n, 2), np.arange(first + 1, first + 2 * n, 2))
+        )
     longest = max((len(c.knots) for c in curves), default=1)
     knots = np.zeros((len(curves), longest))
     cubics = np.zeros((len(curves), longest, 4))
@@ -343,6 +355,7 @@ def machine_arrays(
         "timed": torque_tables(torques, stations),
         "electrical": electrical_arrays(motors, case, effects),
         "phase": np.array([m.phase for m in motors]),
+        "switched": tuple(switched),
         "swings": swings_of(case, motors, column) if effects.electrical_damping else NO_SWINGS,
     }
 
@@ -529,7 +542,8 @@ def _force_sizes(
         initial = float(m.average(0.0))
         for curve, phase in m.pulsations:
             initial += float(curve(0.0)) * sin(phase)
-        switched_off = largest + pulsating + pull_out if effects.aborted_start else 0.0
+        switched = effects.aborted_start or bool(m.stages)
+        switched_off = largest + pulsating + pull_out if switched else 0.0
         step[i] += max(abs(initial), SWITCHED_SHARE * largest, switched_off)
         smooth[i] += pulsating
         for curve in m.curves:

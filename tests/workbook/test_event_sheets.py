@@ -62,8 +62,8 @@ def calculated(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_events_stand_as_typed(calculated: Path) -> None:
     first, second, *rest = shown(open_workbook(calculated / "book.xlsx"), "EventTorque")
-    assert first == ["Fault", "Motor", -4.0, 1.0, pytest.approx(math.pi / 2.0), 0.1, None]
-    assert second[:3] == ["Fault", "Motor", -1.0]
+    assert first == ["Fault", "Motor", None, -4.0, 1.0, pytest.approx(math.pi / 2.0), 0.1, None]
+    assert second[:4] == ["Fault", "Motor", None, -1.0]
     assert all(value in (None, "") for row in rest for value in row)
 
 
