@@ -1,8 +1,13 @@
-"""A motor and its train integrated by scipy's DOP853 in angles, speeds and fluxes, without modes."""
+"""A motor and its train integrated by scipy's DOP853 in angles, speeds and fluxes, without modes.
+
+An element with a clearance is a spring of each flank, without damping: its torque is continuous, and where it bends the
+steps become as short as the tolerance wants.
+"""
 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,6 +17,7 @@ from engine.case.case import Case
 from engine.case.choices import MotorEventKind as Kind
 from engine.case.data import (
     ElementRow,
+    MeshRow,
     MotorCircuitRow,
     MotorDataRow,
     MotorEventRow,
@@ -77,6 +83,20 @@ def random_case(seed: int) -> Case:
     )  # fmt: skip
 
 
+def with_clearance(seed: int) -> Case:
+    """The same in an event after which the teeth of one element separate."""
+    case, rng = random_case(seed), np.random.default_rng(10_000 + seed)
+    i = int(rng.integers(len(case.elements)))
+    loose = replace(case.elements[i], kind="coupling", damping=0.0)
+    twist = case.stations[-1].running_load / loose.stiffness
+    gap = float(twist * 10.0 ** rng.uniform(-1.0, 1.0))
+    return replace(
+        case,
+        elements=(*case.elements[:i], loose, *case.elements[i + 1 :]),
+        meshes=(MeshRow(loose.element, angular_backlash=gap),),
+    )
+
+
 def voltage_of(row: MotorEventRow, omega: float, t: float, cleared: bool) -> complex:
     """Voltage of the line in the stator's axes, of phases and not of sequences."""
     phase = row.phase or 0.0
@@ -133,9 +153,17 @@ def reference(case: Case, rtol: float = 1e-11) -> tuple[dict[str, tuple[float, f
     e_f = c.rf * i_f
     theta = -np.concatenate([[0.0], np.cumsum(twist)])
 
+    gap = np.full(n - 1, math.inf)
+    for mesh in case.meshes:
+        gap[[e.element for e in case.elements].index(mesh.element)] = mesh.angular_backlash
+
+    def springs(twist: np.ndarray) -> np.ndarray:
+        pressed = np.maximum(twist.T, 0.0) + np.minimum(twist.T + gap, 0.0)
+        return (k * np.where(np.isfinite(gap), pressed, twist.T)).T
+
     def rates(t: float, s: np.ndarray, cleared: bool) -> np.ndarray:
         th, v, psi = s[:n], s[n : 2 * n], s[2 * n :]
-        through = k * (th[:-1] - th[1:]) + d * (v[:-1] - v[1:])
+        through = springs(th[:-1] - th[1:]) + d * (v[:-1] - v[1:])
         force = np.zeros(n)
         force[0] = torque_of(psi)
         force[-1] -= load
@@ -164,11 +192,14 @@ def reference(case: Case, rtol: float = 1e-11) -> tuple[dict[str, tuple[float, f
         s = solution.y
         slopes = np.array([rates(a, b, stage > 0) for a, b in zip(t, s.T, strict=True)]).T
         state = s[:, -1]
-        for i, element in enumerate(case.elements):
-            torque, rate = (
-                k[i] * (a[i] - a[i + 1]) for a in (s, slopes)
-            )  # of the spring, as reported
-            found[element.element] += [turning_points(t, torque, rate)[1], torque[[0, -1]]]
+        twists, growth = s[: n - 1] - s[1:n], slopes[: n - 1] - slopes[1:n]
+        loaded = np.isinf(gap) | (twists.T > 0.0) | (twists.T < -gap)
+        for i, element in enumerate(case.elements):  # of the spring, as reported
+            torque, rate = springs(twists)[i], k[i] * growth[i] * loaded.T[i]
+            bends = np.flatnonzero(np.diff(loaded.T[i])) + 1  # no cubic goes across them
+            for part in np.split(np.arange(len(t)), bends):
+                turns = turning_points(t[part], torque[part], rate[part])[1]
+                found[element.element] += [turns, torque[part[[0, -1]]]]
         psi, dpsi = s[2 * n :], slopes[2 * n :]
         i, di = y @ psi, y @ dpsi
         rate = base * (dpsi[0] * i[3] + psi[0] * di[3] - dpsi[3] * i[0] - psi[3] * di[0])

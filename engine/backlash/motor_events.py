@@ -13,12 +13,14 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from engine.arrays import Floats, Mask
+from engine.backlash.machines import MachineInTime
 from engine.case.choices import MotorEventKind
 from engine.case.data import CaseData, MotorEventRow
 from engine.case.defaults import LEAST_PEAK_ERROR
 from engine.errors import InternalError
 from engine.model.excitation import transmitted_torque
 from engine.model.modal_train import ModalTrain
+from engine.model.motor import Motor
 from engine.model.train import Train
 from engine.motor.circuit import Circuit, Winding, line_omega, starting_circuit
 from engine.motor.from_case import MotorFromData, motors_from_data
@@ -29,8 +31,10 @@ from engine.motor.two_axis import (
     running_state,
 )
 from engine.numerics.same_bits import product
+from engine.numerics.torque_curve import TorqueCurve
 from engine.start.machine_motion import Balance, Machine, MachineMotion, Supply, machine_motion
 from engine.start.prescribed import SAMPLES_PER_PERIOD, Drive
+from engine.start.start import Start
 from engine.start.time_response import TimeResponse, modal_system
 from engine.start.torque_outputs import force_reach
 from engine.stepping.linear_loop import turning_points
@@ -231,18 +235,65 @@ def air_gap_torque_of(modal: ModalTrain, drive: MotorDrive) -> AirGapTorque:
     # of both extremes: one alone may agree by chance
     change = max(abs(float(f(fine[1]) - f(coarse[1]))) for f in (np.max, np.min))
     change /= abs(largest) or 1.0
+    motion = drive.motions[-1]
+    lag = -drive.event.machine.pole_pairs * motion.rotor
     return AirGapTorque(
         largest, time, max(change, LEAST_PEAK_ERROR),
-        _closed_form(modal, drive.event), _turns(drive.event, drive.motions[-1]),
+        _closed_form(modal, drive.event), _turns(drive.event, motion.time, lag),
     )  # fmt: skip
 
 
-def _turns(event: MotorEvent, motion: MachineMotion) -> int:
+def with_teeth_apart(air_gap: AirGapTorque, event: MotorEvent, response: Start) -> AirGapTorque:
+    """What the torque of the motor was where teeth separated.
+
+    Parameters
+    ----------
+    air_gap : AirGapTorque
+        With all teeth in contact. [SI]
+    event : MotorEvent
+        The event. [mixed]
+    response : Start
+        Of the train with its clearances. [SI]
+
+    Returns
+    -------
+    AirGapTorque
+        [N m, s]
+    """
+    (torque,) = response.machines
+    turns = _turns(event, response.trajectory.time, torque.lag)
+    return replace(
+        air_gap, largest=torque.largest, time=torque.time, error=torque.error, slipped=turns
+    )
+
+
+def machine_in_time(event: MotorEvent) -> tuple[Motor, MachineInTime]:
+    """The motor of an event as the loop with events takes it.
+
+    Parameters
+    ----------
+    event : MotorEvent
+        The event. [mixed]
+
+    Returns
+    -------
+    Motor, MachineInTime
+        One without curves, and its fluxes. [SI, pu]
+    """
+    machine, state = event.machine, event.state
+    nothing = TorqueCurve(np.zeros(1), np.zeros((1, 4)))
+    motor = Motor(
+        event.station, nothing, nothing, machine.synchronous_speed, machine.pole_pairs, -2.0 * state.angle
+    )  # fmt: skip
+    return motor, MachineInTime(machine, event.supplies, state.flux, state.field_voltage)
+
+
+def _turns(event: MotorEvent, time: Floats, lag: Floats) -> int:
     """Turns of the rotor against a line with voltage since its last change, in electrical angle."""
     if event.supplies[-1].forward[0] == 0.0:
         return 0
-    since = motion.rotor[motion.time >= event.last_change]
-    turned = event.machine.pole_pairs * float(since[-1] - since[0]) if len(since) else 0.0
+    since = lag[time >= event.last_change]
+    turned = float(since[-1] - since[0]) if len(since) else 0.0
     return round(abs(turned) / (2.0 * math.pi))
 
 

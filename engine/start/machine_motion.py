@@ -157,18 +157,39 @@ def _switched(
 ) -> tuple[Supply, Floats]:
     """The supply with its angle known, and the fluxes just after it has changed to it."""
     q, _, flux = now
+    turned = machine.pole_pairs * float(product(system.reach[:, 0], q))
+    lost = (speed - 1.0) * machine.line_omega * supply.begins
+    return switched(machine.circuit, supply, flux, state.angle + turned + lost)
+
+
+def switched(circuit: Circuit, supply: Supply, flux: Floats, axis: float) -> tuple[Supply, Floats]:
+    """A supply with its angle known, and the fluxes just after it has changed to it.
+
+    Parameters
+    ----------
+    circuit : Circuit
+        The motor. [pu]
+    supply : Supply
+        What its stator is connected to from then on. [pu, rad]
+    flux : ndarray, shape (n_flux,)
+        Fluxes just before. [pu]
+    axis : float
+        Angle of axis d ahead of the line. [rad]
+
+    Returns
+    -------
+    Supply, ndarray
+        [pu, rad]
+    """
     if supply.is_open:
-        return supply, opened(machine.circuit, flux)
+        return supply, opened(circuit, flux)
     if supply.residual is None and supply.ahead is None:
         return supply, flux
-    size, angle = residual_voltage(machine.circuit, flux)
+    size, angle = residual_voltage(circuit, flux)
     if supply.residual is not None:
         flux = flux * (supply.residual / size)
     if supply.ahead is not None:
-        turned = machine.pole_pairs * float(product(system.reach[:, 0], q))
-        lost = (speed - 1.0) * machine.line_omega * supply.begins
-        of_line = angle + state.angle + turned + lost - supply.ahead
-        supply = replace(supply, forward=(supply.forward[0], of_line))
+        supply = replace(supply, forward=(supply.forward[0], angle + axis - supply.ahead))
     return supply, flux
 
 

@@ -28,6 +28,7 @@ from engine.model.rigid_runup import RigidRunup, rigid_runup
 from engine.start.event_results import (
     BearingForce,
     ContactRecord,
+    MachineTorque,
     PullIn,
     Repeatability,
 )
@@ -86,6 +87,7 @@ class Start(JudgedRun):
     #: Largest bearing force of each gear that moves laterally. [N]
     bearing_forces: tuple[BearingForce, ...] = ()
     pull_in: PullIn | None = None  #: Field application and what came of it. [SI]
+    machines: tuple[MachineTorque, ...] = ()  #: Of motors in time. [SI]
     #: By element, relative error from the pieces of distributed shafts; part of all errors. [1]
     pieces_error: tuple[tuple[str, float], ...] = ()
     #: Where impacts make runs part however fine the step; None where they stay together. [1]

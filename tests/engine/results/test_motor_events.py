@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from engine.case.case import Case
@@ -100,22 +101,42 @@ def test_a_heavy_train_gives_the_torque_of_constant_speed():
     assert heavy[0] == pytest.approx(heavy[1], rel=1e-5)
 
 
-def test_teeth_that_separate_are_not_calculated_as_if_they_stayed():
+@pytest.mark.parametrize("kind", ["three-phase fault", "out-of-phase closing", "reclosing"])
+def test_teeth_that_separate_meet_again(kind):
     no_table = {"event_torque": (), "motor_torque": ()}
+    more = {"out-of-phase closing": {"angle": 2.0}, "reclosing": {"clears_after": 0.1}}
+    shock = event(kind, **more.get(kind, {"clears_after": 0.1}))
     loose = with_backlash(
-        **no_table, motor_data=(SHEET,), motor_circuit=(CIRCUIT,), motor_events=(FAULT,)
+        **no_table, motor_data=(SHEET,), motor_circuit=(CIRCUIT,), motor_events=(shock,)
     )
     results = run(loose)
     (found,) = results.events
-    assert found.response is None
-    assert "brings the torque of 'Mesh' to zero, where teeth separate" in found.note
-    assert found.note in results.warnings
-    assert rows(results)["event", "Mesh"]["verdict"] == "not judged"
+    assert "not calculated" not in found.note
+    assert found.response.contacts[0].back_impacts > 0
+    assert rows(results)["event", "Mesh"]["minimum"] < 0.0
     together = run(replace(loose, effect_choices=(EffectChoiceRow("backlash", "off"),)))
     assert rows(together)["event", "Mesh"]["minimum"] < 0.0
     assert together.events[0].response.left_out is None
-    shaken = run(replace(loose, motor_events=(DIP,)))
+    apart, closed = (air_gap(r)["event"] for r in (results, together))
+    assert apart["closed_form"] == closed["closed_form"]
+    # until teeth separate both motors give the same torque
+    a, b = (r.events[0].history for r in (results, together))
+    until = 0.002
+    first = a.time < until
+    assert np.interp(a.time[first], b.time, b.air_gap) == pytest.approx(
+        a.air_gap[first], abs=2e-3 * BASE
+    )
+
+
+def test_teeth_that_stay_together_are_not_simulated_apart():
+    no_table = {"event_torque": (), "motor_torque": ()}
+    shaken = run(
+        with_backlash(
+            **no_table, motor_data=(SHEET,), motor_circuit=(CIRCUIT,), motor_events=(DIP,)
+        )
+    )
     assert rows(shaken)["dip", "Mesh"]["minimum"] > 0.0
+    assert shaken.events[0].response.contacts == ()
 
 
 def test_a_motor_that_loses_its_step_says_so():
