@@ -287,7 +287,9 @@ def calculate_start(
     if has_start(case):
         start = run_start(case, model, effects)
         if start.uncoupled_dampers:  # too strong for explicit forces: the loop with events solves
-            plain = replace(effects, clearances=(), pull_in=False, aborted_start=False)
+            plain = replace(
+                effects, clearances=(), pull_in=False, aborted_start=False, motor_transient=False
+            )
             return run_event_start(case, model, plain, start)
         return start
     return run_prescribed(case, model)

@@ -390,6 +390,7 @@ class _Simulation:
         if reached == "trip":
             self.trip_time = t
             self.electrical[8][:] = 0.0
+            self.machines.trip(self.phase)
             self.clock.fresh = 2
         elif reached == "field" and self.script.field_angle is not None:
             self._waits_for_angle = True
@@ -400,6 +401,7 @@ class _Simulation:
     def _apply_field(self, t: float) -> None:
         self.field_time = t
         self.electrical[3][:] = t
+        self.machines.apply_field()
         self.clock.fresh = 2
 
     def _advance(self, stop: float) -> int:

@@ -31,7 +31,7 @@ from engine.backlash.event_simulation import (
     Settled,
     simulate_events,
 )
-from engine.backlash.machines import MachineInTime
+from engine.backlash.machines import MachineInTime, machines_of_start
 from engine.case.choices import ContactLaw, Method
 from engine.case.data import CaseData
 from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, LEAST_PEAK_ERROR, LONGEST_START
@@ -410,6 +410,9 @@ def _start(
         events=True,
     )
     model = _event_model(case, modal, plain, effects, linear)
+    if effects.motor_transient:
+        machines = machines_of_start(case, train, motors, effects, len(plain.curves[2]))
+        model = replace(model, machines=machines)
     share = min(tolerance / DEFAULT_TOLERANCE_PEAK, 1.0)
     step = COARSEST_EVENT_ANGLE * math.sqrt(math.sqrt(share)) / plain.pulsation_omega
     if linear.method == Method.EXPONENTIAL:  # Newmark's steps are shorter than these runs need

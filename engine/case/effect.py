@@ -25,6 +25,9 @@ class StartEffects:
     #: True: dampers act as torques between their ends; False: on each mode for itself.
     coupled_damping: bool = False
     electrical_damping: bool = False  #: True: motors answer to the vibration of each mode.
+    motor_transient: bool = (
+        False  #: True: the torque of motors follows from their fluxes, not from curves.
+    )
     fast_modes: bool = False  #: True: no mode is left out.
     #: Only so many of the lowest modes are integrated, and no error is estimated for the others; None = no limit.
     most_modes: int | None = None

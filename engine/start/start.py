@@ -270,7 +270,10 @@ def prepared_start(
     longest = LONGEST_START if settings.maximum_time is None else settings.maximum_time
     tabled = max((float(p.time or 0.0) + 1.0 for p in case.torque_time_from_rest), default=0.0)
     maximum = longest if effects.full_length else min(max(run_length(runup), tabled), longest)
-    model = start_model(case, modal, motors, loads, settings.tolerance_peak, maximum, effects)
+    curves = replace(
+        effects, motor_transient=False
+    )  # fluxes are stepped by the loop with events alone
+    model = start_model(case, modal, motors, loads, settings.tolerance_peak, maximum, curves)
     return PreparedStart(model, settings, runup, maximum, longest, synchronous, keeps_history(case))
 
 

@@ -21,6 +21,7 @@ from engine.model.motor import (
     drives_of,
     electrical_arrays,
     through_synchronism,
+    without_torque,
 )
 from engine.model.train import Train
 from engine.numerics.same_bits import log, product, sin, singular_values, total
@@ -274,7 +275,8 @@ def machine_arrays(
     counts.
     """
     column = {station: i for i, station in enumerate(stations)}
-    motors = drives_of(motors)
+    voltages = [m.supply for m in motors if m.supply is not None and effects.motor_transient]
+    motors = drives_of([without_torque(m) for m in motors] if effects.motor_transient else motors)
     n = len(motors)
     curves = [curve for m in motors for curve in (m.average, m.pulsating)]
     with_field = np.arange(0, 2 * n, 2)
@@ -282,7 +284,7 @@ def machine_arrays(
         with_field = np.arange(2 * n, 3 * n)
         curves += [through_synchronism(m.average) for m in motors]
     of_loads = np.arange(len(curves), len(curves) + len(loads))
-    curves += [d.torque for d in loads]
+    curves += [d.torque for d in loads] + voltages
     longest = max((len(c.knots) for c in curves), default=1)
     knots = np.zeros((len(curves), longest))
     cubics = np.zeros((len(curves), longest, 4))
@@ -309,7 +311,9 @@ def machine_arrays(
         "timed": torque_tables(torques, stations),
         "electrical": electrical_arrays(motors, case, effects),
         "phase": np.array([m.phase for m in motors]),
-        "swings": swings_of(case, motors, column) if effects.electrical_damping else NO_SWINGS,
+        "swings": swings_of(case, motors, column)
+        if effects.electrical_damping and not effects.motor_transient
+        else NO_SWINGS,
     }
 
 

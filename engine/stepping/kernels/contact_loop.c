@@ -34,8 +34,8 @@ static const double FULL_RINGING = 0.1, WIDEST_ANGLE = 2.4;
 static const double RETAKE = 1e-7, PULL = 1e-13;
 /* After so many events at one instant a step is taken without looking for more; after so many such steps in a row
  * the loop gives up. */
-/* Torques of motors in time have settled in a step where they change by no more, per unit, and after how many passes
- * none is expected to: rounding is below 1e-14, and a step's own error above 1e-9. */
+/* Torques of motors in time have settled in a step where one more pass would change them by no more, per unit, and
+ * after how many passes they are not expected to: changes fall as a geometric series, by 1e-4 a pass as a rule. */
 static const double SETTLED = 1e-11;
 enum { MOST_PASSES = 40 };
 enum { MOST_AT_ONCE = 8, MOST_DWELLS = 10000, MOST_TRIES = 60 };
@@ -346,9 +346,18 @@ static void fresh_fluxes(loop_t *l, double t)
         point_t torque;
         copy(m->n_flux[k], m->flux + k * m->most, l->fluxes[k].psi);
         derivatives(m, k, &a, l->fluxes + k);
-        l->air_gap1[k] = torque = air_gap(m, k, l->fluxes + k);
+        torque = air_gap(m, k, l->fluxes + k);
         l->state->force[f] += torque.value;
         l->state->force_rate[f] += torque.slope;
+    }
+}
+
+/* Torques at the end of a step that goes on as it began: what its first motion is found with. */
+static void goes_on(loop_t *l, double h)
+{
+    for (int64_t k = 0; k < l->drive->machines.n; k++) {
+        const point_t now = air_gap(&l->drive->machines, k, l->fluxes + k);
+        l->air_gap1[k] = (point_t){now.value + h * now.slope, now.slope};
     }
 }
 
@@ -443,12 +452,15 @@ static void take_step(loop_t *l, double h, const step_t *step, const double *sol
     const system_t *s = &l->system;
     const state_t *state = l->state;
     const int64_t n = s->n, nf = s->n_forces;
-    double t = l->clock->time, change = HUGE_VAL;
+    const double t = l->clock->time;
+    double change = HUGE_VAL, left = HUGE_VAL; /* of a torque from the pass before, and what the next one would change */
     const int in_time = l->drive->machines.n > 0;
     copy(n, l->u0, l->u);
     copy(n, l->r0, l->r);
     begin_step(n, step, h, state->q, state->v, l->u, l->r, l->base_q, l->base_v);
-    for (int pass = l->limits ? 0 : 1; pass < 2 || (in_time && change > SETTLED); pass++) {
+    goes_on(l, h);
+    for (int pass = l->limits ? 0 : 1; pass < 2 || (in_time && left > SETTLED); pass++) {
+        double before = change;
         if (pass == MOST_PASSES) {
             l->unsettled = 1;
             break;
@@ -462,6 +474,7 @@ static void take_step(loop_t *l, double h, const step_t *step, const double *sol
         swing_forces(s, l->drive, l->v1, l->a1, l->read, l->read_rate, l->f1, l->fr1);
         limited_forces(l, l->q1, l->speed, l->f1, l->fr1);
         change = end_fluxes(l, h);
+        left = change < before && !isinf(before) ? change * (change / before) : change;
         modal_forces(l, l->f1, l->fr1, l->u, l->r);
         solve_dampers(l, step, solver);
     }

@@ -1,0 +1,118 @@
+"""A start with the motor's fluxes in time, beside Park's equations of motor and train integrated by scipy's DOP853."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from engine.backlash.event_start import run_event_start
+from engine.case.data import SupplyVoltageRow
+from engine.case.effect import StartEffects
+from engine.model.build_train import build_train
+from engine.model.modal_analysis import analyse
+from engine.model.motor import motors_of
+from engine.motor.from_case import motors_from_data
+from engine.numerics.torque_curve import torque_curve
+from engine.stepping.linear_loop import turning_points
+from tests.trains import peaks
+from tests.validation.test_start_from_motor_data import case_from_data
+
+LINE = 2.0 * np.pi * 60.0
+PAIRS = 2
+#: Motor and bull gear; the pinion side referred to the motor.
+INERTIA = np.array([50.0, 20.0 + 9.0 * 1.0, 9.0 * 4.0])
+STIFFNESS = np.array([3.0e6, 9.0 * 1.0e5])
+
+
+def in_time(case, **effects):
+    modal = analyse(case).reported
+    return run_event_start(case, modal, StartEffects(motor_transient=True, **effects))
+
+
+def reactances(circuit):
+    """Fluxes from currents: stator, field, damper of axis d; stator and damper of axis q."""
+    f, (kd,), (kq,) = circuit.field, circuit.dampers_d, circuit.dampers_q
+    x = np.zeros((5, 5))
+    x[:3, :3] = circuit.magnetising_d
+    x[3:, 3:] = circuit.magnetising_q
+    x += np.diag(
+        [circuit.stator_leakage, f.leakage, kd.leakage, circuit.stator_leakage, kq.leakage]
+    )
+    return x, np.array(
+        [
+            circuit.stator_resistance,
+            f.resistance,
+            kd.resistance,
+            circuit.stator_resistance,
+            kq.resistance,
+        ]
+    )
+
+
+class Reference:
+    """The two-axis machine on three discs, from rest."""
+
+    def __init__(self, case, voltage=lambda x: 1.0):
+        (self.data,) = motors_from_data(case)
+        self.voltage, self.base = voltage, self.data.torque_base
+        (motor,) = motors_of(case, build_train(case))
+        self.axis = -(0.5 * motor.phase + 0.5 * math.pi)  # of axis d ahead of the line at closing
+        self.use(self.data.starting, 0.0)
+
+    def use(self, circuit, field_voltage):
+        x, self.r = reactances(circuit)
+        self.y, self.field_voltage = np.linalg.inv(x), field_voltage
+
+    def rate(self, t, state):
+        angle, speed, psi = state[:3], state[3:6], state[6:]
+        i = self.y @ psi
+        twist = STIFFNESS * (angle[:-1] - angle[1:])
+        torque = self.base * (psi[0] * i[3] - psi[3] * i[0])
+        force = np.array([torque - twist[0], twist[0] - twist[1], twist[1]])
+        line = LINE * t - self.axis - PAIRS * angle[0]
+        mean = INERTIA @ speed / INERTIA.sum()
+        v, w = self.voltage(PAIRS * mean / LINE), PAIRS * speed[0] / LINE
+        out = -self.r * i
+        out[0] += v * math.cos(line) + w * psi[3]
+        out[1] += self.field_voltage
+        out[3] += v * math.sin(line) - w * psi[0]
+        return np.concatenate([speed, force / INERTIA, LINE * out])
+
+    def run(self, begin, end, state, rtol=1e-10):
+        t = np.linspace(begin, end, max(int((end - begin) * LINE / 0.05), 2))
+        scale = np.concatenate([np.full(3, 1e-2), np.full(3, 1.0), np.full(5, 1.0)])
+        path = solve_ivp(
+            self.rate, (begin, end), state, "DOP853", t, rtol=rtol, atol=rtol * scale
+        ).y
+        slope = np.array([self.rate(a, s) for a, s in zip(t, path.T, strict=True)]).T
+        extremes = []
+        for k in range(2):
+            torque, change = (STIFFNESS[k] * (a[k] - a[k + 1]) for a in (path, slope))
+            values = np.append(turning_points(t, torque, change)[1], torque[[0, -1]])
+            extremes.append((values.max(), values.min()))
+        psi, i = path[6:], self.y @ path[6:]
+        return extremes, self.base * (psi[0] * i[3] - psi[3] * i[0]), path[:, -1]
+
+
+@pytest.mark.parametrize("reduced", [False, True])
+def test_a_start_is_that_of_the_equations(reduced):
+    given = {"damping_ratio": None, "load_torque": (), "end_speed": 170.0, "tolerance_peak": 1e-5}
+    voltage = lambda x: 1.0  # noqa: E731
+    if reduced:
+        rows = ((0.0, 0.7), (0.5, 0.8), (1.0, 1.0))
+        given["supply_voltage"] = tuple(SupplyVoltageRow("Motor", *row) for row in rows)
+        voltage = torque_curve(*np.array(rows).T)
+    case = case_from_data(**given)
+    found = in_time(case)
+    extremes, torque, last = Reference(case, voltage).run(0.0, found.outcome.time, np.zeros(11))
+    for name, (most, least) in zip(["Low-speed shaft", "High-speed shaft"], extremes, strict=False):
+        if name not in peaks(found):
+            continue
+        expected = np.array([most, least]) / (1.0 if name == "Low-speed shaft" else 3.0)
+        assert peaks(found)[name][:2] == pytest.approx(expected, rel=3e-5)
+    (machine,) = found.machines
+    assert abs(machine.largest) == pytest.approx(np.max(np.abs(torque)), rel=1e-3)
+    assert INERTIA @ last[3:6] / INERTIA.sum() == pytest.approx(170.0, rel=1e-5)
