@@ -34,7 +34,7 @@ TRIALS :=
 
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help demo test test-long test-machines explore check format bench goals calibration-study sensitivity-study mutations generated templates wheel wheels same-bits sanitize smoke lock clean distclean moved
+.PHONY: help demo test test-long test-machines explore check format docs bench goals calibration-study sensitivity-study mutations generated templates wheel wheels same-bits sanitize smoke lock clean distclean moved
 
 help:
 	@echo "make demo           recalculate two example workbooks into build/demo"
@@ -44,6 +44,7 @@ help:
 	@echo "make explore        run the properties with fresh examples (MINUTES=30)"
 	@echo "make check          style, formatting and types"
 	@echo "make format         put the formatting right"
+	@echo "make docs           the pages of docs/ as a site with search, in build/site"
 	@echo "make bench          time and accuracy, side by side with other programs"
 	@echo "make goals          the goals of the compiled loops, beside a checkout of 011f76f (OTHER=/path/to/it)"
 	@echo "make calibration-study  how often the intervals of a calibration hold the truth (TRIALS=1000)"
@@ -86,6 +87,10 @@ check: $(DEV_READY) $(LOOPS)
 format: $(DEV_READY) $(LOOPS)
 	$(PY) -m ruff check --fix .
 	$(PY) -m ruff format .
+
+docs: $(DEV_READY)
+	$(VENV)/bin/zensical build --strict
+	@echo "Open $(CURDIR)/build/site/index.html; it needs no server."
 
 bench: $(DEV_READY) $(LOOPS)
 	$(PY) -m benchmarks

@@ -22,6 +22,7 @@ from pathlib import Path
 from addin.batch.inputs import OWN
 from addin.batch.journal import read_journal
 from addin.batch.records import Output, Record, Stamp
+from addin.xlsx.places import real_path
 from addin.xlsx.save import flush_folder
 from addin.xlsx.whole_files import write_whole
 
@@ -31,7 +32,15 @@ class FolderRefused(Exception):
 
 
 def digest_of(path: Path) -> str:
-    """SHA-256 of a file."""
+    """SHA-256 of a file.
+
+    Raises
+    ------
+    OSError
+        If it cannot be read, or is a device or a pipe, which may never end.
+    """
+    if path.exists() and not path.is_file():
+        raise OSError(errno.EINVAL, "it is a device or a pipe", str(path))
     with open(path, "rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
@@ -137,8 +146,8 @@ class OutFolder:
         if not staged:
             return True
         try:
-            own, place = self._own.resolve(), (self.path / staged).resolve()
-        except (OSError, RuntimeError):  # links in circles
+            own, place = real_path(self._own), real_path(self.path / staged)
+        except OSError:
             return False
         inside = place.relative_to(own).parts if place.is_relative_to(own) else ()
         return len(inside) > 1 and inside[0].startswith("staging-")

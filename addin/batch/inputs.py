@@ -15,6 +15,7 @@ from pathlib import Path
 
 from addin.batch.own_files import is_result_json
 from addin.writing.history_file import KINDS, history_stems
+from addin.xlsx.places import real_path
 
 #: Endings that are looked for in folders; .xls and .xlsb are refused with the reason, not passed over.
 ENDINGS = (".xlsx", ".xlsm", ".xls", ".xlsb", ".json")
@@ -54,13 +55,13 @@ def find_inputs(
     InputsRefused
         If a pattern finds nothing, or two files would have the same results.
     """
-    ours = {path.resolve() for path in also_ours}
-    results = out.resolve()
+    ours = {real_path(path) for path in also_ours}
+    results = real_path(out)
     roots: dict[Path, Path] = {}  # file → where its relative path begins
     for pattern in patterns:
         some = passed_over = False
         for path, root in _expanded(pattern):
-            place = path.resolve()
+            place = real_path(path)
             if place in ours or results in place.parents:
                 passed_over = True
                 continue
@@ -198,7 +199,7 @@ def check_places(
     """
     sources: dict[str, list[Path]] = defaultdict(list)
     for file in inputs:
-        for place in {file.path, file.path.resolve()}:
+        for place in {file.path, real_path(file.path)}:
             sources[_key(place)].append(file.path)
     ours = {_key(place) for place in (() if summary is None else summary_files(summary))}
     for file in inputs:
@@ -231,14 +232,14 @@ def summary_files(summary: Path) -> tuple[Path, Path]:
 
 def _key(place: Path) -> str:
     """A place by its name in its real folder, capitals aside: not every disk tells them apart."""
-    return str(place.parent.resolve() / place.name).casefold()
+    return str(real_path(place.parent) / place.name).casefold()
 
 
 def _is_same(place: Path, source: Path) -> bool:
     """Whether two places that differ in capitals at most are one on this disk."""
-    if place.parent.resolve() / place.name in (
-        source.parent.resolve() / source.name,
-        source.resolve(),
+    if real_path(place.parent) / place.name in (
+        real_path(source.parent) / source.name,
+        real_path(source),
     ):
         return True
     try:

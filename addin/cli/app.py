@@ -20,22 +20,29 @@ from addin.cli.study_commands import STUDY_COMMANDS
 from addin.contract.version import product_version
 from addin.workers.stop import causes
 
-#: Every command and the first line of its own help, in the order of --help.
-COMMANDS = {
-    "serve": "Serve the worksheet functions, the Office add-in and recalculation over HTTP.",
-    "report": "Write the calc sheet as a document: PDF, Word, or both.",
-    "verify": "Recalculate from the inputs in a file and compare every result recorded in it.",
-    "diff": "Compare inputs and results of two files: changed inputs and their effect on results.",
-    "batch": "Calculate folders of workbooks on all cores; a file with errors does not stop the others.",
-    **STUDY_COMMANDS,
-    "new": "Make a workbook: blank, a filled example, or with the inputs of an existing file.",
-    "check": "Read and check inputs without calculating: every error with its sheet and cell.",
-    "recalc": "Calculate workbooks or case JSON files and write their results.",
-    "export": "Write the inputs of a workbook as a case JSON, in SI, with those of the studies.",
-    "version": "Print the version.",
-    "excel": "Worksheet functions in desktop Excel on Windows, through xlwings.",
-    "calc": "Worksheet functions in LibreOffice Calc.",
+#: Every command and the first line of its own help, by the group it has in --help and in the order there.
+GROUPS = {
+    "Daily": {
+        "new": "Make a workbook: blank, a filled example, or with the inputs of an existing file.",
+        "check": "Read and check inputs without calculating: every error with its sheet and cell.",
+        "recalc": "Calculate workbooks or case JSON files and write their results.",
+        "batch": "Calculate folders of workbooks on all cores; a file with errors does not stop the others.",
+    },
+    "Review": {
+        "report": "Write the calc sheet as a document: PDF, Word, or both.",
+        "verify": "Recalculate from the inputs in a file and compare every result recorded in it.",
+        "diff": "Compare inputs and results of two files: changed inputs and their effect on results.",
+        "export": "Write the inputs of a workbook as a case JSON, in SI, with those of the studies.",
+    },
+    "Studies": STUDY_COMMANDS,
+    "Other programs": {
+        "excel": "Worksheet functions in desktop Excel on Windows, through xlwings.",
+        "calc": "Worksheet functions in LibreOffice Calc.",
+        "serve": "Serve the worksheet functions, the Office add-in and recalculation over HTTP.",
+    },
+    "Program": {"version": "Print the version."},
 }
+COMMANDS = {name: line for commands in GROUPS.values() for name, line in commands.items()}
 
 
 def module_of(name: str) -> str:
@@ -52,8 +59,10 @@ class LazyCommands(TyperGroup):
 
     def __init__(self, **settings: Any) -> None:
         super().__init__(**settings)
-        for name, line in COMMANDS.items():  # stand-ins, for the help and for what is mistyped
-            self.commands[name] = TyperCommand(name, help=line)
+        # Stand-ins, for the help, for completion and for what is mistyped.
+        for group, commands in GROUPS.items():
+            for name, line in commands.items():
+                self.commands[name] = TyperCommand(name, help=line, rich_help_panel=group)
 
     def get_command(self, ctx: typer.Context, cmd_name: str) -> Any:  # type: ignore[override]
         """A command, of which only now the module is imported; None if there is none."""
@@ -72,20 +81,28 @@ class LazyCommands(TyperGroup):
 
     def format_help(self, ctx: Any, formatter: Any) -> None:
         """The help, with the commands as the table has them."""
-        TyperGroup(
+        self._of_stand_ins().format_help(ctx, formatter)
+
+    def shell_complete(self, ctx: Any, incomplete: str) -> Any:
+        """Names of commands that begin so, and their lines of help."""
+        return self._of_stand_ins().shell_complete(ctx, incomplete)
+
+    def _of_stand_ins(self) -> TyperGroup:
+        """The same group, of which no command is imported."""
+        return TyperGroup(
             name=self.name,
             help=self.help,
             params=self.params,
             commands=dict(self.commands),
             rich_markup_mode=self.rich_markup_mode,
-        ).format_help(ctx, formatter)
+        )
 
 
 app = typer.Typer(
     name="torsionbook",
     cls=LazyCommands,
     no_args_is_help=True,
-    add_completion=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
     pretty_exceptions_enable=False,
     rich_markup_mode="markdown",
     help=(
@@ -113,7 +130,7 @@ def _program(
     version: Annotated[
         bool,
         typer.Option(
-            "--version", help="Print the version.", callback=_print_version, is_eager=True
+            "--version", "-V", help="Print the version.", callback=_print_version, is_eager=True
         ),
     ] = False,
 ) -> None:

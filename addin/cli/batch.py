@@ -49,6 +49,7 @@ from addin.reading.one_file import file_problem
 from addin.workers.cluster import ClusterRefused
 from addin.workers.pool import Pool, Workers
 from addin.workers.stop import Abandoned, Stop, Stopped, cores
+from addin.xlsx.places import real_path
 from engine.case.result_words import ACCEPTABLE
 
 _AGAIN = "Run again with --resume to continue."
@@ -263,7 +264,7 @@ def _varied(
             ) from None
         settings = replace(settings, as_parquet=False)
         _tell("Only results.csv is written: results.parquet needs pyarrow, which is not installed.")
-    if table.resolve() in [(out / name).resolve() for name in settings.results]:
+    if real_path(table) in [real_path(out / name) for name in settings.results]:
         raise typer.BadParameter(
             f"Results would overwrite the table {table}. Name another folder with --out."
         )
@@ -431,16 +432,17 @@ def _say(
     if len(failed) > _LISTED:
         typer.echo(f"... and {len(failed) - _LISTED} more; the summary lists all.", err=True)
     seconds = time.monotonic() - began
-    counts = _counts(records)
-    kept = f" ({work.kept} of them in an earlier batch)" if work.kept else ""
+    kept = f", {work.kept} of them in an earlier batch" if work.kept else ""
     same = sum(bool(record.same_as) for record in records)
-    shared = f" {same} had the same case as another file, calculated once." if same else ""
-    files = "1 file" if len(records) == 1 else f"{len(records)} files"
-    typer.echo(f"{files} in {_duration(seconds)}: {counts}{kept}.{shared}")
+    shared = f", {same} with the same case as another file" if same else ""
+    files = "1 file" if len(records) == 1 else f"{len(records):,} files"
+    typer.echo(f"{files} in {_duration(seconds)}{kept}{shared}")
+    outcomes = Counter(record.outcome for record in records)
     verdicts = Counter(record.verdict for record in records if record.done)
-    if verdicts:
-        counted = "; ".join(f"{count} {verdict}" for verdict, count in sorted(verdicts.items()))
-        typer.echo(f"Verdicts: {counted}.")
+    for outcome, count in outcomes.most_common():
+        typer.echo(f"{count:>7,} {outcome}")
+        for verdict, some in verdicts.most_common() if outcome == DONE else ():
+            typer.echo(f"{some:>14,} × {verdict}")
     if ended:
         typer.echo(ended, err=True)
     print_written(written)

@@ -15,6 +15,7 @@ from addin.diff.compare import compare_files
 from addin.diff.files import CannotBeCompared
 from addin.diff.wording import as_json
 from addin.diff.workbook import DIFF_SHEETS, write_book
+from addin.xlsx.places import real_path
 from addin.xlsx.whole_files import write_json
 
 
@@ -47,9 +48,9 @@ def diff(
     """
     if xlsx is not None and xlsx.suffix.lower() != ".xlsx":
         raise typer.BadParameter(f"--xlsx is '{xlsx}'; it must end in .xlsx.")
-    sources = {a.resolve(), b.resolve()}
+    sources = {real_path(a), real_path(b)}
     for target in (xlsx, json):
-        if target is not None and target.resolve() in sources:
+        if target is not None and real_path(target) in sources:
             raise typer.BadParameter(f"{target} is one of the inputs. Choose another name.")
     if json is not None:
         refuse_no_json(json)

@@ -13,6 +13,7 @@ from addin.excel.doctor import WRONG, examine
 from addin.excel.errors import ExcelError
 from addin.excel.workbook import install as put
 from addin.xlsx import PackageError, SaveReport
+from addin.xlsx.places import real_path
 
 excel = typer.Typer(
     name="excel",
@@ -54,7 +55,7 @@ def install(
     Example: `torsionbook excel install train.xlsx`
     """
     target = out or file.with_suffix(".xlsm")
-    if target.exists() and target.resolve() == file.resolve():
+    if target.exists() and real_path(target) == real_path(file):
         raise typer.BadParameter(
             f"{target} is the input workbook. Name another with --out, or use: "
             f"torsionbook excel upgrade {file}"

@@ -11,6 +11,7 @@ from addin.cli.status import WRONG_INPUT
 from addin.cli.terminal import list_problems, read_or_stop, refuse_no_json, writing
 from addin.contract.tables import STUDY_INPUT_TABLES
 from addin.reading.case_json import case_to_json
+from addin.xlsx.places import real_path
 from addin.xlsx.whole_files import write_json
 
 
@@ -22,7 +23,7 @@ def export(
 
     Example: `torsionbook export train.xlsx case.json`
     """
-    if case.resolve() == file.resolve():
+    if real_path(case) == real_path(file):
         raise typer.BadParameter(f"{case} is the input. Choose another name.")
     refuse_no_json(case)
     read = read_or_stop(file)

@@ -21,6 +21,9 @@ from addin.template.examples import EXAMPLES, Example
 from addin.template.filled import MixedUnits, example_of
 from addin.template.variants import VARIANTS, Variant
 
+#: The example that has the sheets of the studies, and the example whose train it is.
+_STUDIES, _STUDIED = "studies", "proposed"
+
 
 def new(
     file: Annotated[Path, typer.Argument(help="The workbook to make.", show_default=False)],
@@ -30,8 +33,9 @@ def new(
         typer.Option(
             help="A filled example instead of a blank template: proposed or modified (the two "
             "designs of the paper, Szenasi & von Nimitz 1978), backlash (proposed, with gear "
-            "clearance, bearings and pull-in), or motor (modified, with the motor's data sheet "
-            "instead of torque curves, and a short circuit)."
+            "clearance, bearings and pull-in), motor (modified, with the motor's data sheet "
+            "instead of torque curves, and a short circuit), or studies (proposed, with the "
+            "inputs of every study)."
         ),
     ] = None,
     variant: Annotated[
@@ -68,7 +72,9 @@ def new(
     `torsionbook new more.xlsx --from train.xlsx --studies`
     """
     if example is not None:
-        check_choice("--example", example, tuple(EXAMPLES))
+        check_choice("--example", example, (*EXAMPLES, _STUDIES))
+    if example == _STUDIES:
+        example, studies = _STUDIED, True
     check_choice("--units", units, ("us", "si"))
     if variant is None:
         variant = "excel" if file.suffix.lower() == ".xlsm" else "files"

@@ -83,8 +83,6 @@ def recalc(
         ]
     for outcome in done:
         list_problems(outcome.source, outcome.problems, bool(outcome.written))
-        for sentence in outcome.warnings:
-            typer.echo(f"{outcome.source}: note: {printable(sentence)}", err=True)
     _summary(done)
     if any(outcome.problems for outcome in done):
         raise typer.Exit(WRONG_INPUT)
@@ -100,7 +98,7 @@ def _targets(
     ending = ".results.json" if file.suffix.lower() == ".json" else file.suffix
     destination = out / f"{file.stem}{ending}" if out is not None else None
     if destination is None and ending == ".results.json" and json is None:
-        destination = file.with_name(f"{file.stem}.results.json")
+        destination = beside(file)
     folder = json is not None and (several or json.is_dir() or json == out)
     json_file = json / f"{file.stem}.results.json" if json is not None and folder else json
     return destination, json_file
@@ -119,22 +117,24 @@ def _histories(
 
 
 def _summary(done: Sequence[RecalculationOutcome]) -> None:
-    """The end of a run: file, first modes, worst margin, peak, start, starts, verdict."""
-    rows = [
-        [outcome.source.name, *map(printable, _summary_cells(outcome.calculation))]
+    """The end of a run: first modes, worst margin, peak, start, starts, verdict and notes of each file."""
+    headers = ("First modes [Hz]", "Worst margin", "Largest peak", "Start", "Starts", "Verdict")
+    calculated = {
+        outcome.source: [printable(cell) for cell in _summary_cells(outcome.calculation)]
         for outcome in done
         if outcome.calculation is not None
-    ]
-    if not rows:
-        return
-    headers = ("First modes [Hz]", "Worst margin", "Largest peak", "Start", "Starts", "Verdict")
-    if shutil.get_terminal_size().columns >= TABLE_WIDTH:
-        print_table([(header, "text") for header in ("File", *headers)], rows)
-    else:
-        for name, *cells in rows:
-            typer.echo(name)
-            for header, cell in zip(headers, cells, strict=True):
+    }
+    as_table = shutil.get_terminal_size().columns >= TABLE_WIDTH
+    if calculated and as_table:
+        columns = [(header, "text") for header in ("File", *headers)]
+        print_table(columns, [[file.name, *cells] for file, cells in calculated.items()])
+    for outcome in done:
+        if outcome.source in calculated and not as_table:
+            typer.echo(outcome.source.name)
+            for header, cell in zip(headers, calculated[outcome.source], strict=True):
                 typer.echo(f"  {header:<17} {cell}")
+        for sentence in outcome.warnings:
+            typer.echo(f"{outcome.source}: note: {printable(sentence)}", err=True)
     print_written(path for outcome in done if outcome.calculation for path in outcome.written)
 
 

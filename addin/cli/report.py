@@ -19,6 +19,7 @@ from addin.cli.terminal import (
     writing,
 )
 from addin.report.make import report as make
+from addin.xlsx.places import real_path
 
 #: What each form of the report is made with; matplotlib draws the figures of both.
 PACKAGES = {"pdf": ("typst", "matplotlib"), "docx": ("docx", "matplotlib")}
@@ -54,7 +55,7 @@ def report(
     for name, path in wanted.items():
         if path.suffix.lower() != f".{name}":
             raise typer.BadParameter(f"'{path}' must end in .{name}.")
-    if against is not None and against.resolve() == file.resolve():
+    if against is not None and real_path(against) == real_path(file):
         raise typer.BadParameter(
             f"--against is {against}, the same file. Name an earlier revision of it."
         )

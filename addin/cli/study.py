@@ -40,6 +40,7 @@ from addin.workers.cluster import ClusterRefused
 from addin.workers.opened_map import open_parallel_map
 from addin.workers.parallel_map import Cancelled, UnitLost, serial_map
 from addin.workers.stop import Abandoned, Stop, Stopped
+from addin.xlsx.places import real_path
 
 
 def study_command(name: str) -> Callable[..., None]:
@@ -203,13 +204,13 @@ def _check_options(study: Study, file: Path, options: Mapping[str, Any]) -> None
     for option in study.options:
         value, path = options[option.name], options.get(f"{option.name}_file")
         if path is not None:
-            if path.resolve() == file.resolve():
+            if real_path(path) == real_path(file):
                 raise typer.BadParameter(f"--{option.name} would overwrite the input.")
             refuse_no_json(path, " or ".join(option.file_endings))
         if option.words:
             check_choice(f"--{option.name}", value, option.words)
         elif option.kind is Path and value is not None:
-            if value.resolve() == file.resolve():
+            if real_path(value) == real_path(file):
                 raise typer.BadParameter(f"--{option.name} would overwrite the input.")
             (refuse_no_folder if option.metavar == "FOLDER" else refuse_no_json)(value)
     if sentence := study.refusal(options):
@@ -231,11 +232,11 @@ def _refuse_one_file_twice(
     for name, path in targets.items():
         if path is None:
             continue
-        if other := seen.get(path.resolve()):
+        if other := seen.get(real_path(path)):
             raise typer.BadParameter(
                 f"{other} and {name} would both be written to {path}: they name the same file; give two."
             )
-        seen[path.resolve()] = name
+        seen[real_path(path)] = name
 
 
 def _show(study: Study, result: StudyResult, options: Mapping[str, Any]) -> None:

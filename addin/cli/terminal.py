@@ -13,6 +13,7 @@ from addin.cli.status import WRONG_INPUT, failed
 from addin.contract.problems import CellProblem
 from addin.reading.one_file import WORKBOOK_ENDINGS, Unreadable, file_problem, read_checked
 from addin.reading.typed_case import CaseInput
+from addin.xlsx.places import real_path
 
 #: A table on the terminal is at least so wide. [characters]
 TABLE_WIDTH = 110
@@ -29,10 +30,10 @@ def refuse_clashes(
         With the sentence.
     """
     seen: dict[Path, Path] = {}
-    sources = {file.resolve() for file in files}
+    sources = {real_path(file) for file in files}
     for file, some in zip(files, targets, strict=True):
         for target in filter(None, some):
-            place = target.resolve()
+            place = real_path(target)
             if place in sources and not in_place:
                 raise typer.BadParameter(
                     f"{target} is one of the inputs. Choose another folder, or use --in-place."

@@ -15,6 +15,7 @@ from addin.verify.file import verify_file
 from addin.verify.findings import Agreement
 from addin.verify.trace import traced
 from addin.verify.wording import as_json, lines
+from addin.xlsx.places import real_path
 from addin.xlsx.whole_files import write_json
 
 _WITHIN = {"bits": 0, "digits": 1, "error": 2}
@@ -83,21 +84,21 @@ def verify(
 
 def _refuse_clashes(files: list[Path], case: Path | None, json: Path, folder: bool) -> None:
     """Two files with one JSON, or a JSON on top of a file verified, are refused before any work."""
-    sources = {file.resolve() for file in (*files, *([case] if case else []))}
+    sources = {real_path(file) for file in (*files, *([case] if case else []))}
     if not folder:
-        if json.resolve() in sources:
+        if real_path(json) in sources:
             raise typer.BadParameter(f"{json} is one of the inputs. Choose another name.")
         refuse_no_json(json)
     seen: dict[str, Path] = {}
     for file in files if folder else ():
         target = json / f"{file.stem}.verify.json"
         other = seen.setdefault(target.name.casefold(), file)
-        if other.resolve() != file.resolve():
+        if real_path(other) != real_path(file):
             raise typer.BadParameter(
                 f"{other} and {file} would both be written to {target}. Verify them separately, "
                 "or into two folders."
             )
-        if target.resolve() in sources:
+        if real_path(target) in sources:
             raise typer.BadParameter(f"{target} is one of the inputs. Choose another folder.")
 
 

@@ -132,7 +132,8 @@ def recalculate(
             files += _write_history(calculation, target, prepared.history)
         except (PackageError, HistoryUnavailable, OSError) as error:
             calculation, problems, cause = None, (file_problem(source, error),), error
-    if json_file is None and source.suffix.lower() not in WORKBOOK_ENDINGS:
+    is_json = source.suffix.lower() not in WORKBOOK_ENDINGS and not isinstance(read, Unreadable)
+    if json_file is None and is_json:
         json_file = destination or beside(source)
     if json_file is not None:
         version = product_version()
@@ -153,9 +154,10 @@ def recalculate(
 
 def beside(source: Path) -> Path:
     """Default name of the results: train.out.xlsx, case.results.json."""
-    if source.suffix.lower() in WORKBOOK_ENDINGS:
-        return source.with_name(f"{source.stem}.out{source.suffix}")
-    return source.with_name(f"{source.stem}.results.json")
+    ending = (
+        f".out{source.suffix}" if source.suffix.lower() in WORKBOOK_ENDINGS else ".results.json"
+    )
+    return source.parent / f"{source.stem}{ending}"
 
 
 def recalculate_case(

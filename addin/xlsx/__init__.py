@@ -9,6 +9,7 @@ module             responsibility
 =================  ===============================================================================
 `errors`           the error tree
 `locks`            lock files of spreadsheet programs
+`places`           where a path leads, links followed
 `references`       A1 arithmetic
 `whole_files`      text files written whole or not at all
 `xml_part`         parsing without trust, writing with the original's declaration

@@ -9,7 +9,8 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
-from addin.cli.app import COMMANDS, app, module_of
+from addin.cli.app import COMMANDS, GROUPS, app, module_of
+from addin.contract.shipped import template_path
 from addin.studies.registry import found_studies
 
 
@@ -74,3 +75,65 @@ def test_a_recalculation_imports_nothing_that_it_does_not_need(tmp_path):
     done = subprocess.run(words, capture_output=True, text=True, check=True)
     assert "written" in done.stdout
     assert done.stdout.endswith("imported: []\n"), done.stdout
+
+
+def test_help_has_the_commands_in_groups_with_those_of_every_day_first():
+    shown = CliRunner().invoke(app, ["-h"], terminal_width=100).output
+    places = [shown.index(group) for group in GROUPS]
+    assert places == sorted(places)
+    assert (
+        shown.index(" new ")
+        < shown.index(" recalc ")
+        < shown.index(" verify ")
+        < shown.index(" serve ")
+    )
+
+
+@pytest.mark.parametrize(
+    "words", [["-h"], ["recalc", "-h"], ["excel", "-h"], ["excel", "install", "-h"]]
+)
+def test_short_help_is_the_long_one(words):
+    short = CliRunner().invoke(app, words)
+    assert short.exit_code == 0
+    assert short.output == CliRunner().invoke(app, [*words[:-1], "--help"]).output
+
+
+def test_short_version_is_the_long_one():
+    assert CliRunner().invoke(app, ["-V"]).output == CliRunner().invoke(app, ["--version"]).output
+
+
+@pytest.mark.parametrize(
+    ("typed", "offered"), [("re", ["recalc", "report"]), ("recalc --stri", ["--strict"])]
+)
+def test_the_shell_completes_commands_and_options(typed, offered):
+    words = f"torsionbook {typed}"
+    settings = {
+        "_TORSIONBOOK_COMPLETE": "complete_bash",
+        "COMP_WORDS": words,
+        "COMP_CWORD": str(len(words.split()) - 1),
+    }
+    done = CliRunner().invoke(app, [], env=settings, prog_name="torsionbook")
+    assert done.output.split() == offered
+
+
+def test_the_example_of_the_studies_is_the_shipped_one(tmp_path):
+    made = tmp_path / "studies.xlsx"
+    assert CliRunner().invoke(app, ["new", str(made), "--example", "studies"]).exit_code == 0
+    assert made.read_bytes() == template_path("example_studies.xlsx").read_bytes()
+
+
+def test_notes_of_a_file_follow_its_own_lines(tmp_path, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    books = [str(template_path(f"example_{name}.xlsx")) for name in ("proposed", "backlash")]
+    shown = CliRunner().invoke(app, ["recalc", *books, "--out", str(tmp_path)]).output
+    places = [
+        shown.index(start)
+        for start in (
+            "example_proposed.xlsx\n  First modes",
+            f"{books[0]}: note:",
+            "example_backlash.xlsx\n  First modes",
+            f"{books[1]}: note:",
+            "written:",
+        )
+    ]
+    assert places == sorted(places)
