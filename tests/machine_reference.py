@@ -210,6 +210,61 @@ def reference(case: Case, rtol: float = 1e-11) -> tuple[dict[str, tuple[float, f
     return {e: (float(v.max()), float(v.min())) for e, v in peaks.items()}, max(air_gap)
 
 
+def start_case(seed: int, tolerance: float = 1e-3) -> Case:
+    """The machine and train of `random_case` from rest, without a load."""
+    case, rng = random_case(seed), np.random.default_rng(20_000 + seed)
+    synchronous = 4.0 * math.pi * case.line_frequency / case.poles
+    sheet = replace(case.motor_data[0], discharge_resistance=float(rng.choice([0.0, 5.0, 10.0])))
+    return replace(
+        case, motor_events=(), motor_data=(sheet,), maximum_time=None, end_speed=0.85 * synchronous,
+        tolerance_peak=tolerance, pulsation_phase=float(rng.uniform(-3.0, 3.0)),
+        stations=tuple(replace(s, running_load=None) for s in case.stations),
+    )  # fmt: skip
+
+
+def start_reference(
+    case: Case, angle: float, end: float, rtol: float = 1e-9
+) -> dict[str, tuple[float, float]]:
+    """Maximum and minimum of the torque of each element from closing to a time; `angle`: of the line ahead of axis d."""
+    sheet, c = case.motor_data[0], case.motor_circuit[0]
+    omega, pairs = 2.0 * math.pi * case.line_frequency, case.poles / 2.0
+    base = sheet.apparent_power * pairs / omega
+    j = np.array([s.inertia for s in case.stations])
+    k = np.array([e.stiffness for e in case.elements])
+    d = np.array([e.damping for e in case.elements])
+    n = len(j)
+    x = np.zeros((5, 5))  # d, field, damper d; q, damper q
+    x[:3, :3] = c.xmd + np.diag([c.xl, c.xlf, c.xlkd])
+    x[3:, 3:] = c.xmq + np.diag([c.xl, c.xlkq])
+    y = np.linalg.inv(x)
+    r = np.array([c.rs, (1.0 + sheet.discharge_resistance) * c.rf, c.rkd, c.rs, c.rkq])
+
+    def rates(t: float, s: np.ndarray) -> np.ndarray:
+        """Of the motor's angle, the twists, which stay small, speeds and fluxes."""
+        v, psi = s[n : 2 * n], s[2 * n :]
+        i = y @ psi
+        through = k * s[1:n] + d * (v[:-1] - v[1:])
+        force = np.zeros(n)
+        force[0] = base * (psi[0] * i[3] - psi[3] * i[0])
+        force[:-1] -= through
+        force[1:] += through
+        ahead, w = angle + omega * t - pairs * s[0], pairs * v[0] / omega
+        out = -r * i
+        out[0] += math.cos(ahead) + w * psi[3]
+        out[3] += math.sin(ahead) - w * psi[0]
+        return np.concatenate([v[:1], v[:-1] - v[1:], force / j, omega * out])
+
+    t = np.linspace(0.0, end, max(int(end * omega / 0.05), 2))
+    scale = np.concatenate([[1e-2], base / k, np.full(n, 1.0), np.full(5, 1.0)])
+    s = solve_ivp(rates, (0.0, end), np.zeros(2 * n + 5), "DOP853", t, rtol=rtol, atol=rtol * scale).y
+    peaks = {}
+    for i, element in enumerate(case.elements):
+        torque, rate = k[i] * s[1 + i], k[i] * (s[n + i] - s[n + i + 1])
+        values = np.append(turning_points(t, torque, rate)[1], torque[[0, -1]])
+        peaks[element.element] = float(values.max()), float(values.min())
+    return peaks
+
+
 def misses(case: Case, event: Any) -> list[str]:
     """What lies outside its stated error, and by how much."""
     peaks, air_gap = reference(case)

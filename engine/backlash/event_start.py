@@ -504,6 +504,8 @@ def _script(
             end_speed = None
     if effects.full_length or effects.pull_in or effects.aborted_start:
         maximum = longest
+    elif effects.motor_transient:  # its mean torque is not that of the curves
+        maximum = min(2.0 * linear.outcome.time + 1.0, longest)
     elif linear.outcome.outcome in (Outcome.REACHED, Outcome.TIME_OUT):
         maximum = min(1.2 * linear.outcome.time + 1.0, longest)
     else:  # where the plain start settled below its end speed, so does this one

@@ -244,7 +244,8 @@ def read_speed(
     case : CaseData
         The case, for `TorqueFollows`. [SI]
     effects : StartEffects
-        Where motors answer to vibration their curves are read at the mean speed. [flags]
+        Where motors answer to vibration, or are in time, their curves are read at the mean speed: of the latter those
+        of the line's voltage. [flags]
     reach : ndarray, shape (n_modes, n_forces)
         Forces to modes, the rigid ones first. [rad/√(kg m²)]
     force : ndarray of int, shape (n_motors,)
@@ -257,7 +258,8 @@ def read_speed(
     ndarray, shape (n_motors, n_read)
         Of the modes on which it depends. [√(1/(kg m²))]
     """
-    mean = effects.electrical_damping or not case.reads_own_speed
+    in_time = effects.electrical_damping or effects.motor_transient
+    mean = in_time or not case.reads_own_speed
     return np.ascontiguousarray(reach.T[force, : n_rigid if mean else len(reach)])
 
 

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from cases import load_case
 from scipy.integrate import solve_ivp
 
 from engine.backlash.event_start import run_event_start
-from engine.case.data import SupplyVoltageRow
+from engine.case.case import Case
+from engine.case.data import MotorCircuitRow, MotorDataRow, StationRow, SupplyVoltageRow
 from engine.case.effect import StartEffects
 from engine.model.build_train import build_train
 from engine.model.modal_analysis import analyse
@@ -116,3 +119,61 @@ def test_a_start_is_that_of_the_equations(reduced):
     (machine,) = found.machines
     assert abs(machine.largest) == pytest.approx(np.max(np.abs(torque)), rel=1e-3)
     assert INERTIA @ last[3:6] / INERTIA.sum() == pytest.approx(170.0, rel=1e-5)
+
+
+# --- published starts -------------------------------------------------------------------------------
+
+
+def direct_on_line(poles, frequency, base_power, inertia, circuit, **fields):
+    """A start of a rigid train; its circuit is in ohm, `base_power` that of 1 ohm, and 1 per unit 10 ohm."""
+    per_unit = {name: 0.1 * value for name, value in circuit.items()}
+    return Case(
+        line_frequency=frequency, poles=poles, rated_power=0.1 * base_power, tolerance_peak=1e-6,
+        stations=(StationRow("Motor", None, inertia),), motor_circuit=(MotorCircuitRow("Motor", **per_unit),),
+        motor_data=(MotorDataRow("Motor", apparent_power=0.1 * base_power),), **fields,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ["IM_krause_3hp", "IM_krause_2250hp"])
+def test_induction_motor_direct_on_line(name):
+    published = load_case(name)
+    m, expected = published["machine"], published["expected"]
+    cage = {"rkd": m["rr"], "xlkd": m["Xlr"], "rkq": m["rr"], "xlkq": m["Xlr"]}
+    circuit = {"rs": m["rs"], "xl": m["Xls"], "xmd": m["XM"], "xmq": m["XM"]} | cage
+    voltage = float(str(m["line_voltage"]).split()[0])
+    found = in_time(
+        direct_on_line(4, 60.0, voltage**2, m["inertia"], circuit, end_speed=0.95 * 60.0 * np.pi)
+    )
+    (machine,) = found.machines
+    assert machine.largest == pytest.approx(expected["peak_torque"], rel=1e-4)
+    assert machine.time == pytest.approx(expected["peak_time"], abs=5e-5)
+    assert found.outcome.time == pytest.approx(expected["time_to_95_percent"], abs=5e-5)
+
+
+def test_reluctance_motor_direct_on_line():
+    published = load_case("SM01")
+    m, expected = published["machine"], published["expected"]
+    circuit = {
+        new: float(str(m[old]).split()[0])
+        for new, old in {
+            "rs": "Rs", "xl": "Xs_leak", "xmd": "Xmd", "xmq": "Xmq", "rkd": "Rrd", "xlkd": "Xrd_leak", "rkq": "Rrq",
+            "xlkq": "Xrq_leak",
+        }.items()
+    }  # fmt: skip
+    frequency, inertia = (float(str(m[n]).split()[0]) for n in ("frequency", "inertia_total"))
+    case = direct_on_line(
+        4, frequency, 1.5 * (2.0 / 3.0 * 100.0**2), inertia, circuit, maximum_time=1.4
+    )
+    # closed with the line along axis q
+    (motor,) = motors_of(replace(case, pulsation_phase=0.0), build_train(case))
+    case = replace(case, pulsation_phase=-2.0 * math.pi - motor.phase)
+    found = in_time(case, full_length=True)
+    (machine,) = found.machines
+    assert machine.largest == pytest.approx(expected["peak_torque_own"], rel=3e-3)
+    assert machine.time == pytest.approx(expected["peak_time_own"] - 0.1, abs=5e-5)
+    rows = [row for row in published["series"] if 0.1 < row["time"] < 1.4]
+    t = np.array([row["time"] for row in rows]) - 0.1
+    speed = np.interp(t, found.trajectory.time, found.trajectory.mean_speed)
+    ref = np.array([row["speed_ref"] for row in rows])
+    inside = t < found.trajectory.time[-1]
+    assert np.max(np.abs(speed - ref)[inside]) < 3e-3 * np.max(ref)
