@@ -256,7 +256,9 @@ def start_reference(
 
     t = np.linspace(0.0, end, max(int(end * omega / 0.05), 2))
     scale = np.concatenate([[1e-2], base / k, np.full(n, 1.0), np.full(5, 1.0)])
-    s = solve_ivp(rates, (0.0, end), np.zeros(2 * n + 5), "DOP853", t, rtol=rtol, atol=rtol * scale).y
+    s = solve_ivp(
+        rates, (0.0, end), np.zeros(2 * n + 5), "DOP853", t, rtol=rtol, atol=rtol * scale
+    ).y
     peaks = {}
     for i, element in enumerate(case.elements):
         torque, rate = k[i] * s[1 + i], k[i] * (s[n + i] - s[n + i + 1])

@@ -38,6 +38,12 @@ BACKLASH_GAIN = 5.0
 #: Relative change of an answer per unit of the number of electrical damping: a resonance is in proportion to 1/ζ at
 #: the most; largest seen 1.9 (100 trains, both choices of `TorqueFollows`).
 DAMPING_GAIN = 5.0
+#: Relative change of an answer per unit of the torque that closing adds to an element: largest seen 1.9 (100 random
+#: machines and trains, electrical damping as its plan has it).
+CLOSING_GAIN = 2.0
+#: Electrical damping that changes a peak by more than this is no small change of a mode's damping: the torque of the
+#: motors is then needed in time. [1]
+LARGEST_SMALL_SIGNAL = 1.0
 #: A mode with bearings is the same as one without if they share this much of their shape.
 SAME_MODE = 0.9
 #: A rigid train that comes this close to the slip of the field, or to the trip speed, may reach it:

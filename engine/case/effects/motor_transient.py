@@ -16,9 +16,10 @@ MOTOR_TRANSIENT = Effect(
     order=35,
     number=(
         "Largest torque that closing adds to an element beyond the curves, exact with the rotor at rest, divided by "
-        "the largest torque of that element; on above tolerance"
+        "the largest torque of that element; on above tolerance / 2, and where electrical damping changes a peak by "
+        "more than itself"
     ),
-    bound="the number",
+    bound="2 × the number",
     called_for_by="MotorData of every motor, none with rows in MotorTorque",
     flag="motor_transient",
     inputs=EffectInputs(

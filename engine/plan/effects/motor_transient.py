@@ -2,7 +2,7 @@
 
 from engine.case.data import CaseData
 from engine.plan.decision import Finding, percent
-from engine.plan.evidence import Evidence
+from engine.plan.evidence import CLOSING_GAIN, LARGEST_SMALL_SIGNAL, Evidence
 
 
 def finding(case: CaseData, e: Evidence, modelled: tuple[str, ...]) -> Finding:
@@ -11,13 +11,17 @@ def finding(case: CaseData, e: Evidence, modelled: tuple[str, ...]) -> Finding:
     if share is None:
         why = "The torque of a motor is typed, or there is no motor: its fluxes are unknown."
         return Finding.impossible(why, None)
-    wanted = share > e.tolerance
+    limit, bound = e.tolerance / CLOSING_GAIN, CLOSING_GAIN * share
+    wanted = share > limit
     why = (
         f"Closing adds at most {percent(share)} of its largest torque to an element, "
-        f"{'above' if wanted else 'at most'} the tolerance {percent(e.tolerance)}."
+        f"{'above' if wanted else 'at most'} the limit {percent(limit)}."
     )
+    if not wanted and e.electrical and e.electrical.number > LARGEST_SMALL_SIGNAL:
+        wanted = True
+        why += " What the motors damp of a mode, or drive, is too much for electrical damping, which is of small motions."
     if case.shock_amplitude:
         why += (
             " While it is on the typed ShockAmplitude is not added: the fluxes have the transient."
         )
-    return Finding(wanted, True, share, e.tolerance, share, why)
+    return Finding(wanted, True, share, limit, bound, why)
