@@ -14,7 +14,13 @@ from scipy.interpolate import CubicSpline
 from engine.backlash.event_start import run_event_start
 from engine.case.case import Case
 from engine.case.choices import TorqueFollows
-from engine.case.data import EffectChoiceRow, MotorCircuitRow, MotorDataRow, StationRow, SupplyVoltageRow
+from engine.case.data import (
+    EffectChoiceRow,
+    MotorCircuitRow,
+    MotorDataRow,
+    StationRow,
+    SupplyVoltageRow,
+)
 from engine.case.effect import StartEffects
 from engine.model.build_train import build_train
 from engine.model.modal_analysis import analyse
@@ -202,7 +208,13 @@ def test_the_field_pulls_the_motor_into_step():
     before, _, state = reference.run(0.0, at, np.zeros(11))
     assert INERTIA @ state[3:6] / INERTIA.sum() == pytest.approx(0.95 * LINE / PAIRS, rel=1e-6)
     xd = start.circuit.stator_leakage + start.circuit.magnetising_d
-    full = start.circuit.field.resistance * 2.5e4 / start.torque_base * xd / start.circuit.magnetising_d
+    full = (
+        start.circuit.field.resistance
+        * 2.5e4
+        / start.torque_base
+        * xd
+        / start.circuit.magnetising_d
+    )
     reference.use(start.circuit, lambda t: full * (1.0 - math.exp(-(t - at) / rise)))
     after, _, last = reference.run(at, found.outcome.time, state)
     expected = np.max([before[0][0], after[0][0]]), np.min([before[0][1], after[0][1]])
@@ -219,7 +231,9 @@ def test_a_tripped_motor_gives_no_torque():
     case = case_from_data(damping_ratio=None, end_speed=170.0, trip_speed=100.0, maximum_time=4.0)
     found = in_time(case, aborted_start=True)
     (machine,) = found.machines
-    tripped = found.trajectory.time > found.trajectory.time[np.argmax(found.trajectory.mean_speed)] + 1e-6
+    tripped = (
+        found.trajectory.time > found.trajectory.time[np.argmax(found.trajectory.mean_speed)] + 1e-6
+    )
     assert np.any(tripped)
     assert np.max(np.abs(machine.torque[tripped])) == 0.0
 
@@ -228,7 +242,9 @@ def test_closing_on_a_rotor_at_rest_is_that_of_its_eigenvalues():
     """A heavy rotor stays at rest: the torque that closing adds, and that of the curves at slip 1."""
     case = case_from_data(damping_ratio=None, load_torque=(), maximum_time=0.3)
     heavy = replace(
-        case, stations=tuple(replace(s, inertia=1e9 * s.inertia) for s in case.stations), tolerance_peak=1e-6
+        case,
+        stations=tuple(replace(s, inertia=1e9 * s.inertia) for s in case.stations),
+        tolerance_peak=1e-6,
     )
     found = in_time(heavy, full_length=True)
     (motor,) = motors_of(heavy, build_train(heavy))
