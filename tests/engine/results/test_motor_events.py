@@ -20,7 +20,7 @@ from engine.results.results import Results
 from engine.results.tables import Row, result_tables
 from engine.run import run
 from tests.engine.results.test_operating_events import check, rows, train, with_backlash
-from tests.trains import RATED
+from tests.trains import RATED, geared
 
 #: 1 per unit of torque is 1.25 times the rated torque.
 SHEET = MotorDataRow("Motor", None, 1.25 * RATED * 2.0 * math.pi * 30.0, power_factor=0.9)
@@ -137,6 +137,22 @@ def test_teeth_that_stay_together_are_not_simulated_apart():
     )
     assert rows(shaken)["dip", "Mesh"]["minimum"] > 0.0
     assert shaken.events[0].response.contacts == ()
+
+
+def test_a_start_in_time_has_its_air_gap_torque():
+    case = replace(geared(), motor_torque=(), motor_data=(SHEET,), motor_circuit=(CIRCUIT,))
+    on, off = (
+        run(replace(case, effect_choices=(EffectChoiceRow("motor transient", choice),)))
+        for choice in ("on", "off")
+    )
+    found = air_gap(on)["start"]
+    at_rest = result_tables(on)["MotorCurves"][0]
+    assert found["largest"] > 1.1 * (at_rest["average"] + at_rest["pulsating"])
+    assert 0.0 < found["time"] < 0.2
+    assert air_gap(off) == {}
+    assert on.plans[-1].decision("motor transient").on
+    assert not off.plans[-1].decision("motor transient").on
+    assert off.start.left_out is None  # forced off although required: no bound
 
 
 def test_a_motor_that_loses_its_step_says_so():
