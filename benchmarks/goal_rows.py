@@ -38,6 +38,8 @@ class Row:
         How it was measured. [text]
     also : callable
         What else must hold of the words that the new program tells. [function]
+    alone : str, optional
+        Code that makes `call` a piece of the work in one process, to see how much of it the loops take. [Python]
     full : tuple of str, optional
         Text of the sample in the code, and that of all starts. [Python]
     """
@@ -53,6 +55,7 @@ class Row:
     memory: float | None = None
     note: str = ""
     also: Callable[[str], bool] = lambda told: True
+    alone: str = ""
     full: tuple[str, str] | None = None
 
     def in_full(self) -> Row:
@@ -223,6 +226,7 @@ def _study(what: str, of: int, samples: int, goal: float, cases: tuple[str, str]
         times=of / samples, budget=0.0, rounds=1, warm=False,
         note=f"{samples} samples on two processes, scaled; the goal is wall time on two cores, of which processor time "
         "is twice as much",
+        alone="call = lambda: evaluate(units[0])\n",
         full=(f"samples = {samples}\n", f"samples = {of}\n"),
     )  # fmt: skip
 

@@ -134,7 +134,7 @@ def measured_rows(rows: Sequence[Row], other: Path, rounds: int) -> Iterator[Lin
     for row in rows:
         old, new, ratio = turns(row, other, rounds)
         told = row.also(new.told)
-        loops = in_loops(row.new) if row.warm else ""
+        loops = in_loops(row.new + row.alone) if row.warm or row.alone else ""
         notes = ". ".join(filter(None, (row.note, _beside(old, new), loops)))
         yield _told(
             Line(

@@ -25,6 +25,7 @@ class Watched:
 
     def __init__(self, library: Any) -> None:
         self.library, self.spent = library, dict[str, float]()
+        self.steps: list[list[int]] = []  #: Of each lane, a call of starts side by side.
 
     def __getattr__(self, name: str) -> Any:
         found = getattr(self.library, name)
@@ -32,26 +33,43 @@ class Watched:
             return found
 
         def timed(*arguments: Any) -> Any:
+            rows = _rows(*arguments[:2]) if name == "advance_starts" else []
             began = time.thread_time()
             try:
                 return found(*arguments)
             finally:
                 self.spent[name] = self.spent.get(name, 0.0) + time.thread_time() - began
+                if len(rows) > 1:
+                    after = _rows(*arguments[:2])
+                    self.steps.append([b - a for a, b in zip(rows, after, strict=True)])
 
         setattr(self, name, timed)
         return timed
 
 
+def _rows(lanes: int, plan: Any) -> list[int]:
+    """Rows that each lane has written."""
+    return list(compiled.ffi.unpack(plan.done, lanes))
+
+
 def measured(call: Callable[[], object], watched: Watched) -> dict[str, Any]:
-    """Share of the processor time of a call in the loops, and the loop with the most. [1]"""
+    """Share of the processor time of a call in the loops, and the loop with the most; of starts side by side the share of
+    the lanes that was filled, and steps a lane. [1]"""
     call()  # what is made on first use
     watched.spent.clear()
+    watched.steps.clear()
     began = time.process_time()
     while (took := time.process_time() - began) < BUDGET:
         call()
     name = max(watched.spent, key=watched.spent.__getitem__)
     share, largest = sum(watched.spent.values()) / took, watched.spent[name] / took
-    return {"share": share, "largest": name, "of it": largest}
+    longest = [max(steps) for steps in watched.steps]
+    room = sum(len(steps) * most for steps, most in zip(watched.steps, longest, strict=True))
+    filled = sum(map(sum, watched.steps)) / room if room else None
+    return {
+        "share": share, "largest": name, "of it": largest,
+        "filled": filled, "steps": sum(longest) / len(longest) if longest else 0,
+    }  # fmt: skip
 
 
 def in_loops(code: str) -> str:
@@ -59,7 +77,10 @@ def in_loops(code: str) -> str:
     words = [sys.executable, "-m", "benchmarks.loop_share"]
     done = subprocess.run(words, input=code, capture_output=True, text=True, check=True, cwd=ROOT)
     found = json.loads(done.stdout.splitlines()[-1])
-    return f"{found['share']:.0%} of it in the compiled loops ({found['of it']:.0%} in {found['largest']})"
+    words = f"{found['share']:.0%} of it in the compiled loops ({found['of it']:.0%} in {found['largest']})"
+    if found["filled"]:
+        words += f"; {found['filled']:.0%} of the lanes filled, {found['steps']:,.0f} steps a lane"
+    return words
 
 
 def main() -> None:

@@ -20,8 +20,10 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 from benchmarks.problems import Chain, Sweep
+from engine.case.data import CaseData
 from engine.model.train import Train
 from engine.stepping.linear_loop import drive_struct, start_forces, system_struct
+from tests.mean_speed import read_weights
 
 __all__ = ["Curves", "exact_frequencies", "exact_response", "exact_start"]
 
@@ -144,12 +146,17 @@ def _recur(free: Floats, forced: Floats) -> Floats:
 
 
 def exact_start(
-    train: Train, damping: Floats, model: Any, stations: NDArray[np.int64], time: Floats
+    case: CaseData,
+    train: Train,
+    damping: Floats,
+    model: Any,
+    stations: NDArray[np.int64],
+    time: Floats,
 ) -> Curves:
     """A start from rest, all degrees of freedom, damping with its full matrix.
 
     `damping` acts on the degrees of freedom, `model` is the engine's `StartModel` for its curves,
-    `stations` are those its forces act on, in its order.
+    `stations` are those its forces act on, in its order. The curves of motors are read at the speed that the case names.
     """
     B = train.incidence
     pick = np.zeros((len(stations), train.n_dof))
@@ -159,7 +166,12 @@ def exact_start(
     G = np.ascontiguousarray(G @ pick.T)
     reach = np.empty((len(stations), 0))
     none = np.zeros(0)
-    read = pick[model.motors[0]]  # curves are read at the speed of the station
+    nodes = stations[model.motors[0]]
+    weights = [
+        read_weights(case, B, train.stiffness, train.inertia, train.dof_ratio, dof)
+        for dof in train.node_dof[nodes]
+    ]
+    read = train.node_scale[nodes, None] * np.array(weights).reshape(-1, train.n_dof)
     structs = (
         drive_struct(model.curves, model.motors, model.loads, model.timed, model.electrical),
         system_struct(none, none, reach, none, reach, model.dampers),

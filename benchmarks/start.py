@@ -83,7 +83,8 @@ def start_reference(start: PreparedStart, *, quick: bool) -> tuple[Curves, float
         torque = on_grid(grid, fine.time, fine.torque, fine.torque_rate)
         torque = torque[np.argsort(fine.output_element)]
         return Curves(grid, torque, torque), None
-    exact = exact_start(start.train, start.damping_matrix(), start.model, start.stations, grid)
+    damping = start.damping_matrix()
+    exact = exact_start(start.case, start.train, damping, start.model, start.stations, grid)
     return exact, _error(fine, exact)[0]
 
 

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass, replace
 from functools import partial
 
-from engine.backlash.event_start import run_event_start
+import numpy as np
+
+from engine.backlash.event_start import one_run, run_event_start
 from engine.backlash.operating_events import OperatingEvent, operating_events
+from engine.case.choices import TorqueFollows
 from engine.case.data import CaseData, case_digest
 from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, DEFAULT_TOLERANCE_STARTS
 from engine.case.effect import StartEffects
@@ -32,6 +36,7 @@ from engine.plan.plan import (
     effects_with,
     first_plan,
     revised_plan,
+    with_estimate,
     with_measured,
     with_times,
 )
@@ -40,13 +45,16 @@ from engine.results.times import EVENTS, accuracy_of, measured_times
 from engine.results.verdicts import verdicts_of
 from engine.results.warnings import warnings_of
 from engine.start.crossings import Crossing, crossings_of
-from engine.start.peaks import change_of_peaks
+from engine.start.electrical_damping import ElectricalDamping, electrical_damping_of
+from engine.start.peaks import JudgedRun, change_of_peaks, judge_run
 from engine.start.pieces import analysis_for_start, with_pieces_error
 from engine.start.prescribed import run_prescribed
 from engine.start.reversals import Reversal, torque_reversals
 from engine.start.settings import has_start
-from engine.start.start import Start, run_start, with_left_out
+from engine.start.start import Start, prepared_start, run_start, with_left_out
 from engine.start.start_fatigue import starts_of
+from engine.start.start_model import shifted
+from engine.start.trajectory import SingleRun
 
 #: How often the start is repeated at half the step where the starts are not accurate enough.
 MAX_STARTS_REFINEMENTS = 3
@@ -69,6 +77,8 @@ class PlannedStart:
     evidence: Evidence  #: What the plans were made from. [SI]
     #: The start with every effect on that the plan leaves out, where bounds must be measured. [SI]
     full: Start | None = None
+    #: The start with motor curves read at the other speed, where that estimates what lacks data. [SI]
+    otherwise: JudgedRun | None = None
 
     @property
     def plan(self) -> Plan:
@@ -98,6 +108,7 @@ def run(case: CaseData, on_stage: Callable[[str], None] | None = None) -> Result
     crossings: tuple[Crossing, ...] = ()
     errors: tuple[tuple[str, float | None], ...] = ()
     reversals: tuple[Reversal, ...] = ()
+    damping: tuple[ElectricalDamping, ...] = ()
     if has_start(case) or case.torque_time_from_rest:
         planned = planned_start(case, analysis, stage)
         with stage("fatigue"):
@@ -112,6 +123,8 @@ def run(case: CaseData, on_stage: Callable[[str], None] | None = None) -> Result
                 crossings = crossings_of(case, analysis.reported, start, planned.model)
         measured = with_times(planned.plan, measured_times(planned.plan, spent))
         plans = (*planned.plans[:-1], measured)
+        if planned.evidence.electrical is not None:
+            damping = planned.evidence.electrical.rows
     else:
         plans = (first_plan(case, collect_evidence(case, analysis.torsional, analysis.coupled)),)
     events: tuple[OperatingEvent, ...] = ()
@@ -127,6 +140,7 @@ def run(case: CaseData, on_stage: Callable[[str], None] | None = None) -> Result
         spent=tuple(spent),
         plans=plans,
         reversals=reversals,
+        electrical_damping=damping,
         events=events,
     )
     return replace(
@@ -189,13 +203,15 @@ def planned_start(
     analysis: ModalAnalysis,
     stage: Stage = lambda _: nullcontext(),
     most_modes: int | None = None,
+    estimated: bool = True,
 ) -> PlannedStart:
     """The start that the evidence calls for: linear first, then with events where it says so.
 
-    With `most_modes` no more modes are integrated than so many, whatever the others change.
+    With `most_modes` no more modes are integrated than so many, whatever the others change. Not `estimated`: what
+    motors without data damp is no part of what is left out, which then is bounds alone.
     """
     with stage("plan"):
-        evidence = collect_evidence(case, analysis.torsional, analysis.coupled)
+        evidence = collect_evidence(case, analysis.torsional, analysis.coupled, analysis.reported)
         evidence = replace(evidence, most_modes=most_modes)
         plan = first_plan(case, evidence)
     model = analysis.reported if plan.lateral else analysis.torsional
@@ -246,8 +262,69 @@ def planned_start(
         if adopted and full is not None:
             start, full = with_pieces_error(full, pieces, tolerance), None
             model = (analysis.coupled if plan.lateral else None) or model
-    start = with_left_out(start, plans[-1].left_out_bound, tolerance)
-    return PlannedStart(start, linear, tuple(plans), model, evidence, full)
+    otherwise: JudgedRun | None = None
+    if estimated and evidence.electrical is not None and not evidence.electrical.known:
+        with stage("motor curves at the other speed"):
+            otherwise, change = _read_otherwise(stepped, model, plans[-1], start, linear)
+        plans[-1] = with_estimate(case, plans[-1], change)
+    elif estimated and plans[-1].effects.electrical_damping:
+        with stage("shift of frequencies by motors"):
+            otherwise, change = _shifted(stepped, model, plans[-1], linear)
+        plans[-1] = with_estimate(case, plans[-1], change)
+    start = with_left_out(start, plans[-1].left_out_bound, tolerance, plans[-1].estimate)
+    return PlannedStart(start, linear, tuple(plans), model, evidence, full, otherwise)
+
+
+def _read_otherwise(
+    case: CaseData, model: ModalTrain, plan: Plan, start: Start, linear: Start
+) -> tuple[JudgedRun | None, float]:
+    """The start with motor curves read at the other speed, own or mean, and how that changes the peaks.
+
+    Where runs part whatever is changed, or none came to its end, the linear starts tell; there is none then.
+    """
+    reading = TorqueFollows.MEAN_SPEED if case.reads_own_speed else TorqueFollows.OWN_SPEED
+    other = replace(CaseData(**vars(case)), torque_follows=reading)
+    unfinished = start.outcome.outcome == Outcome.TIME_OUT
+    if plan.events and start.repeatability is None and not unfinished:
+        run = one_run(other, model, plan.effects, linear, start.step)
+        if not run.events.gave_up:
+            judged = _judged_alone(model, run)
+            return judged, change_of_peaks(judged.peaks, start.peaks)
+    plain = _without_events(plan.effects)
+    prepared = prepared_start(other, model, plain)
+    if prepared.model.uncoupled_dampers:  # too strong for explicit forces, as in `calculate_start`
+        judged = calculate_start(other, model, plain, None)
+    else:
+        judged = _judged_alone(model, prepared.to_its_end(linear.step)[1])
+    change = change_of_peaks(judged.peaks, linear.peaks)
+    return None if plan.events else judged, change
+
+
+def _shifted(
+    case: CaseData, model: ModalTrain, plan: Plan, linear: Start
+) -> tuple[JudgedRun | None, float]:
+    """The linear start with the frequencies that the motors give the modes, and how that changes the peaks."""
+    prepared = prepared_start(case, model, _without_events(plan.effects))
+    prepared, plain = prepared.to_its_end(linear.step)
+    shift = np.zeros(model.modes.n_modes)
+    for row in electrical_damping_of(case, model):
+        if row.speed < 1.0:
+            shift[model.modes.n_rigid + row.mode - 1] += 2.0 * math.pi * (row.shift or 0.0)
+    run = replace(prepared, model=shifted(prepared.model, shift)).at(linear.step)
+    other = _judged_alone(model, run)
+    change = change_of_peaks(other.peaks, _judged_alone(model, plain).peaks)
+    return None if plan.events else other, change
+
+
+def _judged_alone(model: ModalTrain, run: SingleRun) -> JudgedRun:
+    """Extremes of one simulation, without an estimate of its error."""
+    return judge_run(model.train, np.zeros(len(run.turning)), run, run)
+
+
+def _without_events(effects: StartEffects) -> StartEffects:
+    return replace(
+        effects, clearances=(), pull_in=False, aborted_start=False, motor_transient=False
+    )
 
 
 def _with_all_effects(
@@ -287,10 +364,7 @@ def calculate_start(
     if has_start(case):
         start = run_start(case, model, effects)
         if start.uncoupled_dampers:  # too strong for explicit forces: the loop with events solves
-            plain = replace(
-                effects, clearances=(), pull_in=False, aborted_start=False, motor_transient=False
-            )
-            return run_event_start(case, model, plain, start)
+            return run_event_start(case, model, _without_events(effects), start)
         return start
     return run_prescribed(case, model)
 
@@ -321,7 +395,8 @@ def judged_starts(
         return start, None, ()
     always = counting.choice == "on"
     tolerance = case.tolerance_starts or DEFAULT_TOLERANCE_STARTS
-    starts, errors = starts_of(case, start, planned.full, always_count=always)
+    others = planned.full, planned.otherwise
+    starts, errors = starts_of(case, start, *others, always_count=always)
     for _ in range(MAX_STARTS_REFINEMENTS):
         worst = max((e for _, e in errors if e is not None), default=0.0)
         unfinished = start.outcome.outcome == Outcome.TIME_OUT
@@ -341,8 +416,9 @@ def judged_starts(
             break
         wanted = case.tolerance_peak or DEFAULT_TOLERANCE_PEAK
         finer = with_pieces_error(finer, dict(start.pieces_error), wanted)
-        start = with_left_out(_as_asked(finer, wanted), planned.plan.left_out_bound, wanted)
-        starts, errors = starts_of(case, start, planned.full, always_count=always)
+        plan = planned.plan
+        start = with_left_out(_as_asked(finer, wanted), plan.left_out_bound, wanted, plan.estimate)
+        starts, errors = starts_of(case, start, *others, always_count=always)
     return start, starts, errors
 
 

@@ -7,6 +7,7 @@ steps become as short as the tolerance wants.
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
 from dataclasses import replace
 from typing import Any
 
@@ -14,6 +15,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from engine.case.case import Case
+from engine.case.choices import Clearing
 from engine.case.choices import MotorEventKind as Kind
 from engine.case.data import (
     ElementRow,
@@ -97,18 +99,18 @@ def with_clearance(seed: int) -> Case:
     )
 
 
-def voltage_of(row: MotorEventRow, omega: float, t: float, cleared: bool) -> complex:
-    """Voltage of the line in the stator's axes, of phases and not of sequences."""
+def voltage_of(row: MotorEventRow, omega: float, t: float, cleared: Collection[int]) -> complex:
+    """Voltage of the line in the stator's axes, of phases and not of sequences; `cleared`: phases that are whole."""
     phase = row.phase or 0.0
-    if cleared or row.kind == Kind.OUT_OF_PHASE_CLOSING:
+    if len(cleared) == 3 or row.kind == Kind.OUT_OF_PHASE_CLOSING:
         return complex(np.exp(1j * omega * t))
-    if row.kind == Kind.THREE_PHASE_FAULT:
-        return 0j
     if row.kind == Kind.VOLTAGE_DIP:
         return complex(row.residual_voltage * np.exp(1j * omega * t))
     thirds = 2.0 * math.pi / 3.0 * np.arange(3)
     phases = np.cos(omega * t + phase - thirds)
-    if row.kind == Kind.VOLTAGE_UNBALANCE:
+    if row.kind == Kind.THREE_PHASE_FAULT:
+        phases[[k for k in range(3) if k not in cleared]] = 0.0
+    elif row.kind == Kind.VOLTAGE_UNBALANCE:
         phases[0] *= row.residual_voltage
     else:  # the other two are one point
         phases[1:] = phases[1:].mean()
@@ -161,7 +163,7 @@ def reference(case: Case, rtol: float = 1e-11) -> tuple[dict[str, tuple[float, f
         pressed = np.maximum(twist.T, 0.0) + np.minimum(twist.T + gap, 0.0)
         return (k * np.where(np.isfinite(gap), pressed, twist.T)).T
 
-    def rates(t: float, s: np.ndarray, cleared: bool) -> np.ndarray:
+    def rates(t: float, s: np.ndarray, cleared: Collection[int]) -> np.ndarray:
         th, v, psi = s[:n], s[n : 2 * n], s[2 * n :]
         through = springs(th[:-1] - th[1:]) + d * (v[:-1] - v[1:])
         force = np.zeros(n)
@@ -179,18 +181,58 @@ def reference(case: Case, rtol: float = 1e-11) -> tuple[dict[str, tuple[float, f
         return np.concatenate([v, force / j, omega * out])
 
     state = np.concatenate([theta, np.zeros(n), flux])
-    changes = [0.0, *([row.clears_after] if row.clears_after else []), LENGTH]
     scale = np.concatenate([np.full(n, 1e-3), np.full(n, 0.1), np.full(5, 1.0)])
     found: dict[str, list[np.ndarray]] = {e.element: [] for e in case.elements}
     air_gap: list[float] = []
-    for stage, (begin, end) in enumerate(zip(changes[:-1], changes[1:], strict=True)):
+
+    def current_of(t: float, s: np.ndarray) -> np.ndarray:
+        """Of the three phases."""
+        i = y @ s[2 * n :]
+        angle = axis + omega * t + pairs * s[0]
+        turned = complex(i[0], i[3]) * np.exp(1j * (angle + (row.phase or 0.0)))
+        return np.real(turned * np.exp(-2j * math.pi / 3.0 * np.arange(3)))
+
+    def zero_of(waiting: tuple[int, ...]) -> Any:
+        """Of the current of one phase, or of that between two."""
+
+        def passes(t: float, s: np.ndarray, _: Collection[int]) -> float:
+            i = current_of(t, s)
+            return float(i[waiting[0]] - (i[waiting[1]] if len(waiting) > 1 else 0.0))
+
+        passes.terminal = True  # type: ignore[attr-defined]
+        return passes
+
+    poles: list[tuple[int, ...]] = (
+        [(1, 2)] if row.kind == Kind.LINE_TO_LINE_FAULT else [(0,), (1,), (2,)]
+    )
+    begin, cleared = 0.0, set[int]()
+    while begin < LENGTH:
+        opens = row.clears_after is not None and begin < row.clears_after
+        zeros = row.clearing == Clearing.ZEROS and len(cleared) < 3 and not opens
+        end = row.clears_after if opens else LENGTH
         t = np.linspace(begin, end, max(int((end - begin) * omega / 0.03), 2))
+        events = [zero_of(pole) for pole in poles] if zeros else None
         solution = solve_ivp(
-            rates, (begin, end), state, "DOP853", t, rtol=rtol, atol=rtol * scale, args=(stage > 0,)
+            rates,
+            (begin, end),
+            state,
+            "DOP853",
+            t,
+            rtol=rtol,
+            atol=rtol * scale,
+            args=(cleared,),
+            events=events,
+            dense_output=zeros,
         )
         assert solution.success
-        s = solution.y
-        slopes = np.array([rates(a, b, stage > 0) for a, b in zip(t, s.T, strict=True)]).T
+        if solution.status == 1:  # a zero: the samples until then
+            (first,) = (k for k, times in enumerate(solution.t_events) if len(times))
+            end = float(solution.t_events[first][0])
+            t = np.linspace(begin, end, max(int((end - begin) * omega / 0.03), 2))
+            s = solution.sol(t)
+        else:
+            s = solution.y
+        slopes = np.array([rates(a, b, cleared) for a, b in zip(t, s.T, strict=True)]).T
         state = s[:, -1]
         twists, growth = s[: n - 1] - s[1:n], slopes[: n - 1] - slopes[1:n]
         loaded = np.isinf(gap) | (twists.T > 0.0) | (twists.T < -gap)
@@ -206,6 +248,11 @@ def reference(case: Case, rtol: float = 1e-11) -> tuple[dict[str, tuple[float, f
         torque = torque_of(psi)
         values = np.concatenate([turning_points(t, torque, rate)[1], torque[[0, -1]]])
         air_gap.append(float(np.max(np.abs(values))))
+        if solution.status == 1:
+            cleared = cleared | set(poles.pop(first)) | ({0} if len(poles) == 0 else set())
+        elif opens and row.clearing != Clearing.ZEROS:
+            cleared = {0, 1, 2}
+        begin = end
     peaks = {e: np.concatenate(v) for e, v in found.items()}
     return {e: (float(v.max()), float(v.min())) for e, v in peaks.items()}, max(air_gap)
 

@@ -23,7 +23,7 @@ def read_weights(
     `rows` are the deflections of springs and flanks, `ratio` the speeds of a rigid train, 0 of lateral motion.
     """
     weights = np.zeros(len(inertia))
-    if case.torque_follows != TorqueFollows.MEAN_SPEED:
+    if case.torque_follows == TorqueFollows.OWN_SPEED:
         weights[at] = 1.0
         return weights
     rigid = np.asarray(ratio, dtype=float)

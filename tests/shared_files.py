@@ -96,7 +96,9 @@ def calculate_studies(folder: Path) -> None:
     from tests.sample_case import sample_case
 
     case, book = folder / "case.json", folder / "train.xlsx"
-    train = sample_case("proposed", starts_required=300.0, starts_factor=2.0)
+    train = sample_case(
+        "proposed", starts_required=300.0, starts_factor=2.0, torque_follows="own speed"
+    )
     content = case_to_json(train) | STUDY_ROWS
     case.write_text(json.dumps(content), encoding="utf-8")
     here = ("--in-place", "--jobs", "1")

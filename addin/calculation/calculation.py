@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from addin.calculation.audit import Stamp, audit_rows
 from addin.contract.result_tables import SHARE_MODES
+from engine.backlash.motor_scan import WorstInstants
 from engine.backlash.operating_events import EventHistory
 from engine.case.case import Case
 from engine.case.data import CaseData
@@ -63,6 +64,9 @@ class RunView:
     full_speed: FullSpeed | None = None  #: The train at full speed in a few numbers. [SI]
     #: Name and history of the event of a motor with the largest air-gap torque. [SI]
     motor_event: tuple[str, EventHistory] | None = None
+    #: Name and scan of the event with the largest torque of an element, of those whose worst clearing time was looked
+    #: for. [SI]
+    clearing: tuple[str, WorstInstants] | None = None
 
 
 def view_of(results: Results, audit: Rows = ()) -> RunView:
@@ -99,6 +103,7 @@ def view_of(results: Results, audit: Rows = ()) -> RunView:
         energies=energy_rows(results, SHARE_MODES),
         full_speed=full_speed(results.case, results.train),
         motor_event=_motor_event(results),
+        clearing=_clearing(results),
     )
 
 
@@ -106,6 +111,11 @@ def _motor_event(results: Results) -> tuple[str, EventHistory] | None:
     drawn = [e for e in results.events if e.history is not None and e.air_gap is not None]
     largest = max(drawn, key=lambda e: abs(e.air_gap.largest) if e.air_gap else 0.0, default=None)
     return None if largest is None or largest.history is None else (largest.name, largest.history)
+
+
+def _clearing(results: Results) -> tuple[str, WorstInstants] | None:
+    scans = [(e.name, e.worst) for e in results.events if e.worst and len(e.worst.clearing)]
+    return max(scans, key=lambda scan: float(np.max(scan[1].torque)), default=None)
 
 
 def _load_angle(results: Results) -> tuple[Floats, Floats, Floats] | None:

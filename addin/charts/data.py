@@ -32,6 +32,7 @@ from engine.errors import TorsionError
 from engine.fatigue.sn_curve import sn_curve_for
 from engine.fatigue.stress import stress_of_unit_torque
 from engine.model.links import shaft_stiffness
+from engine.model.sections import Section, sections_of, series_stiffness
 from engine.numerics.distinct import distinct
 
 #: Most points of a drawn curve that has no spikes.
@@ -77,7 +78,9 @@ def chart_blocks(
         "ChartTrain": _train_rows(case, labels),
         "ChartTorque": _torque_rows(case, run),
         "ChartMotor": _motor_rows(case, run, units, labels),
+        "ChartProfile": _profile_rows(case, units, labels),
         "ChartMotorEvent": _motor_event_rows(run, units, labels),
+        "ChartClearing": _clearing_rows(run, units, labels),
         "ChartSpeedTime": _speed_time_rows(run),
         "ChartCrossings": _crossing_rows(case, run, labels),
         "ChartSN": _sn_rows(case, run, units, labels),
@@ -141,25 +144,31 @@ def _sequence(case: CaseData) -> list[tuple[str, Any]]:
     return drawn
 
 
-def stiffness_of(element: ElementRow) -> float:
-    """Stiffness of an element, from its geometry where it is blank.
+def stiffnesses_of(case: CaseData) -> dict[str, float]:
+    """Stiffness of each element, from its geometry or its sections where it is blank.
 
     Parameters
     ----------
-    element : ElementRow
-        The element. [SI]
+    case : CaseData
+        The case. [SI]
 
     Returns
     -------
-    float
-        Its stiffness; 0 when neither is given. [N m/rad]
+    dict of str to float
+        By element; 0 where neither is given. [N m/rad]
     """
+    sections = sections_of(case)
+    return {
+        str(e.element): _stiffness_of(e, sections.get(str(e.element), ())) for e in case.elements
+    }
 
+
+def _stiffness_of(element: ElementRow, sections: Sequence[Section]) -> float:
     if element.stiffness is not None:
         return element.stiffness
     if element.od and element.length and element.shear_modulus:
         return shaft_stiffness(element.od, element.id or 0.0, element.length, element.shear_modulus)
-    return 0.0
+    return series_stiffness(sections) if sections else 0.0
 
 
 def _train_rows(case: CaseData, labels: dict[str, Cell]) -> Rows:
@@ -170,7 +179,8 @@ def _train_rows(case: CaseData, labels: dict[str, Cell]) -> Rows:
         labels[f"Speed group {k + 1}"] = _speed_words(case, ratio)
     disc = max([row.inertia or 0.0 for row in case.stations], default=0.0) or 1.0
     shafts = [e for e in case.elements if e.kind != "gear mesh"]
-    shaft = max([stiffness_of(e) for e in shafts], default=0.0) or 1.0
+    stiffness = stiffnesses_of(case)
+    shaft = max([stiffness[str(e.element)] for e in shafts], default=0.0) or 1.0
     rows: Rows = []
     for name, item in _sequence(case):
         row: list[Cell] = [name or None, *[None] * (4 * GROUPS + 2)]
@@ -180,7 +190,7 @@ def _train_rows(case: CaseData, labels: dict[str, Cell]) -> Rows:
             place = (
                 1 + 4 * GROUPS if is_mesh else 3 + 4 * group.get(ratios[ends[0]] if ends else 1, 0)
             )
-            height = 0.3 if is_mesh else 0.62 * (stiffness_of(item) / shaft) ** 0.25
+            height = 0.3 if is_mesh else 0.62 * (stiffness[str(item.element)] / shaft) ** 0.25
         elif item is not None:
             place = 1 + 4 * group[ratios[name]]
             height = max(0.03, ((item.inertia or 0.0) / disc) ** 0.25)
@@ -248,6 +258,34 @@ def _motor_rows(
     return side_by_side(columns) or [[None] * len(columns)]
 
 
+def _profile_rows(case: CaseData, units: ShownUnits, labels: dict[str, Cell]) -> Rows:
+    """Sections of table `Sections` as rectangles, element after element, in its unit of Length."""
+    stepped = [row for row in case.sections if row.element and row.length and row.od]
+    names = dict.fromkeys(str(row.element) for row in stepped)
+    listed = ", ".join(names) if names else "no element has rows in table Sections"
+    labels["Profile title"] = f"Profile from From to To: {listed}"
+    labels["Profile axis"] = f"Radius [{units.name('Sections', 'Length')}]"
+    unit = units.factor("Sections", "Length")
+    gap = 0.05 * sum(row.length or 0.0 for row in stepped)
+    outlines: dict[str, list[list[tuple[float, float]]]] = {"outer": [], "hub": [], "bore": []}
+    left = 0.0
+    for name in names:
+        for row in (r for r in stepped if r.element == name):
+            right = left + (row.length or 0.0)
+            first, last = 0.5 * (row.od or 0.0), 0.5 * (row.last_od or 0.0)
+            corners = ((left, first), (right, last), (right, -last), (left, -first), (left, first))
+            kind = "outer" if row.penetration is None else "hub"
+            outlines[kind].append([(x / unit, y / unit) for x, y in corners])
+            bore = 0.5 * (row.id or 0.0)
+            if bore:
+                lines = (((left, y), (right, y)) for y in (bore, -bore))
+                outlines["bore"] += [[(x / unit, y / unit) for x, y in line] for line in lines]
+            left = right
+        left += gap
+    columns = [column for pieces in outlines.values() for column in _segments(pieces)]
+    return side_by_side(columns) or [[None] * len(columns)]
+
+
 def _motor_event_rows(run: RunView | None, units: ShownUnits, labels: dict[str, Cell]) -> Rows:
     """Air-gap torque and the worst element's, in the unit of table `AirGapTorque`."""
     labels["Air-gap axis"] = f"Torque at own speed [{units.name('AirGapTorque', 'Largest')}]"
@@ -262,6 +300,23 @@ def _motor_event_rows(run: RunView | None, units: ShownUnits, labels: dict[str, 
     labels["Air-gap element"] = history.element
     unit = units.factor("AirGapTorque", "Largest")
     columns = (history.time, history.air_gap / unit, history.torque / unit)
+    return side_by_side([plain(column) for column in columns])
+
+
+def _clearing_rows(run: RunView | None, units: ShownUnits, labels: dict[str, Cell]) -> Rows:
+    """Largest torques against clearing time, in the unit of table `AirGapTorque`."""
+    labels["Clearing axis"] = f"Torque at own speed [{units.name('AirGapTorque', 'Largest')}]"
+    if run is None or run.clearing is None:
+        labels["Clearing title"] = (
+            "Peak against clearing time: no event whose Clears after is worst"
+        )
+        labels["Clearing element"] = "(no element)"
+        return [[None] * 3]
+    name, worst = run.clearing
+    labels["Clearing title"] = f"Peak against clearing time of event '{name}', worst phase at each"
+    labels["Clearing element"] = worst.element
+    unit = units.factor("AirGapTorque", "Largest")
+    columns = (worst.clearing, worst.air_gap / unit, worst.torque / unit)
     return side_by_side([plain(column) for column in columns])
 
 

@@ -62,6 +62,11 @@ LABELS: tuple[str, ...] = (
     "Air-gap title",
     "Air-gap axis",
     "Air-gap element",
+    "Clearing title",
+    "Clearing axis",
+    "Clearing element",
+    "Profile title",
+    "Profile axis",
 )
 
 CHART_TABLES: tuple[ChartTable, ...] = (
@@ -136,5 +141,15 @@ CHART_TABLES: tuple[ChartTable, ...] = (
         "ChartMotorEvent",
         ("Time", "Air gap", "Element"),
         "Air-gap torque and the largest torque of an element against time [s], in the event with the largest air-gap torque.",
+    ),
+    ChartTable(
+        "ChartClearing",
+        ("Time", "Air gap", "Element"),
+        "Largest air-gap torque and largest torque of an element against clearing time [s], where the worst one is looked for.",
+    ),
+    ChartTable(
+        "ChartProfile",
+        ("Position", "Outline", "Hub position", "Hub", "Bore position", "Bore"),
+        "Outlines of the sections of table Sections, those inside a hub, and bores: radii against length.",
     ),
 )

@@ -280,6 +280,18 @@ _SPECS = (
         legend=True,
         caption="Motor torque calculated from its data, beside typed curves",
     ),
+    # the sections of stepped shafts, one element after another
+    ChartSpec(
+        "profile", "curves", Label("Profile title", r"Profile.*"),
+        Axis("Length, in the same unit", least=0, number="General", low=True),
+        Axis(Label("Profile axis", r"Radius.*"), number="General"),
+        (
+            _curve("ChartProfile", "Position", "Outline", "Section", "navy", 1.5),
+            _curve("ChartProfile", "Hub position", "Hub", "Section inside a hub", "rust", 1.5),
+            Series("ChartProfile", "Bore position", "Bore", "Bore", "grey", 1.0, "dash"),
+        ),
+        legend=True,
+    ),
     # the fault that is hardest on the motor, and what becomes of it in the train
     ChartSpec(
         "air-gap", "curves", Label("Air-gap title", r"Air-gap torque.*"),
@@ -288,6 +300,16 @@ _SPECS = (
         (
             _curve("ChartMotorEvent", "Time", "Air gap", "Air-gap torque", "rust", 1.25),
             _curve("ChartMotorEvent", "Time", "Element", Label("Air-gap element"), "navy", 1.75),
+        ),
+        legend=True,
+    ),
+    ChartSpec(
+        "clearing", "curves", Label("Clearing title", r"Peak against clearing time.*"),
+        Axis("Clearing time [s]", least=0, number="General", low=True),
+        Axis(Label("Clearing axis", r"Torque.*"), number="General"),
+        (
+            _curve("ChartClearing", "Time", "Air gap", "Air-gap torque", "rust", 1.25),
+            _curve("ChartClearing", "Time", "Element", Label("Clearing element"), "navy", 1.75),
         ),
         legend=True,
     ),

@@ -156,7 +156,9 @@ class Field:
     unit_si: str = ""  #: Likewise. [unit]
     #: Drop-down list of the unit cell; empty where there is no unit. [units]
     units: tuple[str, ...] = ()
-    choices: tuple[str, ...] = ()  #: Allowed words of a choice; the first one is the default.
+    #: Allowed words of a choice, the first one the default; of a number, words in its place.
+    choices: tuple[str, ...] = ()
+    signed: bool = False  #: It may be negative, where other numbers of its dimension may not.
     default_text: str = (
         ""  #: What a blank cell means; empty where a blank has no meaning of its own.
     )

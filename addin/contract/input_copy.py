@@ -7,7 +7,7 @@ The formulas are plain ones of Excel 2010: none is volatile, none an array formu
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 
 from addin.contract.field import Field, TableSpec
 from addin.contract.input_tables import INPUT_TABLES
@@ -152,8 +152,9 @@ def is_speed(unit: str, stored: str, was_speed: bool, speeds: str) -> str:
 
 def changed_words(live: str, copy: str, renamed: str = "") -> str:
     """How many cells of a column, or whether a scalar, hold other words; `renamed` as of `changed_numbers`."""
-    # EXACT tells capitals apart; where it takes no ranges, what differs otherwise is found still.
-    count = f"SUMPRODUCT(1*(({live}<>{copy})+1-EXACT({live},{copy})>0))"
+    # EXACT tells capitals apart; where it takes no ranges, what differs otherwise is found still. In ranges it
+    # finds no number equal to itself (LibreOffice), and a name may be one.
+    count = f'SUMPRODUCT(1*(({live}<>{copy})+1-EXACT({live}&"",{copy}&"")>0))'
     return _unless_resized(live, copy, count, renamed)
 
 
@@ -163,8 +164,20 @@ def is_renamed(header: str, name: str) -> str:
     return f'NOT(EXACT({header},"{quoted}"))'
 
 
+def word_in_copy(words: Sequence[str], word: str) -> float:
+    """What stands in a copy for a word in the place of a number: no quantity is as large."""
+    return (words.index(word) + 1) * 1e99
+
+
 def changed_numbers(
-    live: str, copy: str, factor: str = "", speed: str = "", full: str = "", renamed: str = ""
+    live: str,
+    copy: str,
+    factor: str = "",
+    speed: str = "",
+    full: str = "",
+    renamed: str = "",
+    *,
+    words: Sequence[str] = (),
 ) -> str:
     """How many cells of a column, or whether a scalar, hold another quantity.
 
@@ -178,12 +191,16 @@ def changed_numbers(
         `is_speed` of the present unit, and full speeds; empty for other quantities. [expression, A1]
     renamed : str
         `is_renamed` of a column; empty for a scalar. [expression]
+    words : sequence of str
+        Words that may stand in the place of a number. [words]
     """
     then = f"{copy}*(1+{speed}*({full}-1))" if speed else copy
     then = f"{then}/{factor}" if factor else then
     # Live cells are compared and never multiplied, as a formula there may show "". Of two bounds on
     # one side of a number both are below it or neither; which is the lower one depends on the sign.
     other = f"({live}<>{then})*(({live}>{then}*(1+{_SAME}))=({live}>{then}*(1-{_SAME})))"
+    for word in words:
+        other += f'*(1-({live}="{word}")*({copy}={word_in_copy(words, word):G}))'
     filled = f'({live}<>"")<>({copy}<>"")'
     return _unless_resized(live, copy, f'SUMPRODUCT(({filled})+({copy}<>"")*{other})', renamed)
 

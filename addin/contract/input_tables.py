@@ -5,12 +5,14 @@ from __future__ import annotations
 from addin.contract.field import Field, TableSpec, choice, integer, number, sentence, table, text
 from engine.case.choices import (
     BelowEndurance,
+    Clearing,
     EffectChoice,
     ElementKind,
     FieldCircuit,
     GearType,
     MotorEventKind,
     MotorKind,
+    Scanned,
     SNBasis,
 )
 from engine.case.effects import EFFECTS
@@ -96,6 +98,40 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
             number("Peak torque limit", "torque", "The maker's peak torque.", blank="not judged"),
             number("Reversal limit", "torque", "Allowed reversing torque.", blank="not judged"),
             number("Vibratory limit", "torque", "Allowed vibratory torque.", blank="not judged"),
+        ),
+    ),
+    table(
+        "Sections", sheet="Sections", caption="Sections",
+        help="Optional: lengths of constant section of an element, from From to To; they give its stiffness and its own "
+        "inertia.",
+        rows=30, row_name=("Element", "Section"), later=True,
+        columns=(
+            text("Element", "The shaft or coupling of table Elements; a row for each of its sections.", kind="element"),
+            text("Section", "Name or number of the section.", blank="its number"),
+            number("Length", "length", "Length of the section."),
+            number("OD", "length", "Outer diameter."),
+            number("End OD", "length", "Outer diameter at the To end, of a tapered section.", blank="OD"),
+            number("ID", "length", "Bore.", blank="0"),
+            text("Material", "Name of the material, from table SectionMaterials.", blank="steel: 79.3 GPa, 7850 kg/m³"),
+            number("Fillet", "length", "Fillet radius at the step to the next section.", blank="sharp"),
+            number(
+                "Penetration", "fraction",
+                "Share of the length that twists, of a section inside a hub or a shrink fit: one third by the usual rule.",
+                blank="all of it",
+            ),
+            number("Keyway width", "length", "Width of a keyway along the section.", blank="no keyway"),
+            number("Keyway depth", "length", "Depth of the keyway from the crown of the shaft.", blank="no keyway"),
+        ),
+    ),
+    table(
+        "SectionMaterials", sheet="Sections", caption="Materials of sections",
+        help="What sections are made of, where it is not steel of 79.3 GPa and 7850 kg/m³.",
+        rows=4, row_name=("Material",), later=True,
+        columns=(
+            text("Material", "Name of the material."),
+            number("Shear modulus", "pressure", "Shear modulus.", si="GPa"),
+            number("Density", "density", "Density; 0 for sections that have no inertia of their own."),
+            sentence("Source", "Where the two numbers come from."),
         ),
     ),
     table(
@@ -189,7 +225,12 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
                 blank="RatedPower / (Power factor × Efficiency)",
             ),
             number("Voltage", "voltage", "Rated voltage, line to line; needed for data in ohm."),
-            number("Power factor", "ratio", "Power factor at rated power; needed without Apparent power."),
+            number(
+                "Power factor", "ratio",
+                "At rated power; a synchronous motor's current leads in operation, below 0 it lags. Needed without "
+                "Apparent power.",
+                signed=True,
+            ),
             number("Efficiency", "ratio", "Efficiency at rated power; needed without Apparent power."),
             number("Xd", "per unit", "Synchronous reactance Xd, axis of the poles."),
             number("Xq", "per unit", "Synchronous reactance Xq, between the poles."),
@@ -294,11 +335,14 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
                 "Amplitude", "fraction",
                 "A: torque over RatedTorque at the speed of that station, signed, positive in the running "
                 "direction.",
-                us="pu", si="pu", units=("pu", "%"),
+                us="pu", si="pu", units=("pu", "%"), signed=True,
             ),
             number("Multiple", "ratio", "m: multiple of the line frequency, 0 = no oscillation.", blank="0"),
             number("Phase", "angle", "φ: phase of the cosine at the event.", blank="0"),
             number("Time constant", "time", "τ: time constant of the decay.", blank="it does not decay"),
+            number(
+                "Per life", "count", "Such events in the life of the train, in one row of the event.", blank="0",
+            ),
         ),
     ),
     table(
@@ -313,12 +357,13 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
             number(
                 "Phase", "angle",
                 "Of the voltage of the healthy phase (line-to-line fault), or of the phase that changes (unbalance), at "
-                "the event.",
-                blank="0",
+                "the event; or worst.",
+                blank="0", choices=tuple(Scanned),
             ),
             number(
-                "Angle", "angle", "Of the motor's voltage ahead of the line's at closing: rotor ahead, torque brakes.",
-                blank="as the rotor is then (reclosing)",
+                "Angle", "angle",
+                "Of the motor's voltage ahead of the line's at closing: rotor ahead, torque brakes; or worst.",
+                blank="as the rotor is then (reclosing)", choices=tuple(Scanned),
             ),
             number(
                 "Residual voltage", "fraction",
@@ -326,8 +371,17 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
                 us="pu", si="pu", units=("pu", "%"), blank="1 (closing), what is left (reclosing)",
             ),
             number(
-                "Clears after", "time", "How long the line is faulted, changed or off.",
-                blank="for good; reclosing at once",
+                "Clears after", "time", "How long the line is faulted, changed or off; or worst.",
+                blank="for good; reclosing at once", choices=tuple(Scanned),
+            ),
+            number(
+                "Latest clearing", "time", "Until then the worst Clears after is looked for.", blank="0.5 s",
+            ),
+            number("Per life", "count", "Such events in the life of the train.", blank="0"),
+            choice(
+                "Clearing", tuple(Clearing),
+                "Whether a fault clears in all phases at once, or in each where the motor's current next passes zero.",
+                blank="at once",
             ),
         ),
     ),

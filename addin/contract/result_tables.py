@@ -45,6 +45,7 @@ from addin.contract.sources import (
     MODAL,
     MODAL_ELECTRICAL,
     MOTOR_DATA,
+    OF_SECTION,
     PAPER,
     PEAK,
     PHILOSOPHY,
@@ -54,6 +55,7 @@ from addin.contract.sources import (
     SPEEDS,
     START,
     STEADY,
+    STEPPED_SHAFTS,
     STRENGTH,
     STRESS,
     SVD,
@@ -71,6 +73,20 @@ LIMITS = (
 )  # fmt: skip
 #: Rows kept free for the crossings of the start; what stands below them begins there.
 CROSSING_ROWS = 8
+_SCAN_METHOD = "docs/method.md, Events of a motor"
+#: Of an event whose phase, angle or clearing time is ``worst``, where it was found.
+_WORST_INSTANT = tuple(
+    number(
+        name, dimension, f"{column} with the largest torque of this row, where {column} is worst.",
+        f"largest of all {column} of the scan, then of those beside it, ever nearer", _SCAN_METHOD,
+        of_case=(f"MotorEvents.{column}", *more), pane=Pane.MINOR, error=ReportedError.ESTIMATE,
+    )
+    for name, dimension, column, more in (
+        ("Worst phase", "angle", "Phase", ()),
+        ("Worst angle", "angle", "Angle", ()),
+        ("Worst clearing time", "time", "Clears after", ("MotorEvents.Latest clearing",)),
+    )
+)  # fmt: skip
 
 #: Result tables of workbook and JSON.
 RESULT_TABLES: tuple[TableSpec, ...] = (
@@ -181,7 +197,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             ),
             flag(
                 "Accurate", "no for a mode above the frequency up to which the pieces of shafts are fine enough.",
-                "yes where the estimated error from the pieces of shafts with Density is within 0.1 %, for this mode "
+                "yes where the estimated error from the pieces of shafts with Density or sections is within 0.1 %, for this mode "
                 "and all below",
                 "docs/method.md, Distributed shafts", of_case=MODAL, pane=Pane.WORKBOOK,
             ),
@@ -352,7 +368,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             ),
             number(
                 "Error", "fraction", "Estimated relative error of torque and stress.",
-                "What the last refinement of a sweep added, the change from half as many pieces of shafts with Density, and "
+                "What the last refinement of a sweep added, the change from half as many pieces of shafts with Density or sections, and "
                 "the rise at the low end of DampingRange",
                 "docs/method.md, Distributed shafts", of_case=("DampingRange", *MODAL), format=shown.ERROR, pane=Pane.MINOR,
                 error=ReportedError.ESTIMATE,
@@ -414,10 +430,11 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 error=ReportedError.ESTIMATE, printed="Estimated error", pane=Pane.MINOR,
             ),
             number(
-                "Left out", "fraction", "Bound on the relative change by effects that are off; blank: none is known.",
+                "Left out", "fraction", "Bound on the relative change by effects that are off, with an estimate of what "
+                "motors without data damp; blank: no bound is known.",
                 "Sum of the bounds of the effects left out; where teeth separate, the change of the peaks by one start "
-                "with all of them on",
-                "docs/method.md, Errors of a start", of_case=("EffectChoices.Choice",), format=shown.ERROR,
+                "with all of them on; and the change by motor curves read at the other speed",
+                "docs/method.md, Errors of a start", of_case=("EffectChoices.Choice", "TorqueFollows"), format=shown.ERROR,
                 error=ReportedError.ESTIMATE, pane=Pane.MINOR,
             ),
             number(
@@ -447,6 +464,33 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 "of the minimum",
                 "docs/method.md, Errors of a start", us="lbf*ft", of_row=("StartupPeaks.Error", "StartupPeaks.Left out"),
                 format=shown.SIGNED, error=ReportedError.PEAKS, share_of="Peak-to-peak torque", pane=Pane.MINOR,
+            ),
+        ),
+    ),
+    table(
+        "SectionResults", sheet="Sections", caption="Stiffness and inertia of the sections",
+        help="Each section of table Sections as it twists and turns, and each element as a whole.",
+        row_name=("Element", "Section"), later=True,
+        columns=(
+            text("Element", "The element.", kind="element", trace=named("Sections.Element")),
+            text("Section", "The section; whole: all of the element.", trace=named("Sections.Section")),
+            number(
+                "Effective length", "length", "Length of a plain cylinder of its OD and ID that twists as much.",
+                "Penetration × length (of a taper J ∫ dx/J) + Σ λ ((D/d)⁴ − 1) of the steps to thinner sections, over the share of the "
+                "stiffness that a keyway leaves",
+                STEPPED_SHAFTS, of_row=OF_SECTION, format="0.0000",
+            ),
+            number(
+                "Stiffness", "torsional stiffness", "Torsional stiffness; of a whole element as it is calculated.",
+                "G π (D⁴ − d⁴) / 32 effective length; of all: 1 / Σ 1/k, or the Stiffness typed in Elements",
+                f"{STRENGTH}; {STEPPED_SHAFTS}",
+                of_row=("SectionResults.Effective length", "Sections.OD", "Sections.ID", "Elements.Stiffness"),
+                of_case=("SectionMaterials.Shear modulus",),
+            ),
+            number(
+                "Inertia", "inertia", "Polar inertia, distributed along the element.",
+                "ρ π (D⁴ − d⁴) L / 32, of a taper integrated; of all: the sum", f"{STRENGTH}; {STEPPED_SHAFTS}",
+                of_row=("Sections.Length", "Sections.OD", "Sections.ID"), of_case=("SectionMaterials.Density",),
             ),
         ),
     ),
@@ -518,7 +562,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             ),
             number(
                 "Share of the slope", "fraction", "Damping ratio that the slope makes of it: with TorqueFollows = own "
-                "speed a start has it, else the estimate of what is left out.",
+                "speed a start has it, else it has not.",
                 "−½ slope φ²/ω, φ at unit modal mass", MODAL_ELECTRICAL,
                 of_row=("ElectricalDamping.Slope of the curve",), of_case=MODAL, format="0.000",
             ),
@@ -702,9 +746,10 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 of_row=("AllowableStarts.Damage",), pane=Pane.MINOR,
             ),
             number(
-                "Left out", "fraction", "Bound on the relative change by effects that are off; blank: none is known.",
-                "Change of 1/q where every torque is larger by the bound of the effects left out",
-                "docs/method.md, Errors of a start", of_case=("EffectChoices.Choice",), format=shown.ERROR,
+                "Left out", "fraction", "Bound on the relative change by effects that are off, with an estimate of what "
+                "motors without data damp; blank: no bound is known.",
+                "Change of 1/q where every torque is larger by what is left out, or by motor curves read at the other speed",
+                "docs/method.md, Errors of a start", of_case=("EffectChoices.Choice", "TorqueFollows"), format=shown.ERROR,
                 error=ReportedError.ESTIMATE, pane=Pane.MINOR,
             ),
             number(
@@ -891,9 +936,15 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 of_row=("EventPeaks.Maximum", "EventPeaks.Minimum", *SECTION), error=ReportedError.EVENTS,
             ),
             number(
-                "Damage", "count", "Miner sum of one such event; multiply by the events in a life.",
+                "Damage", "count", "Miner sum of one such event.",
                 f"Σ nᵢ/Nᵢ over the rainflow cycles of SCF · {STRESS}; amplitude = half range, mean ignored",
                 FIGURE_3, of_case=(*EVENT, *FATIGUE), format=shown.DAMAGE, error=ReportedError.EVENT_DAMAGE,
+            ),
+            number(
+                "Damage per life", "count", "The same times Per life; blank where that is blank.",
+                "damage × Per life", FIGURE_3, of_row=("EventPeaks.Damage",),
+                of_case=("EventTorque.Per life", "MotorEvents.Per life"), format=shown.DAMAGE,
+                error=ReportedError.EVENT_DAMAGE,
             ),
             number(
                 "Damage error", "fraction", "Estimated relative error of the damage.",
@@ -916,7 +967,8 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             number(
                 "Error", "fraction", "Estimated error of maximum and minimum, relative to the larger.",
                 "Change of both extremes from spacing h to h/2 (the samples are exact), with what comes after the end, a "
-                "bound on fast modes and the error from the pieces of distributed shafts",
+                "bound on fast modes, the error from the pieces of distributed shafts and, of a worst instant, what "
+                "halving the spacing of its scan changes",
                 EVENT_METHOD, of_case=("TolerancePeak",), format=shown.ERROR,
                 error=ReportedError.ESTIMATE, pane=Pane.MINOR,
             ),
@@ -926,6 +978,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 EVENT_METHOD, of_case=("EffectChoices.Choice", "MaximumTime", *CLEARANCES),
                 format=shown.ERROR, error=ReportedError.ESTIMATE, pane=Pane.MINOR,
             ),
+            *_WORST_INSTANT,
         ),
     ),
     table(
@@ -959,9 +1012,11 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             ),
             number(
                 "Error", "fraction", "Estimated error of the largest torque.",
-                "Change of the largest torque from spacing h to h/2", EVENT_METHOD, of_case=("TolerancePeak",),
+                "Change of the largest torque from spacing h to h/2; of a worst instant with what halving its spacing changes",
+                EVENT_METHOD, of_case=("TolerancePeak",),
                 format=shown.ERROR, error=ReportedError.ESTIMATE, pane=Pane.MINOR,
             ),
+            *_WORST_INSTANT,
         ),
     ),
     table(
@@ -995,7 +1050,8 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             ),
             number(
                 "Bound", "fraction", "Largest change of a result if the effect is left out; 0 = none.",
-                "Deciding number × gain; 0 where leaving it out is exact",
+                "Deciding number × gain; 0 where leaving it out is exact; of electrical damping without MotorData an "
+                "estimate: the change of a peak with motor curves read at the other speed",
                 "docs/method.md, The plan", of_row=("Effects.Deciding number",),
                 error=ReportedError.ESTIMATE,
             ),

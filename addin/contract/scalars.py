@@ -126,9 +126,9 @@ _BY_GROUP: Mapping[str, tuple[Field, ...]] = {
         choice(
             "TorqueFollows",
             tuple(choices.TorqueFollows),
-            "Speed at which motor curves are read: own speed, with the vibration; mean speed, of the rigid shaft line; "
+            "Speed at which motor curves are read: mean speed, of the rigid shaft line; own speed, with the vibration; "
             "machine: mean speed, each mode damped as the motor's data say.",
-            blank="own speed",
+            blank="mean speed",
         ),
         number("StartsRequired", "count", "Starts the train must survive."),
         number(

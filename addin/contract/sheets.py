@@ -149,6 +149,16 @@ SHEETS: tuple[Sheet, ...] = (
               "blank means. Insert table rows where a table is full.",
     ),
     Sheet(
+        "Sections",
+        "input",
+        {"A": 1.5, "B": 20, "C": 12, "D:G": 10, "H": 16, "I:L": 10, "M": 2, "N": 20, "O:R": 12},
+        {"Sections": "B20", "SectionMaterials": "B55", "SectionResults": "N20"},
+        (ChartAt("profile", "B5", 1180, 280),),
+        freeze="A4",
+        intro="Optional: stepped shafts and rotors from their sections, which give Stiffness and inertia of their "
+        "element in table Elements.",
+    ),
+    Sheet(
         "Torque",
         "input",
         {"A": 1.5, "B": 14, "C:E": 10, "F": 2, "G": 14, "H": 10, "I": 13, "J": 2, "K": 14,
@@ -278,10 +288,10 @@ SHEETS: tuple[Sheet, ...] = (
     Sheet(
         "Events",
         "result",
-        {"A": 1.5, "B": 24, "C": 22, "D:E": 12, "F:H": 10, "I:J": 11, "K": 12, "L": 20, "M:N": 10,
-         "O": 2, "P": 24, "Q:U": 12},
-        {"EventPeaks": "B5", "AirGapTorque": "P5"},
-        (ChartAt("air-gap", "P22", 640, 334),),
+        {"A": 1.5, "B": 24, "C": 22, "D:E": 12, "F:H": 10, "I:K": 11, "L": 12, "M": 20, "N:R": 10,
+         "S": 2, "T": 24, "U:AB": 12},
+        {"EventPeaks": "B5", "AirGapTorque": "T5"},
+        (ChartAt("air-gap", "T22", 640, 334), ChartAt("clearing", "T40", 640, 334)),
         freeze="A8",
         header_rows=7,
         intro="Faults in operation: events of tables EventTorque and MotorEvents (sheet Excitation) upon the train that "

@@ -103,6 +103,7 @@ CONTACT = "Modelica Standard Library 4.0, ElastoBacklash"
 CLEARANCE = (
     f"{PAPER.cited}, Analysis of torque reversals, Figure 4; contact law: {CONTACT}; {IMPACT.paged}"
 )
+STEPPED_SHAFTS = "docs/method.md, Shafts from sections"
 STRENGTH = "Timoshenko, Strength of Materials, torsion of a circular shaft"
 ASTM = f"{RAINFLOW.cited}-85, rainflow counting; Miner, J. Applied Mechanics 12 (1945) A-159"
 NAME = "Name, as typed"
@@ -110,6 +111,21 @@ LABEL = "docs/nomenclature.md"
 
 # --- what they are calculated from ----------------------------------------------------------------
 
+#: What the stiffness of a section depends on, and its inertia.
+OF_SECTION = tuple(
+    f"Sections.{column}"
+    for column in (
+        "Length",
+        "OD",
+        "End OD",
+        "ID",
+        "Material",
+        "Fillet",
+        "Penetration",
+        "Keyway width",
+        "Keyway depth",
+    )
+)
 TRAIN = (
     "Stations.Inertia",
     "Stations.Speed ratio",
@@ -122,6 +138,9 @@ TRAIN = (
     "Elements.Length",
     "Elements.Shear modulus",
     "Elements.Density",
+    *OF_SECTION,
+    "SectionMaterials.Shear modulus",
+    "SectionMaterials.Density",
 )
 LATERAL = (
     "Meshes.Pitch radius drive",
@@ -215,6 +234,8 @@ EVENT = (
     "MotorEvents.Angle",
     "MotorEvents.Residual voltage",
     "MotorEvents.Clears after",
+    "MotorEvents.Latest clearing",
+    "MotorEvents.Clearing",
     "TorqueTime.Torque",
     "InitialState",
     "Stations.Running load",

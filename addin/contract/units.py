@@ -274,17 +274,50 @@ _NAMES = {
     "KSI": "ksi",
     "mil": "thou",
     "mils": "thou",
+    "kgfm": "kgf*m",
+    "lbfin": "lbf*in",
+    "lbfft": "lbf*ft",
 }
-_WHOLE = {"p.u.": "pu", "pu.": "pu", "PU": "pu", "percent": "%", "U/min": "rpm", "r/min": "rpm"}
+#: The same without regard to capitals, but for a first m: milli is no mega.
+_CAPITALS = {
+    name.casefold(): (name, _NAMES.get(name, name))
+    for name in (
+        *_NAMES, "kg", "g", "lb", "lbs", "lbf", "kgf", "kip", "ft", "in", "mm", "cm", "m", "um", "rad", "deg", "s", "ms",
+        "min", "N", "kN", "MN", "Pa", "kPa", "MPa", "GPa", "bar", "psi", "ksi", "Mpsi", "W", "kW", "MW", "V", "kV", "kVA",
+        "MVA", "Hz", "rpm", "ohm",
+    )
+}  # fmt: skip
+#: Letters written together: a mass times the square of a length, as in ``kgm²``.
+_GLUED_INERTIA = re.compile(
+    r"(?<![A-Za-z])([kK]?[gG]|t|lbm?|lbs|LB)(mm|cm|m|ft|in|MM|CM|M|FT|IN)\^2"
+)
+#: What stands before the unit of an inertia of which it is another measure → inertia over that number.
+#: WR² and Wk² have the radius of gyration, GD² its diameter: J = GD² / 4.
+_INERTIA_BY = {"J": 1.0, "WR": 1.0, "WK": 1.0, "MR": 1.0, "GD": 0.25}
+_INERTIA_MEASURE = re.compile(r"(J|(?:WR|WK|MR|GD)\s*(?:\^?2|²))[\s,:;=(\[]+(.+)", re.IGNORECASE)
+_WHOLE = {
+    "min-1": "rpm",
+    "min^-1": "rpm",
+    "p.u.": "pu",
+    "pu.": "pu",
+    "PU": "pu",
+    "percent": "%",
+    "U/min": "rpm",
+    "r/min": "rpm",
+}
 
 
 def _tidy(text: str) -> str:
     """A unit as typed, in the spelling of this module: ``lb·ft²`` → ``lb*ft^2``."""
     text = re.sub("[⁰¹²³⁴⁵⁶⁷⁸⁹⁻]+", lambda m: "^" + m.group().translate(_SUPERSCRIPTS), text)
     text = text.translate(_SIGNS).replace("**", "^").strip().strip("[]").strip()
+    if text in _WHOLE:
+        return _WHOLE[text]
+    text = re.sub(r"(?<=[A-Za-z0-9)])\.(?=[A-Za-z(])", "*", text)
     text = re.sub(r"\s*([*/^()])\s*", r"\1", text)
     text = re.sub(r"(?<=[A-Za-z0-9)])(?:\s+|-)(?=[A-Za-z(%])", "*", text)
     text = re.sub(rf"({_NAME})([2-4])(?![0-9A-Za-z_])", r"\1^\2", text)
+    text = _GLUED_INERTIA.sub(r"\1*\2^2", text)
     return _WHOLE.get(text, text)
 
 
@@ -299,9 +332,23 @@ def _parse(text: str, dimension: str) -> UnitScale:
             return UnitScale(usual[spelling])
     if not text and dimension == "ratio":
         return UnitScale(1.0)
+    measure = _INERTIA_MEASURE.fullmatch(text.strip()) if dimension == "inertia" else None
+    if measure:
+        try:
+            return UnitScale(_measured_inertia(*measure.groups()))
+        except UnitError as error:
+            raise UnitError(text, error.allowed, error.message) from None
     if dimension == "speed fraction" and text:
         return UnitScale(_with_pint(text, "speed"), STATION_SPEED)
     return UnitScale(_with_pint(text, dimension))
+
+
+def _measured_inertia(measure: str, unit: str) -> float:
+    """Inertia of one unit of J, WR² or GD²; the latter two are weights, in kgf or lbf as well."""
+    name, unit = re.sub("[^A-Z]", "", measure.upper()), unit.rstrip(")]")
+    if name != "J":
+        unit = re.sub(r"(?<![A-Za-z])(kg|lb)f(?=\W*(?:m|cm|mm|ft|in)(?:\^?2|²)$)", r"\1", unit)
+    return _INERTIA_BY[name] * _parse(unit, "inertia").factor
 
 
 # --- every other unit ---------------------------------------------------------------------------
@@ -368,11 +415,19 @@ def _pint_unit(tidy: str) -> Any:
     """A unit in pint's hands, or None if it is not one."""
     if not _SHAPE.fullmatch(tidy):
         return None
-    named = re.sub(_NAME, lambda m: f"({_NAMES[m[0]]})" if m[0] in _NAMES else m[0], tidy)
-    try:
-        return _registry().parse_units(named)
-    except Exception:  # pint raises half a dozen unrelated types; each means: not a unit
-        return None
+    for spelling in (lambda m: f"({_NAMES[m[0]]})" if m[0] in _NAMES else m[0], _in_capitals):
+        try:
+            return _registry().parse_units(re.sub(_NAME, spelling, tidy))
+        except Exception:  # pint raises half a dozen unrelated types; each means: not a unit
+            continue
+    return None
+
+
+def _in_capitals(match: re.Match[str]) -> str:
+    """A name in the capitals in which it is known; as it is where only capitals tell milli from mega."""
+    known, meant = _CAPITALS.get(match[0].casefold(), (match[0], match[0]))
+    other_prefix = len(known) > 1 and known[0] in "mM" and known[0] != match[0][0]
+    return match[0] if other_prefix else f"({meant})"
 
 
 def _factor(unit: Any, dimension: str) -> float | None:

@@ -43,6 +43,7 @@ from addin.reading.typed_case import (
     to_case_data,
     too_many_rows,
     word_entry,
+    word_in_place,
 )
 from engine.case.data import TABLES, CaseData
 from engine.errors import Problem
@@ -326,6 +327,8 @@ class _Reading:
                 return word_entry(value, spec, place, self.findings)
             self._note(place, value, "text", "type a text in quotes.")
             return None
+        if word := word_in_place(value, spec):
+            return word
         if isinstance(value, str):
             return self._number_with_unit(value, spec, place)
         if isinstance(value, bool) or not isinstance(value, (int, float)):

@@ -185,7 +185,8 @@ def _text_fault(text: str, spec: Field, unit_place: str) -> CellFault:
     """Why a text is not the number it may look like."""
     text = shortened(text)
     why = _why_no_number(_trimmed(text), unit_place if spec.has_unit else "")
-    why = why or "is not a number. Type a number or leave the cell blank."
+    words = f" or {' or '.join(spec.choices)}," if spec.choices else ""
+    why = why or f"is not a number. Type a number{words} or leave the cell blank."
     return CellFault(text, _NUMBER, f"found '{text}', which {why}")
 
 

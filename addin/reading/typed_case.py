@@ -7,7 +7,7 @@ counted as in `CaseData` (blank rows left out); the readers know which row that 
 from __future__ import annotations
 
 import re
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, TypeGuard
@@ -285,6 +285,19 @@ def word_entry(text: str, spec: Field, place: Place, findings: Findings) -> str 
     return None
 
 
+def word_in_place(value: object, spec: Field) -> str | None:
+    """The word that may stand in the place of a number.
+
+    Returns
+    -------
+    str or None
+        In the spelling of the list; None for anything else.
+    """
+    if not spec.choices or not isinstance(value, str):
+        return None
+    return {_folded(word): str(word) for word in spec.choices}.get(_folded(value))
+
+
 def too_many_rows(table: str, count: int, findings: Findings) -> bool:
     """Whether a table has more rows than are read; noted if so."""
     most = {"Stations": MOST_PARTS, "Elements": MOST_PARTS, "TorqueTime": MOST_TIMES}.get(
@@ -397,6 +410,7 @@ def to_case_data(typed: TypedCase, findings: Findings) -> CaseData:
     CaseData
         Unchecked; unresolved numbers are left blank and noted in `findings`. [SI]
     """
+    typed = with_names_as_defined(typed)
     absolute = {
         name: entry
         for name, entry in typed.scalars.items()
@@ -421,6 +435,47 @@ def to_case_data(typed: TypedCase, findings: Findings) -> CaseData:
     _silence_meshes(typed, findings)
     _silence_references(typed, findings)
     return CaseData(**scalars, **tables)  # type: ignore[arg-type]
+
+
+def with_names_as_defined(typed: TypedCase) -> TypedCase:
+    """References to stations, elements and materials in the capitals of the row that defines them.
+
+    A name that no row or more than one differs from by capitals alone stays as it is typed.
+
+    Parameters
+    ----------
+    typed : TypedCase
+        Everything typed. [as typed]
+
+    Returns
+    -------
+    TypedCase
+        The same, with these words replaced. [as typed]
+    """
+    names = {kind: _by_folded_name(typed, *where) for kind, where in _REFERRED.items()}
+    tables = dict(typed.tables)
+    for spec in INPUT_TABLES:
+        columns = [column for column in spec.columns if column.kind in names]
+        if spec.name not in tables or not columns:
+            continue
+        tables[spec.name] = [
+            row
+            | {
+                column.name: names[column.kind].get(word.casefold(), word)
+                for column in columns
+                if isinstance(word := row.get(column.name), str)
+            }
+            for row in typed.tables[spec.name]
+        ]
+    return replace(typed, tables=tables)
+
+
+def _by_folded_name(typed: TypedCase, table: str, column: str) -> dict[str, str]:
+    defined = [
+        name for row in typed.tables.get(table, []) if isinstance(name := row.get(column), str)
+    ]
+    folded = Counter(name.casefold() for name in dict.fromkeys(defined))
+    return {name.casefold(): name for name in defined if folded[name.casefold()] == 1}
 
 
 def _refuse_circular(typed: TypedCase, findings: Findings) -> None:
@@ -603,6 +658,7 @@ _FOLLOWERS = {
     ("Elements", "Kind"): ("Stiffness", "To"),
     ("Excitations", "Frequency"): ("Order",),
     ("Meshes", "Mesh stiffness"): ("Backlash",),
+    ("MotorEvents", "Clears after"): ("Latest clearing",),
 }
 #: Kind of a reference → the column it refers to.
 _REFERRED = {

@@ -52,6 +52,7 @@ from addin.reading.typed_case import (
     to_case_data,
     too_many_rows,
     word_entry,
+    word_in_place,
 )
 from addin.xlsx import DefinedName, Table, Workbook, open_workbook
 from addin.xlsx.references import Rect, cell_name, parse_cell, whole_number
@@ -61,7 +62,18 @@ from engine.errors import Problem
 #: Names this product has beyond the contract; a workbook without them, and without a value beside their label,
 #: reads as blank there.
 _OPTIONAL = frozenset(
-    {"RainflowResidue", "Gear type", "ContactLaw", "DampingRange", "InitialState", "TorqueFollows"}
+    {
+        "RainflowResidue",
+        "Gear type",
+        "ContactLaw",
+        "DampingRange",
+        "InitialState",
+        "TorqueFollows",
+        "Latest clearing",
+        "Per life",
+        "Event",
+        "Clearing",
+    }
 )
 
 
@@ -230,6 +242,7 @@ class _Reading:
         self._note_lost_sheets()
         for table in INPUT_TABLES:
             self._read_table(table)
+        self._note_earlier_default()
         data = to_case_data(self.typed, self.findings)
         problems = all_problems(data, self.findings)
         return WorkbookInput(
@@ -278,6 +291,16 @@ class _Reading:
                 "FILE."
             )
         return version
+
+    def _note_earlier_default(self) -> None:
+        """A workbook without the scalar was calculated otherwise by the version that made it."""
+        if "torquefollows" in self.names or not self.typed.tables.get("MotorTorque"):
+            return
+        self.warnings.append(
+            "The workbook has no scalar TorqueFollows, so motor curves are read at the mean speed. Version 0.1.0 read "
+            "them at the rotor's own speed: for its numbers make a workbook of this version (torsionbook new NEW.xlsx "
+            "--from FILE) and set TorqueFollows to own speed."
+        )
 
     def _read_scalar(self, spec: Field) -> None:
         """One scalar, by its defined name."""
@@ -473,6 +496,9 @@ class _Reading:
         scaled = self._scale(unit, column, place)
         for i, cell in cells.items():
             place = (spec.name, i + 1, column.name)
+            if word := word_in_place(cell.value, column):
+                yield i, word
+                continue
             number = self._number(cell, column, place, "in the cell above the header")
             if scaled is None:
                 self.findings.silence(place)

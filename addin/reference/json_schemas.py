@@ -263,7 +263,8 @@ def _input(spec: Field) -> Shape:
     number = {"type": spec.kind}
     if not spec.has_unit:
         return _described(number, spec)
-    return _described({"anyOf": [number, {**TEXT, "pattern": _QUANTITY}]}, spec)
+    words = [{"enum": list(spec.choices)}] if spec.choices else []
+    return _described({"anyOf": [number, {**TEXT, "pattern": _QUANTITY}, *words]}, spec)
 
 
 def _input_table(table: TableSpec) -> Shape:

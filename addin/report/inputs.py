@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from addin.charts.data import stiffness_of
+from addin.charts.data import stiffnesses_of
 from addin.contract import tables as contract
 from addin.report.document import Block, Column, Paragraph, Section, Table, section
 from addin.report.equations import by
@@ -92,6 +92,7 @@ def _absent(names: Sequence[str], joint: str) -> Paragraph | None:
 def _train(subject: Subject) -> Section:
     elements = [_table(subject, "Elements", *part) for part in _ELEMENT_PARTS.items()]
     meshes = _table(subject, "Meshes")
+    stepped = [t for name in ("Sections", "SectionMaterials") if (t := _table(subject, name))]
     absent = [] if subject.read.typed.tables.get("Elements") else ["no elements"]
     if meshes is None:
         absent.append("no gear geometry, clearances or bearings (table Meshes)")
@@ -100,6 +101,8 @@ def _train(subject: Subject) -> Section:
         *subject.pictures.train(),
         _table(subject, "Stations"),
         *(piece for table in elements if table is not None for piece in folded(table)),
+        subject.pictures.chart("profile") if stepped else None,
+        *(piece for table in stepped for piece in folded(table)),
         *(turned(meshes) if meshes is not None else ()),
         _absent(absent, " and "),
     )
@@ -110,11 +113,14 @@ def _model(subject: Subject) -> Section:
     stiffness = _stiffnesses(subject)
     segments = subject.calculation.results.segments
     text = ", ".join(f"{clean(name)} in {count}" for name, count in segments)
-    sentence = f"The inertia of shafts with a density is distributed in equal segments: {text}."
+    sentence = (
+        f"The inertia of shafts with a density or sections is distributed in segments: {text}."
+    )
     return section(
         "Mass-elastic model as calculated",
         _inertias(subject),
         stiffness if stiffness.rows else None,
+        subject.table("SectionResults") if subject.calculation.case.sections else None,
         Paragraph(sentence, "note") if segments else None,
     )
 
@@ -148,11 +154,11 @@ def _inertias(subject: Subject) -> Table:
 def _stiffnesses(subject: Subject) -> Table:
     train, case = subject.calculation.results.train, subject.calculation.case
     flanks = {train.elements[f.element]: f.stiffness for f in train.flanks}
-    speeds = case.element_speed_ratios
+    speeds, typed = case.element_speed_ratios, stiffnesses_of(case)
     place = ("Elements", "Stiffness")
     rows = []
     for e in case.elements:
-        stiffness = flanks.get(e.element or "") or stiffness_of(e)
+        stiffness = flanks.get(e.element or "") or typed[str(e.element)]
         if e.kind == "gear mesh" and not stiffness:
             own = referred = "rigid"
         else:

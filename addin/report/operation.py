@@ -172,5 +172,5 @@ def events(subject: Subject) -> Section:
     )
     peaks = folded(subject.table("EventPeaks", note=note, rows=rows)) if rows else ()
     air_gap = folded(subject.table("AirGapTorque")) if subject.rows("AirGapTorque") else ()
-    picture = subject.pictures.chart("air-gap")
-    return section("Events in operation", *notes, *peaks, *air_gap, picture)
+    pictures = [subject.pictures.chart(name) for name in ("air-gap", "clearing")]
+    return section("Events in operation", *notes, *peaks, *air_gap, *pictures)

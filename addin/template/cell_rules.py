@@ -54,10 +54,11 @@ def input_rule(field: Field) -> dict[str, Any]:
             "error_title": "Unknown name",
             "error_message": "No row has this name yet. Keep it anyway?",
         }
-    if not field.is_number:
+    if not field.is_number or field.choices:  # a number, or a word in its place
         return prompt | {"validate": "any"}
     kind = "integer" if field.kind == "integer" else "decimal"
-    low, high = (-1e300, 1e300) if field.dimension in _SIGNED else (0, 1e300)
+    signed = field.signed or field.dimension in _SIGNED
+    low, high = (-1e300, 1e300) if signed else (0, 1e300)
     if kind == "integer":
         low, high = 0, 100000
     asked = "a whole number" if kind == "integer" else "a number"

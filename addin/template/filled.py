@@ -70,6 +70,10 @@ def _filled(
             for i, entry in cells.items():
                 rows[i][column.name] = _plain(entry, column)
             continue
+        for i, entry in list(cells.items()):
+            if isinstance(entry, str):  # a word in the place of a number
+                rows[i][column.name] = entry
+                del cells[i]
         used = {one.unit or column.si for one in numbers}
         if len(used) == 1:
             (units[table.name, column.name],) = used

@@ -35,12 +35,15 @@ from addin.reading.typed_case import (
     in_typed_units,
     to_case_data,
     word_entry,
+    word_in_place,
 )
 from addin.worksheet.registry import Block, Cell, FunctionError
 from engine.case.case import Case
 from engine.case.checks.motors import check_motors
 from engine.case.checks.problem import first_of_each_cell
-from engine.case.data import CaseData, StationRow
+from engine.case.checks.sections import check_sections
+from engine.case.choices import ElementKind
+from engine.case.data import CaseData, ElementRow, StationRow
 from engine.case.study_inputs import StudyInputs
 from engine.errors import Problem
 
@@ -156,6 +159,39 @@ def case_of_motors(
         )
     )
     found = first_of_each_cell(check_motors(case), reading.findings.bad)
+    return case, [reading.placed(problem) for problem in (*reading.findings.problems, *found)]
+
+
+def case_of_sections(
+    sections: Block, materials: Block | None
+) -> tuple[CaseData, list[CellProblem]]:
+    """Read sections of shafts from ranges, without a train.
+
+    Parameters
+    ----------
+    sections, materials : rows of cells
+        Tables Sections and SectionMaterials. [as typed]
+
+    Returns
+    -------
+    case : CaseData
+        With nothing but the sections and a shaft for each element they name. [SI]
+    problems : list of CellProblem
+        Everything wrong with them; rows are counted below the headers.
+
+    Raises
+    ------
+    FunctionError
+        If a range is no such table at all.
+    """
+    reading = _Reading()
+    reading.table(input_table("Sections"), sections)
+    if materials is not None:
+        reading.table(input_table("SectionMaterials"), materials)
+    read = to_case_data(reading.typed, reading.findings)
+    names = dict.fromkeys(row.element for row in read.sections if row.element)
+    case = replace(read, elements=tuple(ElementRow(name, ElementKind.SHAFT) for name in names))
+    found = first_of_each_cell(check_sections(case), reading.findings.bad)
     return case, [reading.placed(problem) for problem in (*reading.findings.problems, *found)]
 
 
@@ -381,6 +417,8 @@ class _Reading:
             if not spec.is_number:
                 words = read_text(cell, spec)
                 return None if words is None else word_entry(words, spec, place, self.findings)
+            if word := word_in_place(value, spec):
+                return word
             number = read_number(cell, spec, "in the cell above the header")
         except CellFault as fault:
             self.findings.add(place, fault.found, fault.allowed, fault.message)

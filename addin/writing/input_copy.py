@@ -34,6 +34,7 @@ from addin.contract.input_copy import (
     missing_copies,
     quantity_of,
     unit_rows,
+    word_in_copy,
 )
 from addin.contract.run_facts import RUN_FACTS
 from addin.contract.tables import SCALAR_TABLE
@@ -135,7 +136,7 @@ class _Copy:
             station = typed.get("Station")
             of = station if isinstance(station, str) else None
             row = [
-                self._number(typed.get(field.name), of)
+                self._number(typed.get(field.name), of, field.choices)
                 if field.is_number
                 else self._words(spec.name, field, table.data.top + k - 1)
                 for field in compared_columns(spec)
@@ -143,7 +144,11 @@ class _Copy:
             rows.append([*row, self._full_speed(of)] if FULL_SPEED in copy_columns(spec) else row)
         return rows
 
-    def _number(self, entry: Entry | None, station: str | None) -> float | None:
+    def _number(
+        self, entry: Entry | None, station: str | None, words: Sequence[str] = ()
+    ) -> float | None:
+        if isinstance(entry, str) and entry in words:
+            return word_in_copy(words, entry)
         if not isinstance(entry, Typed):
             return None
         if entry.scale.base == BASE_IMPEDANCE:
@@ -252,7 +257,11 @@ class _Copy:
             text or None,
             self._worth(scale),
             Formula(factor_now(at, stored, factor, of_quantity, known)),
-            Formula(changed_numbers(one.live, copy, now, speed, full, one.renamed)),
+            Formula(
+                changed_numbers(
+                    one.live, copy, now, speed, full, one.renamed, words=one.field.choices
+                )
+            ),
         ]
 
     # ---- cells of the sheet --------------------------------------------------------------------

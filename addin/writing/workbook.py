@@ -65,6 +65,8 @@ _OPTIONAL = frozenset(
     *(table.name for table in fields.RESULT_TABLES if table.later),
     "ChartMotor",
     "ChartMotorEvent",
+    "ChartClearing",
+    "ChartProfile",
 }
 #: What the rows of a plain recalculation are, below `NO_STUDY`.
 ANALYSES = (

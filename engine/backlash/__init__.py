@@ -13,7 +13,9 @@ module                responsibility
                       forces
 `event_start`         starts with clearances, lateral motion of gears, field application and
                       trip: the event runs
+`current_zeros`       a fault that clears phase by phase, each at a zero of its current
 `motor_events`        faults and switching of a motor in operation, by the two-axis machine in time
+`motor_scan`          the worst phase, angle and clearing time of an event of a motor
 `operating_events`    events in operation: a fault, or any torque that comes upon a train that runs at
                       synchronous speed
 ====================  ============================================================================

@@ -85,11 +85,11 @@ COARSEST_EVENT_ANGLE = 1.13
 VISIBLE = 0.2
 #: Two runs that agree on the largest torque may agree by chance; so the next smaller extremes are
 #: compared, too. Where both runs are together up to the largest one (what comes later has no part in it),
-#: this share of their change from h to h/2 is taken for the error at h/2: that of third order,
-#: 1/(2³ − 1). Events and pulsation are of fourth order (1/15; tests/numerics/test_event_step.py),
-#: ringing passed over is of second, but below a twentieth of the tolerance at h/2. Where the runs diverge
+#: this share of their change from h to h/2 is taken for the error at h/2: that of second order,
+#: 1/(2² − 1). Events and pulsation are of fourth order (1/15; tests/numerics/test_event_step.py), but at the first
+#: steps of a start, where torques of unlike sign of error add up, a change of 1/5 has been seen. Where the runs diverge
 #: before it, no order holds, and all of the change is taken.
-SAME_CONTACTS_SHARE = 1.0 / 7.0
+SAME_CONTACTS_SHARE = 1.0 / 3.0
 #: Two runs are together as long as each clearance has the same changes of contact in the same order, each within
 #: this share of the coarser step. (Teeth that chatter have the same order in runs that have long
 #: diverged; in runs that are together, changes are within some hundredths of the step.)
@@ -134,17 +134,19 @@ class EventTorques:
 
 
 @dataclass(frozen=True, eq=False)
-class _Run(SingleRun):
+class EventSimulation(SingleRun):
     """One simulation, with its events."""
 
-    events: EventRun
+    events: EventRun  #: What happened at clearances, field and trip. [SI]
 
     @property
     def n_steps(self) -> int:
+        """Steps of the simulation. [count]"""
         return self.trajectory.n_steps
 
     @property
     def work(self) -> int:
+        """Modes stepped once, all steps together. [count]"""
         return self.events.work
 
 
@@ -171,9 +173,7 @@ def run_event_start(
     model, step = setup.model, setup.step
     most_work = HOPELESS_WORK if linear.gave_up else MOST_WORK
 
-    modelled = model.pieces.basis.flanks
-
-    def at(h: float, most: float, times: int = 0) -> _Run:
+    def at(h: float, most: float, times: int = 0) -> EventSimulation:
         changed = _changed(model, times) if times else model
         return _simulated(replace(setup, model=changed), h, tolerance, most)
 
@@ -183,7 +183,7 @@ def run_event_start(
     fine = at(0.5 * step, coarse.work if stopped else most_work - coarse.work)
     gave_up = stopped or fine.events.gave_up
     halvings, repeatability, taken, last = 0, None, coarse.work + fine.work, False
-    runs: list[_Run] = []
+    runs: list[EventSimulation] = []
     further: list[tuple[int, float]] = []
     first, first_step, had_parted = coarse, step, False
     steady = False  # whether a billionth more torque was seen to change nothing
@@ -194,7 +194,7 @@ def run_event_start(
             setup.truncation,
             fine,
             coarse,
-            until_largest=bool(modelled),
+            with_impacts=bool(model.pieces.basis.flanks),
             guard_share=SAME_CONTACTS_SHARE,
             same_until=same_until,
         )
@@ -280,7 +280,7 @@ def run_event_start(
 
 def one_run(
     case: CaseData, modal: ModalTrain, effects: StartEffects, linear: Start, step: float
-) -> SingleRun:
+) -> EventSimulation:
     """One simulation of a start with events, without any estimate of its error.
 
     Parameters
@@ -298,7 +298,7 @@ def one_run(
 
     Returns
     -------
-    SingleRun
+    EventSimulation
         The run. [SI]
     """
     tolerance = case.tolerance_peak or DEFAULT_TOLERANCE_PEAK
@@ -342,14 +342,14 @@ def run_again(
     return steps
 
 
-def _simulated(setup: _Setup, step: float, tolerance: float, most: float) -> _Run:
+def _simulated(setup: _Setup, step: float, tolerance: float, most: float) -> EventSimulation:
     # what is not followed shrinks with the step, so that the change from h to h/2 shows it
     seen = replace(setup.model, visible=VISIBLE * tolerance * square(step / setup.step))
     run = simulate_events(
         seen, step, setup.script, setup.initial, settled=setup.settled, most_work=most
     )
     single = SingleRun.until(run.trajectory, float(run.trajectory.time[-1]))
-    return _Run(**vars(single), events=replace(run, trajectory=single.trajectory))
+    return EventSimulation(**vars(single), events=replace(run, trajectory=single.trajectory))
 
 
 @dataclass(frozen=True, eq=False)
@@ -595,7 +595,9 @@ def _together_until(coarse: EventRun, fine: EventRun, apart: float) -> float:
     return until
 
 
-def _over_before(coarse: _Run, fine: _Run, judged: JudgedRun, until: float) -> bool:
+def _over_before(
+    coarse: EventSimulation, fine: EventSimulation, judged: JudgedRun, until: float
+) -> bool:
     """Whether the peaks come before two runs went different ways: what comes after is far smaller in both."""
     element_of = fine.trajectory.output_element
     elements = np.flatnonzero(judged.output_of_element >= 0)
@@ -608,7 +610,7 @@ def _over_before(coarse: _Run, fine: _Run, judged: JudgedRun, until: float) -> b
     )
 
 
-def _light(run: _Run) -> _Run:
+def _light(run: EventSimulation) -> EventSimulation:
     """A run whose turning points are all that is still wanted."""
     none, thin = np.empty((0, 0)), run.without_history()
     events = replace(run.events, trajectory=thin.trajectory, phase=none, bearing=none, air_gap=none)
@@ -633,7 +635,7 @@ def _changed(model: EventModel, times: int) -> EventModel:
     )
 
 
-def _spread(fine: _Run, other: _Run, output: Ints) -> float:
+def _spread(fine: EventSimulation, other: EventSimulation, output: Ints) -> float:
     """Largest relative change of the peaks between two runs."""
     spread = 0.0
     judged = [int(i) for i in output if i >= 0]
@@ -653,7 +655,11 @@ def _variations(step: float) -> Iterator[tuple[int, float]]:
 
 
 def _repeatability(
-    runs: Sequence[_Run], apart: float, judged: JudgedRun, tolerance: float, counted: Set[int]
+    runs: Sequence[EventSimulation],
+    apart: float,
+    judged: JudgedRun,
+    tolerance: float,
+    counted: Set[int],
 ) -> Repeatability:
     """Intervals of the peaks from an ensemble, the reported run first; histories of elements that are counted.
 
@@ -696,7 +702,7 @@ def _repeatability(
     )
 
 
-def _largest(run: _Run, outputs: Ints, sign: float, since: float, until: float) -> float:
+def _largest(run: EventSimulation, outputs: Ints, sign: float, since: float, until: float) -> float:
     """Largest value of some outputs within a time, of their negative for a sign of −1; 0 at least. [N m]"""
     found = 0.0
     for i in outputs:

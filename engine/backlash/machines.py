@@ -16,7 +16,7 @@ from engine.model.motor import Motor
 from engine.model.train import Train
 from engine.motor.circuit import Circuit, line_omega, starting_circuit
 from engine.motor.from_case import motors_without_curve
-from engine.motor.two_axis import flux_system, number_of_fluxes, with_closed_field
+from engine.motor.two_axis import MachineState, flux_system, number_of_fluxes, with_closed_field
 from engine.start.machine_motion import Machine, Supply, switched
 from engine.stepping.library import struct
 
@@ -99,7 +99,9 @@ class Machines:
     def _connect(self, k: int, supply: Supply, phase: Floats) -> None:
         arrays, m = self._arrays, self._machines[k]
         axis = -(0.5 * float(phase[k]) + m.ahead)
-        supply, flux = switched(m.machine.circuit, supply, self._flux(k), axis)
+        flux = self._flux(k)
+        state = MachineState(flux, m.field_voltage, axis)
+        supply, flux = switched(m.machine, supply, state, flux)
         self._put(k, flux, is_open=supply.is_open)
         arrays["forward"][k] = supply.forward[0], supply.forward[1] + m.ahead
         arrays["backward"][k] = supply.backward[0], supply.backward[1] + m.ahead

@@ -13,8 +13,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from engine.arrays import Floats, Mask
+from engine.backlash.current_zeros import clearing_by_phase
 from engine.backlash.machines import MachineInTime
-from engine.case.choices import MotorEventKind
+from engine.case.choices import Clearing, MotorEventKind
 from engine.case.data import CaseData, MotorEventRow
 from engine.case.defaults import LEAST_PEAK_ERROR
 from engine.errors import InternalError
@@ -22,7 +23,8 @@ from engine.model.excitation import transmitted_torque
 from engine.model.modal_train import ModalTrain
 from engine.model.motor import Motor
 from engine.model.train import Train
-from engine.motor.circuit import Circuit, Winding, line_omega, starting_circuit
+from engine.motor.circuit import Circuit, line_omega, starting_circuit
+from engine.motor.fault_torques import largest_of_constant_fluxes
 from engine.motor.from_case import MotorFromData, motors_from_data
 from engine.motor.two_axis import (
     MachineState,
@@ -32,15 +34,25 @@ from engine.motor.two_axis import (
 )
 from engine.numerics.same_bits import product
 from engine.numerics.torque_curve import TorqueCurve
-from engine.start.machine_motion import Balance, Machine, MachineMotion, Supply, machine_motion
+from engine.start.machine_motion import (
+    Balance,
+    Machine,
+    MachineMotion,
+    Supply,
+    machine_motion,
+    switched,
+)
 from engine.start.prescribed import SAMPLES_PER_PERIOD, Drive
 from engine.start.start import Start
-from engine.start.time_response import TimeResponse, modal_system
+from engine.start.time_response import ModalSystem, TimeResponse, modal_system
 from engine.start.torque_outputs import force_reach
 from engine.stepping.linear_loop import turning_points
 
 #: Largest phase of the line in a step: the fluxes of the stator turn so far in the rotor's axes. [rad]
 LINE_PHASE = 0.15
+#: An event of a motor is followed so long after the last change of its supply: several swings of the rotor, whose
+#: frequency is 1 to 10 Hz. [s]
+MOTOR_FOLLOWED = 2.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,6 +65,47 @@ class MotorEvent:
     state: MachineState  #: Its fluxes just before. [pu]
     held: float  #: Its torque in operation, with which the train is in balance. [N m]
     released: bool  #: Whether it gives no torque before the event. [flag]
+    #: Axes of the currents that must pass zero before a phase clears; empty: all clear at once. [rad]
+    poles: tuple[float, ...] = ()
+
+    def beginning(self, system: ModalSystem) -> tuple[tuple[Floats, Floats], MachineState]:
+        """Modal positions and velocities at the event, and the state of the motor there.
+
+        Parameters
+        ----------
+        system : ModalSystem
+            The train under the torque of the motor. [SI]
+
+        Returns
+        -------
+        before : tuple of ndarray, shape (n_kept,)
+            Of a released motor those of the train without its torque. [SI]
+        state : MachineState
+            Its angle is that of the train in balance. [pu, rad]
+        """
+        none = np.zeros(len(system.omega))
+        if not self.released:
+            return (none, none), self.state
+        stiff = np.where(system.omega > 0.0, system.omega, np.inf)
+        twisted = -self.held * system.reach[:, 0] / (stiff * stiff)
+        turned = self.machine.pole_pairs * float(product(system.reach[:, 0], twisted))
+        return (twisted, none), replace(self.state, angle=self.state.angle - turned)
+
+    def supplies_of(self, system: ModalSystem) -> tuple[Supply, ...]:
+        """What the stator is connected to, with the zeros of current at which phases clear. [pu]
+
+        Parameters
+        ----------
+        system : ModalSystem
+            The train under the torque of the motor. [SI]
+        """
+        if not self.poles:
+            return self.supplies
+        before, state = self.beginning(system)
+        return clearing_by_phase(
+            system, self.machine, self.supplies[0], self.last_change, self.poles, state, before,
+            Balance(self.held),
+        )  # fmt: skip
 
     @property
     def last_change(self) -> float:
@@ -120,11 +173,11 @@ def motor_event(case: CaseData, train: Train, row: MotorEventRow) -> MotorEvent:
     released = row.kind == MotorEventKind.OUT_OF_PHASE_CLOSING
     if released:
         voltage = 1.0 if row.residual_voltage is None else row.residual_voltage
-        state = open_circuit_state(circuit, voltage, row.angle or 0.0)
+        state = open_circuit_state(circuit, voltage, number(row.angle) or 0.0)
     else:
-        # its current leads: a synchronous motor is rated with an excited field
+        # its current leads unless typed otherwise: a synchronous motor is rated with an excited field
         state = running_state(circuit, held / motor.torque_base, -(sheet.power_factor or 1.0))
-    return MotorEvent(machine, station, _supplies(row), state, held, released)
+    return MotorEvent(machine, station, _supplies(row), state, held, released, _poles(row))
 
 
 def _motor_of(case: CaseData, station: str | None) -> MotorFromData:
@@ -136,13 +189,12 @@ def _motor_of(case: CaseData, station: str | None) -> MotorFromData:
 
 def _supplies(row: MotorEventRow) -> tuple[Supply, ...]:
     """What the line does, with the phase `row.phase` of the healthy phase, or of the one that changes."""
+    clears = number(row.clears_after)
     match row.kind:
         case MotorEventKind.OUT_OF_PHASE_CLOSING:
             return (Supply(0.0),)
         case MotorEventKind.RECLOSING:
-            closing = Supply(
-                row.clears_after or 0.0, residual=row.residual_voltage, ahead=row.angle
-            )
+            closing = Supply(clears or 0.0, residual=row.residual_voltage, ahead=number(row.angle))
             return Supply(0.0, is_open=True), closing
         case MotorEventKind.THREE_PHASE_FAULT:
             left, against = 0.0, 0.0
@@ -153,8 +205,36 @@ def _supplies(row: MotorEventRow) -> tuple[Supply, ...]:
         case _:  # one phase with a share of its voltage
             lost = (1.0 - (row.residual_voltage or 0.0)) / 3.0
             left, against = 1.0 - lost, -lost
-    changed = Supply(0.0, (left, 0.0), (against, -2.0 * (row.phase or 0.0)))
-    return (changed,) if row.clears_after is None else (changed, Supply(row.clears_after))
+    changed = Supply(0.0, (left, 0.0), (against, -2.0 * (number(row.phase) or 0.0)))
+    return (changed,) if clears is None else (changed, Supply(clears))
+
+
+def _poles(row: MotorEventRow) -> tuple[float, ...]:
+    """Axes of the phases whose currents must pass zero; of a line-to-line fault, of what flows between the two."""
+    if row.clearing != Clearing.ZEROS:
+        return ()
+    first = -(number(row.phase) or 0.0)
+    if row.kind == MotorEventKind.LINE_TO_LINE_FAULT:
+        return (first + 0.5 * math.pi,)
+    return tuple(first + k * 2.0 * math.pi / 3.0 for k in range(3))
+
+
+def number(value: float | str | None) -> float | None:
+    """A number of a row of which no worst value is looked for any more.
+
+    Parameters
+    ----------
+    value : float, str or None
+        Phase, angle or clearing time. [rad, s]
+
+    Returns
+    -------
+    float or None
+        [as given]
+    """
+    if isinstance(value, str):
+        raise InternalError(f"an event has '{value}' in the place of a number")
+    return value
 
 
 def motor_drive(modal: ModalTrain, event: MotorEvent) -> MotorDrive:
@@ -178,28 +258,19 @@ def motor_drive(modal: ModalTrain, event: MotorEvent) -> MotorDrive:
     omega = np.where(modes.omega > 0.0, modes.omega, np.inf)
     reach = np.abs(force_reach(train, modes, stations)).sum(axis=1)
     motions: list[MachineMotion] = []
+    supplies: list[Supply] = []
 
     def respond(end: float, count: int, kept: Mask) -> TimeResponse:
         system = modal_system(train, modes, stations, damping.structural, kept)
-        before, state = None, event.state
-        if (
-            event.released
-        ):  # the train without the torque of the motor, whose angle is given as it then stands
-            stiff = np.where(system.omega > 0.0, system.omega, np.inf)
-            twisted = -event.held * system.reach[:, 0] / (stiff * stiff)
-            before = twisted, np.zeros(len(twisted))
-            turned = machine.pole_pairs * float(product(system.reach[:, 0], twisted))
-            state = replace(state, angle=state.angle - turned)
+        before, state = event.beginning(system)
+        if not supplies:  # at one place whatever the step
+            supplies.extend(event.supplies_of(system))
         motion = machine_motion(
-            system, machine, event.supplies, state, end, end / count,
+            system, machine, supplies, state, end, end / count,
             balance=Balance(event.held), before=before,
         )  # fmt: skip
         motions[:] = [*motions[-1:], motion]
-
-        def applied() -> tuple[Floats, Floats]:
-            return motion.torque[None] - event.held, motion.torque_rate[None]
-
-        return system.response(motion.time, motion.q, motion.v, applied)
+        return motion.response(system, event.held)
 
     # a torque of this size that turns with twice the line's frequency; it jumps only where the breaker opens
     largest = 2.0 * machine.torque_base / _subtransient(machine.circuit)
@@ -215,13 +286,11 @@ def _subtransient(circuit: Circuit) -> float:
     return 1.0 / max(float(system.current[0, 0]), float(system.current[system.q, system.q]))
 
 
-def air_gap_torque_of(modal: ModalTrain, drive: MotorDrive) -> AirGapTorque:
+def air_gap_torque_of(drive: MotorDrive) -> AirGapTorque:
     """What the torque of the motor was in the runs that were made.
 
     Parameters
     ----------
-    modal : ModalTrain
-        The train. [SI]
     drive : MotorDrive
         After `follow`. [SI]
 
@@ -239,7 +308,7 @@ def air_gap_torque_of(modal: ModalTrain, drive: MotorDrive) -> AirGapTorque:
     lag = -drive.event.machine.pole_pairs * motion.rotor
     return AirGapTorque(
         largest, time, max(change, LEAST_PEAK_ERROR),
-        _closed_form(modal, drive.event), _turns(drive.event, motion.time, lag),
+        _closed_form(drive.event), _turns(drive.event, motion.time, lag),
     )  # fmt: skip
 
 
@@ -310,32 +379,17 @@ def _largest(when: Floats, value: Floats) -> tuple[float, float]:
     return float(value[i]), float(when[i])
 
 
-def _closed_form(modal: ModalTrain, event: MotorEvent) -> float | None:
-    """Largest torque of constant flux linkages: no resistance, one speed."""
-    machine, supplies = event.machine, event.supplies
-    if supplies[0].is_open:
-        closing = replace(supplies[1], begins=0.0)
-        if closing.ahead is None and supplies[1].begins > 0.0:
+def _closed_form(event: MotorEvent) -> float | None:
+    """Largest torque of constant flux linkages: no resistance, one speed. [N m]"""
+    machine, state, flux = event.machine, event.state, event.state.flux
+    supply, *then = event.supplies
+    if supply.is_open:
+        closing = replace(then[0], begins=0.0)
+        if closing.ahead is None and then[0].begins > 0.0:
             return None
-        supplies = (supplies[0], closing)
-    else:
-        supplies = supplies[:1]
-    circuit = machine.circuit
-
-    def bare(windings: tuple[Winding, ...]) -> tuple[Winding, ...]:
-        return tuple(w._replace(resistance=0.0) for w in windings)
-
-    without = replace(
-        circuit, stator_resistance=0.0, field=circuit.field and bare((circuit.field,))[0],
-        dampers_d=bare(circuit.dampers_d), dampers_q=bare(circuit.dampers_q),
-    )  # fmt: skip
-    train, modes, damping = modal
-    stations = np.array([event.station], dtype=np.int64)
-    none = np.zeros(modes.n_modes, dtype=np.bool_)
-    still = modal_system(train, modes, stations, damping.structural, none)
-    cycle = 2.0 * math.pi / machine.line_omega
-    motion = machine_motion(
-        still, replace(machine, circuit=without), supplies, replace(event.state, field_voltage=0.0),
-        cycle, LINE_PHASE / machine.line_omega, balance=Balance(0.0),
-    )  # fmt: skip
-    return abs(_largest(*_turning(motion))[0])
+        _, flux = switched(machine, supply, state, flux)
+        supply, flux = switched(machine, closing, state, flux)
+    (with_line, ahead), (against, back) = supply.forward, supply.backward
+    return machine.torque_base * largest_of_constant_fluxes(
+        machine.circuit, flux, (with_line, ahead - state.angle), (against, back - state.angle)
+    )

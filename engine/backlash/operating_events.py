@@ -22,6 +22,7 @@ import numpy as np
 from engine.arrays import Floats
 from engine.backlash.event_start import EventTorques, clearances_of, run_event_start
 from engine.backlash.motor_events import (
+    MOTOR_FOLLOWED,
     AirGapTorque,
     MotorDrive,
     MotorEvent,
@@ -29,8 +30,10 @@ from engine.backlash.motor_events import (
     machine_in_time,
     motor_drive,
     motor_event,
+    number,
     with_teeth_apart,
 )
+from engine.backlash.motor_scan import WorstInstants, any_instant, worst_instants
 from engine.case.choices import ContactLaw, EffectChoice, ElementKind
 from engine.case.data import CaseData, EventTorqueRow, MotorEventRow
 from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, LONGEST_START, NOTABLE_REVERSAL
@@ -61,9 +64,6 @@ from engine.start.time_response import PrescribedTorque, TimeResponse, tabled_to
 LARGEST_GAIN = 1e3
 #: An event is followed so long at the least: a constant torque on a rigid train has no time of its own. [s]
 SHORTEST = 0.1
-#: An event of a motor is followed so long after the last change of its supply: several swings of the rotor, whose
-#: frequency is 1 to 10 Hz. [s]
-MOTOR_FOLLOWED = 2.0
 #: A chart shows so much after the last change, with at most so many points (twice as many). [s, count]
 DRAWN_AFTER, MOST_DRAWN = 0.3, 1000
 #: Peaks are over where the range of every torque in the last part of an event is below this share of all of it; of
@@ -94,6 +94,9 @@ class OperatingEvent:
     damage_errors: tuple[tuple[str, float | None], ...] = ()
     air_gap: AirGapTorque | None = None  #: Torque of the motor, in an event of `MotorEvents`. [SI]
     history: EventHistory | None = None  #: Likewise, for a chart. [SI]
+    #: Where the worst phase, angle or clearing time was looked for: what was found. Each element has the peaks and
+    #: the damage of its own worst instant. [SI]
+    worst: WorstInstants | None = None
     #: What a reader must know of it: why it was not calculated, or what was not followed to its end.
     note: str = ""
 
@@ -133,6 +136,8 @@ def operating_events(case: CaseData, analysis: ModalAnalysis) -> tuple[Operating
 def _event(case: CaseData, analysis: ModalAnalysis, name: str) -> OperatingEvent:
     tolerance = case.tolerance_peak or DEFAULT_TOLERANCE_PEAK
     row = _motor_row(case, name)
+    if row is not None and row.scanned:
+        return _worst_event(case, analysis, row)
     if row is None:
         dies_out, why = _length(case, analysis.reported, name, tolerance)
         longest = case.maximum_time or LONGEST_START
@@ -158,7 +163,7 @@ def _event(case: CaseData, analysis: ModalAnalysis, name: str) -> OperatingEvent
     drive = _drive(case, modal, name)
     response = follow(modal, drive, end, left, running)
     response = _with_errors(response, pieces, tolerance)
-    air_gap = air_gap_torque_of(modal, drive) if isinstance(drive, MotorDrive) else None
+    air_gap = air_gap_torque_of(drive) if isinstance(drive, MotorDrive) else None
     notes = []
     if names := list(_separating(modal.train, response)):
         quoted = ", ".join(f"'{element}'" for element in names)
@@ -174,6 +179,15 @@ def _event(case: CaseData, analysis: ModalAnalysis, name: str) -> OperatingEvent
                 note=f"Event '{name}' is not calculated: it brings the torque of {quoted} to zero, where teeth "
                 f"separate, and '{idle[0]}' carries no driving torque in operation, so that the flank it begins on is "
                 "unknown. Type Running load in table Stations, or force effect backlash off.",
+            )
+        elif isinstance(drive, MotorDrive) and drive.event.poles:
+            return OperatingEvent(
+                name,
+                None,
+                air_gap=air_gap,
+                note=f"Event '{name}' is not calculated: it brings the torque of {quoted} to zero, where teeth "
+                "separate, and zeros of current are not located with teeth apart. Leave Clearing in table MotorEvents "
+                "blank, which clears at once, or force effect backlash off.",
             )
         else:
             event = drive.event if isinstance(drive, MotorDrive) else None
@@ -213,8 +227,70 @@ def _event(case: CaseData, analysis: ModalAnalysis, name: str) -> OperatingEvent
         errors,
         air_gap,
         _history(response, drive, modal.train.elements),
-        " ".join(notes),
+        note=" ".join(notes),
     )
+
+
+def _worst_event(case: CaseData, analysis: ModalAnalysis, row: MotorEventRow) -> OperatingEvent:
+    """An event of which each element shows its own worst instant."""
+    name, modal = str(row.event), analysis.reported
+    if words := _unable(case, modal.train, any_instant(row)):
+        return OperatingEvent(name, None, note=f"Event '{name}' is not calculated: {words}.")
+    worst = worst_instants(case, modal, row)
+    plain = CaseData(**vars(case))
+    events = {
+        instant.row: _event(replace(plain, motor_events=(instant.row,)), analysis, name)
+        for instant in (*worst.of_element.values(), worst.of_motor)
+    }
+    if lost := next((e for e in events.values() if e.response is None), None):
+        return lost
+    responses = {instant: e.response for instant, e in events.items() if e.response is not None}
+    peaks, shafts, errors = [], [], []
+    for element, instant in worst.of_element.items():
+        event, response = events[instant.row], responses[instant.row]
+        for peak in response.peaks:
+            if peak.element == element:
+                missed = instant.error * peak.size + abs(peak.size - instant.largest)
+                peaks.append(peak.with_error(missed))
+        shafts += [s for s in event.shafts if s.element == element]
+        errors += [pair for pair in event.damage_errors if pair[0] == element]
+    drawn = worst.of_element[worst.element].row if worst.element else worst.of_motor.row
+    # torques of slipping poles change too fast with the instant to be scanned
+    slips = any(e.air_gap and e.air_gap.slipped for e in events.values())
+    apart = any(r.contacts for r in responses.values())  # the scan keeps all teeth together
+    bounds = [None if slips or apart else r.left_out for r in responses.values()]
+    if slips or apart:
+        peaks = [replace(p, left_out=None) for p in peaks]
+    error = max((p.relative_error for p in peaks), default=0.0)
+    response = replace(
+        responses[drawn],
+        peaks=tuple(peaks),
+        estimated_error=error,
+        left_out=None if None in bounds else max(b for b in bounds if b is not None),
+        met_tolerance=all(r.met_tolerance for r in responses.values())
+        and error <= (case.tolerance_peak or DEFAULT_TOLERANCE_PEAK)
+        and not (slips or apart),
+    )
+    air_gap = events[worst.of_motor.row].air_gap
+    if air_gap is not None:
+        missed = worst.of_motor.error + abs(abs(air_gap.largest) - worst.of_motor.largest) / (
+            abs(air_gap.largest) or 1.0
+        )
+        air_gap = replace(air_gap, error=air_gap.error + missed)
+    notes = dict.fromkeys(e.note for e in events.values() if e.note)
+    if slips:
+        notes[
+            f"Event '{name}' slips poles at its worst instant: torques at another one may be larger."
+        ] = None
+    if apart:
+        notes[
+            f"Event '{name}' separates teeth at its worst instant, which was looked for with all teeth together: torques at "
+            "another one may be larger."
+        ] = None
+    return OperatingEvent(
+        name, response, tuple(shafts), tuple(errors), air_gap, events[drawn].history, worst,
+        " ".join(notes),
+    )  # fmt: skip
 
 
 def _with_errors(response: Start, pieces: Mapping[str, float], tolerance: float) -> Start:
@@ -398,7 +474,7 @@ def harmonic_drive(modal: ModalTrain, tones: Tones) -> Drive:
 
 def _followed(row: MotorEventRow) -> float:
     """How long a motor is followed where nothing ends it sooner. [s]"""
-    return (row.clears_after or 0.0) + MOTOR_FOLLOWED
+    return (number(row.clears_after) or 0.0) + MOTOR_FOLLOWED
 
 
 def _falls(response: Start, end: float) -> bool:

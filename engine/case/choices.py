@@ -140,3 +140,16 @@ class MotorEventKind(StrEnum):
     RECLOSING = "reclosing"
     VOLTAGE_DIP = "voltage dip"
     VOLTAGE_UNBALANCE = "voltage unbalance"
+
+
+class Scanned(StrEnum):
+    """What stands in the place of a number that is to be the worst one."""
+
+    WORST = "worst"
+
+
+class Clearing(StrEnum):
+    """How a fault clears: all phases at once, or each where the motor's current in it passes zero."""
+
+    AT_ONCE = "at once"
+    ZEROS = "zeros of current"

@@ -16,7 +16,7 @@ from dataclasses import dataclass, fields
 from functools import cache
 from typing import Any
 
-from engine.case.choices import InitialState, TorqueFollows
+from engine.case.choices import InitialState, Scanned, TorqueFollows
 
 #: Name of the event in operation that table `TorqueTime` is where `InitialState` is ``running``.
 TABLED_EVENT = "TorqueTime"
@@ -80,6 +80,39 @@ class ElementRow:
     peak_torque_limit: float | None = None  #: Likewise. [N m]
     reversal_limit: float | None = None  #: Likewise. [N m]
     vibratory_limit: float | None = None  #: Likewise. [N m]
+
+
+@dataclass(frozen=True)
+class SectionRow:
+    """One row of `Sections`: a length of constant section of an element, from From to To."""
+
+    element: str | None = None  #: The shaft or coupling of `Elements`.
+    section: str | None = None  #: Its name; blank = its number.
+    length: float | None = None  #: Length. [m]
+    od: float | None = None  #: Outer diameter. [m]
+    end_od: float | None = None  #: Outer diameter at the To end of a taper; blank = OD. [m]
+    id: float | None = None  #: Bore; blank = 0. [m]
+    material: str | None = None  #: Row of `SectionMaterials`; blank = carbon steel.
+    fillet: float | None = None  #: Fillet radius at the step to the next row; blank = sharp. [m]
+    #: Share of its length that twists, of a section inside a hub; blank = all of it. [1]
+    penetration: float | None = None
+    keyway_width: float | None = None  #: One keyway along the section; blank = none. [m]
+    keyway_depth: float | None = None  #: From the crown of the shaft. [m]
+
+    @property
+    def last_od(self) -> float | None:
+        """Outer diameter at the To end. [m]"""
+        return self.od if self.end_od is None else self.end_od
+
+
+@dataclass(frozen=True)
+class SectionMaterialRow:
+    """One row of `SectionMaterials`: what sections may be made of beside carbon steel."""
+
+    material: str | None = None  #: Name.
+    shear_modulus: float | None = None  #: Shear modulus. [Pa]
+    density: float | None = None  #: Density; 0 = sections without inertia. [kg/m³]
+    source: str | None = None  #: Where the two numbers come from.
 
 
 @dataclass(frozen=True)
@@ -155,7 +188,8 @@ class MotorDataRow:
     #: Rated apparent power, the base of all that is per unit; blank = from `RatedPower`. [V A]
     apparent_power: float | None = None
     voltage: float | None = None  #: Rated voltage, line to line: the base of what is in ohm. [V]
-    power_factor: float | None = None  #: At rated power. [1]
+    #: At rated power; below 0: the current of a synchronous motor lags in operation, else it leads. [1]
+    power_factor: float | None = None
     efficiency: float | None = None  #: At rated power. [1]
     xd: float | None = None  #: Synchronous reactances of the two axes. [1]
     xq: float | None = None  #: Likewise. [1]
@@ -196,7 +230,7 @@ class MotorDataRow:
         if self.apparent_power is not None:
             return self.apparent_power
         if rated_power and self.power_factor and self.efficiency:
-            return rated_power / (self.power_factor * self.efficiency)
+            return rated_power / (abs(self.power_factor) * self.efficiency)
         return None
 
     def base_impedance(self, rated_power: float | None) -> float | None:
@@ -265,6 +299,8 @@ class EventTorqueRow:
     multiple: float | None = None  #: m, multiple of the line frequency; blank or 0 = constant. [1]
     phase: float | None = None  #: φ; blank = 0. [rad]
     time_constant: float | None = None  #: τ; blank = it does not decay. [s]
+    #: Such events in the life of the train, in one row of each; blank = 0. [1]
+    per_life: float | None = None
 
 
 @dataclass(frozen=True)
@@ -274,13 +310,24 @@ class MotorEventRow:
     event: str | None = None  #: Its name.
     station: str | None = None  #: Where the motor acts.
     kind: str | None = None  #: One of `MotorEventKind`.
-    #: Voltage of the healthy phase, or of the one that changes, at the event; blank = 0. [rad]
-    phase: float | None = None
-    angle: float | None = None  #: Of the motor's voltage ahead of the line's at closing. [rad]
+    #: Voltage of the healthy phase, or of the one that changes, at the event; blank = 0; or ``worst``. [rad]
+    phase: float | str | None = None
+    #: Of the motor's voltage ahead of the line's at closing; or ``worst``. [rad]
+    angle: float | str | None = None
     #: At the motor's terminals just before it closes, or what a dip leaves. [1]
     residual_voltage: float | None = None
-    #: How long the line is faulted, changed or off; blank = for good, reclosing at once. [s]
-    clears_after: float | None = None
+    #: How long the line is faulted, changed or off; blank = for good, reclosing at once; or ``worst``. [s]
+    clears_after: float | str | None = None
+    #: Until then a worst `clears_after` is looked for; blank = 0.5 s. [s]
+    latest_clearing: float | None = None
+    per_life: float | None = None  #: Such events in the life of the train; blank = 0. [1]
+    clearing: str | None = None  #: ``at once`` (default) or ``zeros of current``.
+
+    @property
+    def scanned(self) -> tuple[str, ...]:
+        """Attributes of which the worst value is looked for."""
+        looked_for = ("phase", "angle", "clears_after")
+        return tuple(name for name in looked_for if getattr(self, name) == Scanned.WORST)
 
 
 @dataclass(frozen=True)
@@ -332,6 +379,8 @@ class EffectChoiceRow:
 TABLES: dict[str, tuple[str, type]] = {
     "Stations": ("stations", StationRow),
     "Elements": ("elements", ElementRow),
+    "Sections": ("sections", SectionRow),
+    "SectionMaterials": ("section_materials", SectionMaterialRow),
     "Meshes": ("meshes", MeshRow),
     "ModeDamping": ("mode_damping", ModeDampingRow),
     "MotorTorque": ("motor_torque", MotorTorqueRow),
@@ -408,7 +457,7 @@ class CaseData:
     maximum_time: float | None = None
     #: Where the torques of `torque_time` begin: ``rest`` (default), or ``running``, an event in operation.
     initial_state: str | None = None
-    #: At which speed torque curves of motors are read: ``own speed`` (default), ``mean speed`` or ``machine``.
+    #: At which speed torque curves of motors are read: ``mean speed`` (default), ``own speed`` or ``machine``.
     torque_follows: str | None = None
     starts_required: float | None = None  #: Starts the shaft must survive. [1]
     #: Allowable starts are divided by it before they are judged; blank = 1. [1]
@@ -434,6 +483,8 @@ class CaseData:
     contact_law: str | None = None
     stations: tuple[StationRow, ...] = ()  #: Rows of the tables of the same name. [rows]
     elements: tuple[ElementRow, ...] = ()  #: Likewise. [rows]
+    sections: tuple[SectionRow, ...] = ()  #: Likewise. [rows]
+    section_materials: tuple[SectionMaterialRow, ...] = ()  #: Likewise. [rows]
     meshes: tuple[MeshRow, ...] = ()  #: Likewise. [rows]
     mode_damping: tuple[ModeDampingRow, ...] = ()  #: Likewise. [rows]
     motor_torque: tuple[MotorTorqueRow, ...] = ()  #: Likewise. [rows]
@@ -475,7 +526,7 @@ class CaseData:
     @property
     def reads_own_speed(self) -> bool:
         """Whether curves of motors are read at the speed of their stations, vibration included. [flag]"""
-        return self.torque_follows in (None, TorqueFollows.OWN_SPEED)
+        return self.torque_follows == TorqueFollows.OWN_SPEED
 
     @property
     def event_names(self) -> tuple[str, ...]:
@@ -484,6 +535,12 @@ class CaseData:
         names = dict.fromkeys(str(row.event) for row in self.event_torque)
         names |= dict.fromkeys(str(row.event) for row in self.motor_events)
         return (*names, TABLED_EVENT) if tabled else tuple(names)
+
+    @property
+    def events_per_life(self) -> dict[str, float]:
+        """How often each event in operation happens in the life of the train; those that do not are left out. [1]"""
+        counts = {str(row.event): row.per_life for row in self.event_torque if row.per_life}
+        return counts | {str(row.event): row.per_life for row in self.motor_events if row.per_life}
 
     @property
     def motor_stations(self) -> tuple[str | None, ...]:

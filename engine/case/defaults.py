@@ -22,3 +22,5 @@ DEFAULT_TOLERANCE_STARTS = 0.02
 NOTABLE_REVERSAL = 1e-3
 #: Starts are rounded down to whole ones; a count nearer than this to the next one is that one. [1]
 WHOLE_STARTS = 1e-9
+#: A worst clearing time is looked for until then where nothing is typed: backup protection trips within. [s]
+DEFAULT_LATEST_CLEARING = 0.5

@@ -262,6 +262,20 @@ USUAL: tuple[tuple[UsualRange, Callable[[CaseData], Values]], ...] = (
         partial(_column, "elements", "Density", "Element"),
     ),
     (
+        UsualRange(
+            "SectionMaterials", "Shear modulus", 20e9, 130e9, "GPa", 1e9,
+            "steel: 79 to 83 GPa, 11.5 to 12 Mpsi", "Check its unit, and that it is not E.",
+        ),
+        partial(_column, "section_materials", "Shear modulus", "Material"),
+    ),
+    (
+        UsualRange(
+            "SectionMaterials", "Density", 1000.0, 20000.0, "kg/m³", 1.0,
+            "steel: 7850 kg/m³, 0.284 lb/in³", _UNIT,
+        ),
+        lambda case: [(row.material, row.density) for row in case.section_materials if row.density],
+    ),
+    (
         UsualRange("Elements", "SCF", 1.0, 6.0, "", 1.0, "1.5 to 4 in torsion", _SIGN),
         partial(_column, "elements", "SCF", "Element"),
     ),
@@ -336,6 +350,16 @@ USUAL: tuple[tuple[UsualRange, Callable[[CaseData], Values]], ...] = (
 LENGTHS = UsualRange(
     "Elements", "Length", 0.02, 250.0, "× OD", 1.0, "0.1 to 30", "Check the units of Length and OD."
 )
+SECTION_LENGTHS = UsualRange(
+    "Sections",
+    "Length",
+    0.005,
+    100.0,
+    "× OD",
+    1.0,
+    "0.02 to 10",
+    "Check the units of Length and OD.",
+)
 SECTIONS = UsualRange(
     "Elements", "Stress diameter", 0.25, 1.5, "× OD", 1.0,
     "0.5 to 1: stress is judged where the shaft is thin", "Check both units, and that neither is a radius.",
@@ -351,6 +375,9 @@ def _geometry(case: CaseData) -> Iterator[str]:
     """Columns that describe one and the same shaft."""
     sized = [e for e in case.elements if e.od]
     yield from LENGTHS.notes((e.element, e.length / e.od) for e in sized if e.length and e.od)
+    yield from SECTION_LENGTHS.notes(
+        (row.element, row.length / row.od) for row in case.sections if row.length and row.od
+    )
     yield from SECTIONS.notes(
         (e.element, e.stress_diameter / e.od) for e in sized if e.stress_diameter and e.od
     )

@@ -99,6 +99,8 @@ class StartConditionRow:
     trip_speed: float | None = None
     per_year: float | None = None  #: Such starts a year; blank = 0. [1/year]
     so_far: float | None = None  #: Such starts the train has seen; blank = 0. [1]
+    #: Event of `EventTorque` or `MotorEvents` that happens in the place of a start; blank = a start.
+    event: str | None = None
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,7 @@ module                   responsibility
 =======================  =========================================================================
 `gears`                  gear teeth as lines: where a flank's force acts, and along which
                          direction
+`sections`               stepped shafts from their sections: steps, hubs and keyways
 `links`                  what an element row means mechanically: stiffness, damping and inertia,
                          from numbers or geometry
 `train`                  the shaft line as arrays: masses, stiffnesses and the incidence matrix

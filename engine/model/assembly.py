@@ -29,7 +29,7 @@ class Assembly:
         self.ends: list[ShaftEnd] = []
 
     def add(self, element: int, e: ElementRow, link: Link, segments: int) -> None:
-        """Add one element as one row, or as `segments` rows in series if it has inertia."""
+        """Add one element as one row, or in about `segments` rows in series if it has inertia."""
         ends = [self.index[n] for n in (e.from_, e.to) if n not in (None, GROUND)]
         if len(ends) == 2:
             self.edges.append((element, ends[0], ends[1]))
@@ -38,40 +38,41 @@ class Assembly:
             return
         if e.kind == ElementKind.GEAR_MESH:
             back = self.ratio[ends[0]] / self.ratio[ends[1]]
-            self._row(element, link, 1, {ends[0]: 1.0, ends[1]: -back})
+            self._row(element, link, 1.0, {ends[0]: 1.0, ends[1]: -back})
             return
         from_ground = e.from_ == GROUND
         chain: list[int | None] = [None] if from_ground else []
         chain += ends if len(ends) == 2 or from_ground else [ends[0], None]
-        count = max(1, segments) if link.inertia and link.stiffness else 1
-        self._series(element, link, count, chain)
+        self._series(element, link, _pieces(link, segments), chain)
 
-    def _series(self, element: int, link: Link, count: int, chain: list[int | None]) -> None:
-        """Segments of equal stiffness, half a segment's inertia lumped at each of its ends."""
+    def _series(
+        self, element: int, link: Link, pieces: list[tuple[float, float]], chain: list[int | None]
+    ) -> None:
+        """Pieces in series: how many times stiffer each is than the whole, and the inertia at each of its ends."""
         start, end = chain
         ratio = self.ratio[next(n for n in chain if n is not None)]
         nodes: list[int | None] = [start]
-        for _ in range(count - 1):
+        for _ in pieces[1:]:
             nodes.append(len(self.inertia))
             self.inertia.append(0.0)
             self.damping.append(0.0)
             self.ratio.append(ratio)
         nodes.append(end)
-        first, half = len(self.rows), 0.5 * link.inertia / count
-        for a, b in zip(nodes[:-1], nodes[1:], strict=True):
+        first = len(self.rows)
+        for (stiffer, half), a, b in zip(pieces, nodes[:-1], nodes[1:], strict=True):
             entries = {n: sign for n, sign in ((a, 1.0), (b, -1.0)) if n is not None}
-            self._row(element, link, count, entries)
+            self._row(element, link, stiffer, entries)
             for n in entries:
                 self.inertia[n] += half
-        rows = (first, first + count - 1)
-        for row, node, inertia in zip(rows, (start, end), (half, -half), strict=True):
-            if half > 0.0 and node is not None:
+        ends = ((first, start, pieces[0][1]), (len(self.rows) - 1, end, -pieces[-1][1]))
+        for row, node, inertia in ends:
+            if inertia != 0.0 and node is not None:
                 self.ends.append(ShaftEnd(element, row, node, inertia))
 
-    def _row(self, element: int, link: Link, count: int, entries: dict[int, float]) -> None:
+    def _row(self, element: int, link: Link, stiffer: float, entries: dict[int, float]) -> None:
         assert link.stiffness is not None
         self.rows.append(
-            (element, link.stiffness * count, link.viscous * count, link.loss_factor, entries)
+            (element, link.stiffness * stiffer, link.viscous * stiffer, link.loss_factor, entries)
         )
 
     def body(self, station: int, data: BodyData, axis: Floats) -> GearBody:
@@ -86,6 +87,20 @@ class Assembly:
         return GearBody(
             station, x, x + 1, row, row + 1, data.mass, data.stiffness, data.damping, angle
         )
+
+
+def _pieces(link: Link, segments: int) -> list[tuple[float, float]]:
+    """Pieces of an element as `_series` takes them; one where it has no inertia."""
+    profile = link.profile
+    if not link.inertia or not link.stiffness:
+        return [(1.0, 0.5 * link.inertia)]
+    finer = max(1, segments // sum(profile.pieces))
+    counts = [finer * n for n in profile.pieces]
+    return [
+        (n / twist, 0.5 * link.inertia * inertia / n)
+        for (twist, inertia), n in zip(profile.parts, counts, strict=True)
+        for _ in range(n)
+    ]
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from engine.errors import ModelError
 from engine.model.assembly import Assembly
 from engine.model.gear_bodies import add_bodies, body_data, flanks_of
 from engine.model.links import has_clearance, link_of
+from engine.model.sections import UNIFORM, sections_of
 from engine.model.topology import drive_ends, merge_rigid, rigid_meshes, senses_of_rotation
 from engine.model.train import GearBody, Train
 
@@ -43,12 +45,17 @@ def build_train(
         lacks stiffness or pitch radius.
     """
     meshes = {m.element: m for m in case.meshes}
-    links = [link_of(e, meshes.get(e.element)) for e in case.elements]
+    sections = sections_of(case)
+    links = [
+        link_of(e, meshes.get(e.element), sections.get(str(e.element), ())) for e in case.elements
+    ]
     gaps = {e.element for e in case.elements if has_clearance(meshes.get(e.element))}
     a = Assembly(case)
     for i, (e, link) in enumerate(zip(case.elements, links, strict=True)):
-        pieces = (segments or {}).get(str(e.element), 1)
-        a.add(i, e, link, 1 if e.element in gaps else pieces)
+        if e.element in gaps:
+            a.add(i, e, replace(link, profile=UNIFORM), 1)
+        else:
+            a.add(i, e, link, (segments or {}).get(str(e.element), 1))
     orientation, sides, reference = drive_ends(case, a)
     internal = {m.element for m in case.meshes if m.gear_type == GearType.INTERNAL}
     flips = {

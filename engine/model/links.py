@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from engine.case.choices import ElementKind
 from engine.case.data import ElementRow, MeshRow
 from engine.errors import ModelError
 from engine.model.gears import line_of_action
-from engine.numerics.same_bits import fourth, square
+from engine.model.sections import UNIFORM, Profile, Section, profile_of, series_stiffness
+from engine.numerics.same_bits import fourth, square, total
 
 
 def shaft_stiffness(od: float, bore: float, length: float, shear_modulus: float) -> float:
@@ -65,9 +67,10 @@ class Link:
     viscous: float  #: Viscous damping, likewise. [N m s/rad]
     loss_factor: float  #: Hysteretic loss factor. [1]
     inertia: float  #: Of the element itself. [kg m²]
+    profile: Profile = UNIFORM  #: How stiffness and inertia are spread along it. [1]
 
 
-def link_of(e: ElementRow, mesh: MeshRow | None) -> Link:
+def link_of(e: ElementRow, mesh: MeshRow | None, sections: Sequence[Section] = ()) -> Link:
     """What an element row and its mesh row mean mechanically.
 
     Parameters
@@ -76,11 +79,13 @@ def link_of(e: ElementRow, mesh: MeshRow | None) -> Link:
         The element. [SI]
     mesh : MeshRow or None
         Its row of Meshes. [SI]
+    sections : sequence of Section, optional
+        Its sections, where it has rows in table `Sections`. [SI]
 
     Returns
     -------
     Link
-        With the stiffness of the geometry where none is typed. [SI]
+        With the stiffness of the geometry where none is typed; a typed one is spread as that of the sections. [SI]
 
     Raises
     ------
@@ -91,6 +96,8 @@ def link_of(e: ElementRow, mesh: MeshRow | None) -> Link:
     shaft = e.kind != ElementKind.GEAR_MESH
     if shaft and stiffness is None and e.od and e.length and e.shear_modulus:
         stiffness = shaft_stiffness(e.od, e.id or 0.0, e.length, e.shear_modulus)
+    if shaft and stiffness is None and sections:
+        stiffness = series_stiffness(sections)
     if not shaft and mesh is not None and mesh.pitch_radius_drive:
         cos_t, share = line_of_action(mesh)
         base = mesh.pitch_radius_drive * cos_t
@@ -101,12 +108,15 @@ def link_of(e: ElementRow, mesh: MeshRow | None) -> Link:
     inertia = 0.0
     if shaft and e.density and e.od and e.length:
         inertia = shaft_inertia(e.od, e.id or 0.0, e.length, e.density)
+    if shaft and sections:
+        inertia = total(s.inertia for s in sections)
     if shaft and stiffness is None:
         raise ModelError(
             f"Element '{e.element}' has neither a stiffness nor the geometry for one. Type one of "
             "them in table Elements."
         )
-    return Link(stiffness, viscous or 0.0, e.loss_factor or 0.0, inertia)
+    profile = profile_of(sections) if shaft and sections else UNIFORM
+    return Link(stiffness, viscous or 0.0, e.loss_factor or 0.0, inertia, profile)
 
 
 def has_clearance(mesh: MeshRow | None) -> bool:

@@ -14,12 +14,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from engine.arrays import Floats
-from engine.case.choices import ElementKind
-from engine.case.data import CaseData, ElementRow
+from engine.case.data import CaseData
 from engine.model.build_train import build_train
 from engine.model.excitation import excitations_of, operating_range
-from engine.model.links import has_clearance, shaft_inertia, shaft_stiffness
+from engine.model.links import Link, has_clearance, link_of
 from engine.model.modes import Modes, modes_of
+from engine.model.sections import sections_of
 from engine.model.train import Train
 from engine.numerics.same_bits import total
 
@@ -109,8 +109,15 @@ def natural_modes(
         Train and modes. [SI]
     """
     parted = {m.element for m in case.meshes if has_clearance(m)}
-    waves = [e for e in case.elements if _carries_waves(e) and e.element not in parted]
-    time = {str(e.element): _travel_time(e) for e in waves}
+    meshes, sections = {m.element: m for m in case.meshes}, sections_of(case)
+    links = {
+        str(e.element): link_of(e, meshes.get(e.element), sections.get(str(e.element), ()))
+        for e in case.elements
+        if e.element not in parted
+    }
+    waves = {name: link for name, link in links.items() if link.inertia and link.stiffness}
+    time = {name: _travel_time(link) for name, link in waves.items()}
+    least = {name: sum(link.profile.pieces) for name, link in waves.items()}
     train = build_train(case, lateral=lateral)
     if not time:
         return SubdividedModes(train, modes_of(train), (), 0.0)
@@ -119,7 +126,9 @@ def natural_modes(
     # pieces a second of travel, of the coarser of two trains
     density = min(0.5 * least_pieces / longest, 0.5 * SUBDIVISION_SEGMENTS / total(time.values()))
     while True:
-        coarse = {name: max(1, math.ceil(density * t)) for name, t in time.items()}
+        coarse = {
+            name: n * max(1, math.ceil(density * time[name] / n)) for name, n in least.items()
+        }
         fine = {name: 2 * n for name, n in coarse.items()}
         train = build_train(case, fine, lateral=lateral)
         modes = modes_of(train)
@@ -137,18 +146,12 @@ def natural_modes(
         density *= min(growth, most)
 
 
-def _carries_waves(e: ElementRow) -> bool:
-    """True if inertia is distributed along an element."""
-    return bool(e.density) and e.kind != ElementKind.GEAR_MESH and e.stiffness != 0.0
-
-
-def _travel_time(e: ElementRow) -> float:
-    """Time a torsional wave needs along a shaft, √(J/k). [s]"""
-    od, bore, length = e.od or 0.0, e.id or 0.0, e.length or 0.0
-    stiffness = e.stiffness
-    if stiffness is None:
-        stiffness = shaft_stiffness(od, bore, length, e.shear_modulus or 0.0)
-    return math.sqrt(shaft_inertia(od, bore, length, e.density or 0.0) / stiffness)
+def _travel_time(link: Link) -> float:
+    """Time a torsional wave needs along an element in pieces as long as the longest, √(J/k) of a plain shaft. [s]"""
+    parts = zip(link.profile.parts, link.profile.pieces, strict=True)
+    longest = max(math.sqrt(twist * inertia) / n for (twist, inertia), n in parts)
+    assert link.stiffness is not None
+    return math.sqrt(link.inertia / link.stiffness) * longest * sum(link.profile.pieces)
 
 
 def _refinement_errors(coarse: Modes, fine: Modes) -> Floats:

@@ -105,7 +105,7 @@ def running_damping(circuit: Circuit, power_factor: float, frequency: Floats) ->
     circuit : Circuit
         The motor without its discharge resistor. [pu]
     power_factor : float
-        Of the motor, leading as that of an over-excited one. [1]
+        Of the motor: positive leads, as that of an over-excited one; negative lags. [1]
     frequency : ndarray, shape (n,)
         Of the oscillation, over that of the line; positive. [1]
 
@@ -116,12 +116,13 @@ def running_damping(circuit: Circuit, power_factor: float, frequency: Floats) ->
     """
     resistance = circuit.stator_resistance
     xq = circuit.stator_leakage + circuit.magnetising_q
-    lead = math.sqrt(1.0 - power_factor * power_factor)
-    real = 1.0 - resistance * power_factor + xq * lead  # of the voltage behind
-    imaginary = -(resistance * lead + xq * power_factor)
+    active = abs(power_factor)
+    lead = math.copysign(math.sqrt(1.0 - active * active), power_factor)
+    real = 1.0 - resistance * active + xq * lead  # of the voltage behind
+    imaginary = -(resistance * lead + xq * active)
     size = hypot(real, imaginary)
     ud, uq = imaginary / size, real / size
-    id_, iq = power_factor * ud - lead * uq, power_factor * uq + lead * ud
+    id_, iq = active * ud - lead * uq, active * uq + lead * ud
     return _damping_at_rest(circuit, (ud, uq), (id_, iq), frequency)
 
 

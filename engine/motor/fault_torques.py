@@ -14,10 +14,14 @@ import numpy as np
 from engine.arrays import Floats
 from engine.case.choices import MotorEventKind
 from engine.errors import ModelError
+from engine.motor.circuit import Circuit
+from engine.motor.two_axis import air_gap_torque, flux_system
 from engine.numerics.same_bits import cos, sin
 
 #: Points along each axis of a grid that is drawn together around its largest value, and how often.
 POINTS, ROUNDS = 241, 4
+#: Points of a cycle: a torque that turns with twice the line's frequency has its largest value there to 1e-6. [count]
+OF_A_CYCLE = 4096
 KINDS = (
     MotorEventKind.THREE_PHASE_FAULT,
     MotorEventKind.LINE_TO_LINE_FAULT,
@@ -100,3 +104,39 @@ def largest_fault_torque(kind: str, xd: float, xq: float, closing: float | None 
         largest, turned, angle = float(values[at]), float(grid[at]), float(other[at])
         width, spread = 4.0 * width / POINTS, 4.0 * spread / POINTS
     return largest
+
+
+def largest_of_constant_fluxes(
+    circuit: Circuit, flux: Floats, forward: tuple[float, float], backward: tuple[float, float]
+) -> float:
+    """Largest magnitude of the torque in the first cycle of the line, the rotor in step.
+
+    The voltage turns with the line, and against it. Its integral is the flux of the stator; what the stator has beyond
+    that stands still.
+
+    Parameters
+    ----------
+    circuit : Circuit
+        The motor; its resistances do not count. [pu]
+    flux : ndarray, shape (n_flux,)
+        Fluxes at first, in the order of `FluxSystem`. [pu]
+    forward, backward : tuple of float
+        Magnitude of each voltage, and its angle ahead of axis d at first. [pu, rad]
+
+    Returns
+    -------
+    float
+        [pu]
+    """
+    system = flux_system(circuit, 1.0, 1.0, 0.0, is_open=False)
+    q, turned = system.q, 2.0 * math.pi * np.linspace(0.0, 1.0, OF_A_CYCLE + 1)
+    (f, a), (b, angle) = forward, backward
+    f_d, f_q = f * cos(a), f * sin(a)
+    b_d, b_q = b * cos(angle - 2.0 * turned), b * sin(angle - 2.0 * turned)
+    still_d = float(flux[0]) - f_q + b_q[0]
+    still_q = float(flux[q]) + f_d - b_d[0]
+    c, s = cos(turned), sin(turned)
+    fluxes = np.repeat(flux[:, None], len(turned), axis=1)
+    fluxes[0] = still_d * c + still_q * s + f_q - b_q
+    fluxes[q] = still_q * c - still_d * s - f_d + b_d
+    return float(np.max(np.abs(air_gap_torque(system, fluxes))))

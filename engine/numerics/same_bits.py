@@ -246,13 +246,15 @@ def fading_sum(values: Floats, share: float) -> Floats:
 # --- matrices -------------------------------------------------------------------------------------
 
 
-def product(a: Any, b: Any) -> Any:
+def product(a: Any, b: Any, out: Floats | None = None) -> Any:
     """Matrix product `a @ b` of vectors and matrices, each entry summed in the order of its index.
 
     Parameters
     ----------
     a, b : ndarray, shapes (m, k) or (k,), and (k, n) or (k,)
         Real or complex. [any]
+    out : ndarray, shape (m, n), optional
+        Where the product of two real matrices goes; default a new one. [any]
 
     Returns
     -------
@@ -267,10 +269,13 @@ def product(a: Any, b: Any) -> Any:
     if k != inner:
         raise InternalError(f"a product of shapes {a.shape} and {b.shape}")
     if min(m, n, k) > LARGE:
-        return np.matmul(a, b)
+        return np.matmul(a, b, out=out)
     left = np.ascontiguousarray(left, dtype=np.float64)
     right = np.ascontiguousarray(right, dtype=np.float64)
-    out = np.empty((m, n))
+    if out is None:
+        out = np.empty((m, n))
+    elif out.shape != (m, n):
+        raise InternalError(f"a product of shape {(m, n)} into an array of shape {out.shape}")
     library.product(m, n, k, address(left), address(right), address(out))
     if a.ndim == b.ndim == 2:
         return out

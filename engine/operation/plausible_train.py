@@ -349,8 +349,8 @@ def _gears(case: CaseData) -> Iterator[str]:
 
 
 def _mode_numbers(case: CaseData, train: Train) -> Iterator[str]:
-    """Damping of modes that do not exist; a shaft with Density has any number of them."""
-    if any(e.density for e in case.elements):
+    """Damping of modes that do not exist; a shaft with Density or sections has any number of them."""
+    if case.sections or any(e.density for e in case.elements):
         return
     grounded = bool(np.any(np.abs(product(train.incidence, train.dof_ratio)) > 1e-6))
     n_elastic = train.n_dof - (0 if grounded else 1)

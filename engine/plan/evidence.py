@@ -23,7 +23,7 @@ from engine.model.train import Train
 from engine.numerics.distinct import distinct
 from engine.numerics.same_bits import product, total
 from engine.start.closing import closing_torques
-from engine.start.electrical_damping import electrical_damping_of
+from engine.start.electrical_damping import ElectricalDamping, electrical_damping_of
 from engine.start.settings import NEGLIGIBLE, has_start, settings_of
 from engine.start.start import Start
 from engine.start.start_fatigue import judged_shafts, sn_slope, stress_over_endurance
@@ -94,12 +94,13 @@ class StartEvidence:
 
 @dataclass(frozen=True)
 class ElectricalNumbers:
-    """What motors make of the damping of a mode, over it, times the mode's share of a peak: the largest."""
+    """What motors make of the modes that the start crosses."""
 
     known: bool  #: Whether every motor has a data sheet.
-    #: What they damp or drive beyond what the start has; 0 where that is unknown. [1]
+    #: What they damp or drive beyond what the start has, over the mode's damping ratio, times its share of a peak:
+    #: the largest; 0 where that is unknown. [1]
     number: float
-    slope: float  #: What the slope of their curves does. [1]
+    rows: tuple[ElectricalDamping, ...]  #: Mode by mode. [SI]
 
 
 @dataclass(frozen=True)
@@ -155,10 +156,12 @@ def collect_evidence(
     case: CaseData,
     modal: ModalTrain,
     coupled: ModalTrain | None = None,
+    reported: ModalTrain | None = None,
 ) -> Evidence:
     """Evidence that needs no start.
 
-    `modal` is without lateral motion of gears, `coupled` with it, where bearing data is given.
+    `modal` is without lateral motion of gears, `coupled` with it, where bearing data is given. `reported` is the one
+    of them whose modes are reported; default `modal`.
     """
     train, modes = modal.train, modal.modes
     ratings = case.ratings
@@ -199,7 +202,7 @@ def collect_evidence(
         field_slip=field_slip,
         trip_share=trip_share,
         shock_share=_shock_share(case, line_omega, motors),
-        electrical=_electrical_numbers(case, modal, motors),
+        electrical=_electrical_numbers(case, reported or modal, motors) if motors else None,
         closing=_closing(case, modal, motors),
         judged=len(judged_shafts(case)),
         clearances=tuple(train.elements[f.element] for f in train.flanks if f.gap),
@@ -323,26 +326,22 @@ def _electrical_numbers(
 
     Its share is that of its resonance in the torque of any element, the static torque of all modes added.
     """
-    rows = [row for row in electrical_damping_of(case, modal) if row.speed < 1.0] if motors else []
+    every_row = electrical_damping_of(case, modal)
+    rows = [row for row in every_row if row.speed < 1.0]
     if not rows:
         return None
     modes = modal.modes
     resonant, own = _own_torques(modal, motors)
     share = np.max(resonant / np.where(own > 0.0, own, np.inf)[:, None], axis=0, initial=0.0)
     known = all(row.share is not None for row in rows)
-    number = slope = 0.0
-    for mode in {row.mode for row in rows}:
+    number = 0.0
+    for mode in {row.mode for row in rows} if known else ():
         of_mode = [row for row in rows if row.mode == mode]
-        ratio = max(of_mode[0].damping_ratio, 1e-9)
-        weight = float(share[modes.n_rigid + mode - 1]) / ratio
-        of_slope = total(row.slope_share for row in of_mode)
-        slope = max(slope, weight * abs(of_slope))
-        if known:
-            answered = total(row.share or 0.0 for row in of_mode)
-            number = max(
-                number, weight * abs(answered - (of_slope if case.reads_own_speed else 0.0))
-            )
-    return ElectricalNumbers(known, number, slope)
+        weight = float(share[modes.n_rigid + mode - 1]) / max(of_mode[0].damping_ratio, 1e-9)
+        answered = total(row.share or 0.0 for row in of_mode)
+        had = total(row.slope_share for row in of_mode) if case.reads_own_speed else 0.0
+        number = max(number, weight * abs(answered - had))
+    return ElectricalNumbers(known, number, every_row)
 
 
 def _own_torques(modal: ModalTrain, motors: Sequence[Motor]) -> tuple[Floats, Floats]:

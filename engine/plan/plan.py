@@ -27,6 +27,7 @@ from engine.case.choices import ContactLaw
 from engine.case.data import CaseData
 from engine.case.effect import StartEffects
 from engine.case.effects import EFFECTS, choice_of
+from engine.case.effects.electrical_damping import ELECTRICAL_DAMPING
 from engine.numerics.same_bits import total
 from engine.plan.decision import EffectDecision, Finding, decide, percent, quoted
 from engine.plan.effects import FINDINGS
@@ -47,6 +48,8 @@ class Plan:
     warnings: tuple[str, ...] = ()  #: Choices that go against the evidence.
     #: Effects that are off though the train has their data, and may change an answer.
     left_out: tuple[str, ...] = ()
+    #: Estimated relative change by what is not simulated of electrical damping, where nothing bounds it. [1]
+    estimate: float = 0.0
 
     @property
     def left_out_bound(self) -> float | None:
@@ -217,6 +220,40 @@ def effects_with(plan: Plan, evidence: Evidence, names: Iterable[str]) -> StartE
     clearances = evidence.clearances if "backlash" in on else plan.effects.clearances
     law = plan.effects.contact_law
     return replace(plan.effects, clearances=clearances, contact_law=law, **flags)
+
+
+def with_estimate(case: CaseData, plan: Plan, change: float) -> Plan:
+    """The plan with an estimate of what its start has not of electrical damping.
+
+    Without data that is what the speed changes at which motor curves are read; with the effect on, the shift of the
+    frequencies.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case, for `TorqueFollows`. [SI]
+    plan : Plan
+        The plan. [mixed]
+    change : float
+        Largest relative change of a peak. [1]
+
+    Returns
+    -------
+    Plan
+        The same with its estimate, in place of a bound where the effect is off. [mixed]
+    """
+    other, own = ("mean", "own") if case.reads_own_speed else ("own", "mean")
+    what = f"curves read at the {other} speed instead of the {own} speed change"
+    if plan.effects.electrical_damping:
+        what = "the frequencies that the motors give the modes (Im K), which this start has not, change"
+    said = f"An estimate, measured by one more start: {what} a peak by {percent(change)}."
+    decisions = tuple(
+        replace(d, bound=None if d.on else change, why=f"{d.why} {said}")
+        if d.effect == ELECTRICAL_DAMPING.name
+        else d
+        for d in plan.decisions
+    )
+    return replace(plan, decisions=decisions, estimate=change)
 
 
 def with_measured(plan: Plan, change: float | None, on: bool) -> Plan:

@@ -20,6 +20,7 @@ from engine.operation.margins import Interference, SeparationMargins
 from engine.operation.steady_state import SteadyState
 from engine.plan.plan import Plan
 from engine.start.crossings import Crossing
+from engine.start.electrical_damping import ElectricalDamping
 from engine.start.reversals import Reversal
 from engine.start.start import Start
 
@@ -91,6 +92,7 @@ class Results(AtSpeed):
     plans: tuple[Plan, ...]
     #: Torque reversals of meshes and geared couplings in the start that is reported. [SI]
     reversals: tuple[Reversal, ...]
+    electrical_damping: tuple[ElectricalDamping, ...] = ()  #: What motors damp of the modes. [SI]
     events: tuple[OperatingEvent, ...] = ()  #: Events in operation. [SI]
     #: Estimated error and time of each analysis, as calculated. [1, s]
     accuracy: tuple[AccuracyRow, ...] = ()

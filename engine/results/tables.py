@@ -14,15 +14,17 @@ from typing import Any
 
 import numpy as np
 
+from engine.backlash.motor_scan import WorstInstant
+from engine.case.data import CaseData
 from engine.case.result_words import Judgement
 from engine.fatigue.stress import shear_stress, stress_of_unit_torque
-from engine.model.modal_train import ModalTrain
+from engine.model.links import link_of
+from engine.model.sections import sections_of
 from engine.motor.from_case import motor_curves
 from engine.numerics.same_bits import product
 from engine.operation.margins import percent_speed
 from engine.results.results import AccuracyRow, AtSpeed, Results
 from engine.results.verdicts import event_verdict, yield_torque
-from engine.start.electrical_damping import electrical_damping_of
 from engine.start.start_fatigue import is_counted
 
 Row = dict[str, Any]
@@ -36,6 +38,7 @@ def result_tables(results: Results) -> Mapping[str, list[Row]]:
     return {
         "Verdicts": _rows(results.verdicts),
         **speed_tables(results),
+        "SectionResults": section_results(results.case),
         "MotorCurves": motor_curves(results.case),
         "ElectricalDamping": _electrical_damping(results),
         "StartupPeaks": _startup_peaks(results),
@@ -80,9 +83,38 @@ def _torque_reversals(results: Results) -> list[Row]:
     return rows
 
 
+def section_results(case: CaseData) -> list[Row]:
+    """Rows of `SectionResults`: sections of each element, and the element as a whole.
+
+    Parameters
+    ----------
+    case : CaseData
+        A case whose sections have passed their checks. [SI]
+
+    Returns
+    -------
+    list of dict
+        Rows by JSON key. [SI]
+    """
+    rows: list[Row] = []
+    elements = {e.element: e for e in case.elements}
+    for name, sections in sections_of(case).items():
+        keys = ("element", "section", "effective_length", "stiffness", "inertia")
+        rows += [{key: getattr(section, key) for key in keys} for section in sections]
+        link = link_of(elements[name], None, sections)
+        rows.append(
+            {
+                "element": name,
+                "section": "whole",
+                "stiffness": link.stiffness,
+                "inertia": link.inertia,
+            }
+        )
+    return rows
+
+
 def _electrical_damping(results: Results) -> list[Row]:
     """What each motor makes of each mode that the start crosses."""
-    modal = ModalTrain(results.train, results.modes, results.damping)
     return [
         {
             "station": row.station,
@@ -97,7 +129,7 @@ def _electrical_damping(results: Results) -> list[Row]:
             "damping_ratio": row.damping_ratio,
             "with_motors": row.with_motors,
         }
-        for row in electrical_damping_of(results.case, modal)
+        for row in results.electrical_damping
     ]
 
 
@@ -209,6 +241,8 @@ def _event_peaks(results: Results) -> list[Row]:
             verdict = Judgement.NOT_JUDGED
             rows += [{"event": event.name, "element": e, "verdict": verdict} for e in limits]
             continue
+        times = case.events_per_life.get(event.name)
+        instants = event.worst.of_element if event.worst else {}
         damage, errors = {s.element: s.damage for s in event.shafts}, dict(event.damage_errors)
         for p in event.response.peaks:
             per_torque, strength = yields.get(p.element, (1.0, math.inf))
@@ -225,14 +259,27 @@ def _event_peaks(results: Results) -> list[Row]:
                     if p.element in unit_stress
                     else None,
                     "damage": damage.get(p.element),
+                    "damage_per_life": times * damage[p.element]
+                    if times and p.element in damage
+                    else None,
                     "damage_error": errors.get(p.element),
                     "limit": limit if math.isfinite(limit) else None,
                     "verdict": event_verdict(limit, p),
                     "error": p.relative_error,
                     "left_out": event.response.left_out,
+                    **_worst_instant(case, event.name, instants.get(p.element)),
                 }
             )
     return rows
+
+
+def _worst_instant(case: CaseData, event: str, instant: WorstInstant | None) -> Row:
+    """Phase, angle and clearing time that were looked for, as they were found."""
+    if instant is None:
+        return {}
+    (row,) = (r for r in case.motor_events if r.event == event)
+    names = {"phase": "worst_phase", "angle": "worst_angle", "clears_after": "worst_clearing_time"}
+    return {names[name]: getattr(instant.row, name) for name in row.scanned}
 
 
 #: Name of the start among the events of motors.
@@ -267,6 +314,9 @@ def _air_gap_torques(results: Results) -> list[Row]:
                 "closed_form": torque.closed_form,
                 "ratio": abs(torque.largest) / torque.closed_form if torque.closed_form else None,
                 "error": torque.error,
+                **_worst_instant(
+                    results.case, event.name, event.worst.of_motor if event.worst else None
+                ),
             }
     return rows
 

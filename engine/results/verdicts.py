@@ -35,7 +35,7 @@ from engine.start.lowest_torque import lowest_torques
 from engine.start.peaks import ElementPeak
 from engine.start.reversals import Reversal, reversing_elements
 from engine.start.start import Start
-from engine.start.start_fatigue import WHOLE_STARTS, sn_curve_of
+from engine.start.start_fatigue import WHOLE_STARTS, is_counted, sn_curve_of
 
 #: Verdicts of checks, the worst first; what is not judged keeps the whole from passing.
 _WORST_FIRST = (
@@ -74,7 +74,7 @@ def verdicts_of(results: Results) -> tuple[Verdict, ...]:
             *_reversal(case, start, results.reversals, _unbounded(results)),
             *_starts(results),
         ]
-    checks += _events(case, results.events)
+    checks += [*_events(case, results.events), *_life(results)]
     if implausible := implausible_results(results):
         where = "; ".join(one.finding for one in implausible)
         overall = Verdict("Overall", None, None, "text", Judgement.CHECK_INPUTS, where)
@@ -542,6 +542,49 @@ def _starts(results: Results) -> Iterator[Verdict]:
         coverage,
         named,
     )
+
+
+def _life(results: Results) -> Iterator[Verdict]:
+    """Damage of the required starts and of all events in a life, where the events are counted (Palmgren-Miner)."""
+    case, start, starts = results.case, results.start, results.starts
+    counts, members = results.case.events_per_life, shafts(results.case)
+    counted = [e for e in results.events if counts.get(e.name)]
+    if not counted or not members:
+        return
+    name, allowed = "Life of starts and events", 1.0 / (case.starts_factor or 1.0)
+    open_ = without_sn_points(case)
+    coverage = _share(members, open_, "shafts")
+    missing = [listed(open_)] if open_ else []
+    lost = [f"event {e.name} is not calculated" for e in counted if e.response is None]
+    unbounded = [e.note for e in counted if e.response and e.response.left_out is None]
+    parts = [(e.shafts, dict(e.damage_errors), counts[e.name]) for e in counted]
+    if case.starts_required is None:
+        missing.append("starts: StartsRequired is blank")
+    elif starts is None or not is_counted(start):
+        lost.append("the start is not judged")
+    else:
+        parts.append((starts.shafts, dict(results.starts_error), case.starts_required))
+        if not starts.bounded:
+            missing.append(_unbounded(results))
+    used: dict[str, float] = {}
+    most: dict[str, float] = {}  # at the unfavourable end of the errors
+    doubtful = []
+    for judged, errors, times in parts:
+        for s in judged:
+            high = max(s.damage_high, s.damage * (1.0 + (errors[s.element] or 0.0)))
+            used[s.element] = used.get(s.element, 0.0) + times * s.damage
+            most[s.element] = most.get(s.element, 0.0) + times * high
+            if s.above_first_point or s.above_shear_yield:
+                doubtful.append(s.element)
+    if doubtful:
+        missing.append(f"beyond the S-N line or shear yield: {listed([*dict.fromkeys(doubtful)])}")
+    named = "; ".join((*lost, *missing, *unbounded))
+    if lost or not used:
+        yield Verdict(name, None, allowed, "fraction", Judgement.NOT_JUDGED, "", coverage, named)
+        return
+    worst = max(most, key=most.__getitem__)
+    verdict = _covered(_within(used[worst], allowed, most[worst] - used[worst]), named)
+    yield Verdict(name, used[worst], allowed, "fraction", verdict, worst, coverage, named)
 
 
 def _undamaged(case: CaseData, starts: AllowableStarts) -> str:

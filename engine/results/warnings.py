@@ -15,7 +15,9 @@ from engine.case.result_words import Outcome
 from engine.fatigue.allowable_starts import notes_on_starts
 from engine.model.excitation import transmitted_torque
 from engine.model.motor import motors_of
+from engine.model.sections import sections_of, series_stiffness
 from engine.motor.from_case import motors_without_curve
+from engine.numerics.same_bits import total
 from engine.operation.full_speed import full_speed
 from engine.operation.plausible_train import unusual_train
 from engine.results.implausible_results import (
@@ -39,6 +41,7 @@ def warnings_of(results: Results) -> Iterator[str]:
     yield from implausible(results.case)
     facts = full_speed(results.case, results.train)
     yield from unusual_train(results.case, results.train, facts)
+    yield from _sections(results.case)
     yield from _motor_data(results.case)
     yield from results.margins.warnings
     yield from results.steady.warnings
@@ -48,6 +51,29 @@ def warnings_of(results: Results) -> Iterator[str]:
     yield from _inaccurate_starts(results)
     yield from _pulling_teeth(results)
     yield from _event_warnings(results)
+
+
+def _sections(case: CaseData) -> Iterator[str]:
+    """Inertia that sections add to the train, and typed stiffnesses that are used instead of theirs."""
+    sections = sections_of(case)
+    for e in case.elements:
+        own = sections.get(str(e.element))
+        if not own:
+            continue
+        if e.stiffness is not None:
+            share = e.stiffness / series_stiffness(own)
+            yield (
+                f"The Stiffness of '{e.element}' typed in table Elements is used, {share:.3g} × that of its sections; "
+                "clear it to use theirs."
+            )
+        ends = total(s.inertia or 0.0 for s in case.stations if s.station in (e.from_, e.to))
+        added = total(s.inertia for s in own)
+        if added:
+            beside = f", {100.0 * added / ends:.2g} % of that of its stations" if ends else ""
+            yield (
+                f"The sections of '{e.element}' add their own inertia to the train{beside}: the inertias of its "
+                "stations must not contain it. Table SectionResults has the numbers."
+            )
 
 
 def _motor_data(case: CaseData) -> Iterator[str]:
@@ -162,8 +188,9 @@ def _why_not_met(start: Start) -> str:
     """What kept a start from a finer step."""
     if start.is_sensitive:  # said elsewhere
         return ""
-    if start.left_out is not None and start.left_out > start.estimated_error:
-        return f" Effects left out may change it by {start.left_out:.2g}: force them on."
+    bound = (start.left_out or 0.0) - start.estimate
+    if bound > start.estimated_error:
+        return f" Effects left out may change it by {bound:.2g}: force them on."
     if not start.contacts:
         return ""
     return (

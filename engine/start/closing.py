@@ -21,7 +21,7 @@ from engine.motor.from_case import motors_without_curve
 from engine.motor.two_axis import air_gap_torque, flux_system, torque_rate
 from engine.numerics.same_bits import cos, matrix_exponential, product, sin, solve
 from engine.start.torque_outputs import force_reach, torque_outputs
-from engine.stepping.linear_loop import drive_modes
+from engine.stepping.linear_loop import drive_modes, prescribed_struct
 
 #: Phase of the line per step, and phase after which what is left is no peak any more: 1 s at 60 Hz. [rad]
 STEP, LENGTH = 0.15, 380.0
@@ -94,24 +94,21 @@ def closing_torques(case: CaseData, modal: ModalTrain, motors: Sequence[Motor]) 
     n, h = math.ceil(LENGTH / STEP), STEP / line_omega
     stations = np.array([m.station for m in motors], dtype=np.int64)
     elastic = modes.omega > 0.0
-    reach = force_reach(train, modes, stations)[elastic]
-    cubic = np.zeros((n, len(reach), 4))
+    reach = np.ascontiguousarray(force_reach(train, modes, stations)[elastic])
+    cubic = np.empty((4, len(motors), n))  # of each torque over each step
     for k, motor in enumerate(motors):
         sheet = data[train.stations[motor.station]]
-        torque, rate = closing_torque(
-            sheet.starting, line_omega, 0.5 * motor.phase + 0.5 * math.pi, n
-        )
+        angle = 0.5 * motor.phase + 0.5 * math.pi
+        torque, rate = closing_torque(sheet.starting, line_omega, angle, n)
         base = float(motor.torque_factor(0.0)) * sheet.torque_base
         a, b = base * torque, base * h * rate
         rise = np.diff(a)
-        force = np.stack(
-            [a[:-1], b[:-1], 3.0 * rise - 2.0 * b[:-1] - b[1:], b[:-1] + b[1:] - 2.0 * rise], axis=1
-        )
-        cubic += reach[None, :, k, None] * force[:, None, :]
-    q = np.empty((n, len(reach)))
-    rest = np.zeros(len(reach)), np.zeros(len(reach))
+        cubic[:, k] = a[:-1], b[:-1], 3.0 * rise - 2.0 * b[:-1] - b[1:], b[:-1] + b[1:] - 2.0 * rise
     stiffness = np.ascontiguousarray(modes.omega[elastic] ** 2)
     rates = np.ascontiguousarray(damping.rate[elastic])
-    drive_modes(np.full(n, h), stiffness, rates, cubic, rest, (q, np.empty_like(q)))
+    out = np.zeros((len(reach), 2, n + 1))
+    system = prescribed_struct(stiffness, rates, reach, len(cubic))
+    rest = np.zeros(len(reach)), np.zeros(len(reach))
+    drive_modes(system, np.full(n, h), cubic, rest, out, 1)
     position = torque_outputs(train, modes, stations).position[:, elastic]
-    return np.asarray(np.max(np.abs(product(position, q.T)), axis=1, initial=0.0))
+    return np.asarray(np.max(np.abs(product(position, out[:, 0])), axis=1, initial=0.0))

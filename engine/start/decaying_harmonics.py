@@ -143,12 +143,12 @@ def decaying_response(
     system = modal_system(train, modes, tones.stations, damping_ratio, kept)
     time = np.linspace(0.0, end, count + 1)
     n = len(system.omega)
-    q, v = np.empty((n, count + 1)), np.empty((n, count + 1))
+    rows = system.room_for(count + 1)
     # modes that damping does not couple are systems of their own
     together = [list(range(n))] if system.coupled else [[i] for i in range(n)]
     for modes_of in together:
-        q[modes_of], v[modes_of] = _motion(system, tones, modes_of, end / count, count)
-    return system.response(time, q, v, lambda: tones.torques(time))
+        rows[modes_of, 0], rows[modes_of, 1] = _motion(system, tones, modes_of, end / count, count)
+    return system.response(time, rows, lambda: tones.torques(time))
 
 
 def _motion(

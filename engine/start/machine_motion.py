@@ -29,10 +29,12 @@ from engine.motor.two_axis import (
     torque_rate,
 )
 from engine.numerics.same_bits import cos, product, sin
-from engine.start.time_response import ModalSystem, coupled_step
+from engine.start.time_response import ModalSystem, TimeResponse, coupled_step
 from engine.stepping.exponential import polynomial_step
 from engine.stepping.library import address, library, struct
 
+#: Modal positions, velocities and fluxes. [SI, pu]
+State = tuple[Floats, Floats, Floats]
 #: Coefficients of 1, s and s² of the parabola through values at s = 0, 1/2 and 1.
 PARABOLA = np.array([[1.0, 0.0, 0.0], [-3.0, 4.0, -1.0], [2.0, -4.0, 2.0]])
 #: The same in the middle of a step: s of the step is half of that of its first half.
@@ -89,6 +91,14 @@ class MachineMotion:
     torque: Floats  #: Air-gap torque and its rate. [N m, N m/s] Shape (n_times,).
     torque_rate: Floats  #: Likewise. [N m/s] Shape (n_times,).
 
+    def response(self, system: ModalSystem, held: float) -> TimeResponse:
+        """What it does to stations and elements; `held` of the torque is balanced before. [N m]"""
+        rows = system.room_for(len(self.time))
+        rows[: len(self.q), 0], rows[: len(self.v), 1] = self.q, self.v
+        return system.response(
+            self.time, rows, lambda: (self.torque[None] - held, self.torque_rate[None])
+        )
+
 
 def machine_motion(
     system: ModalSystem,
@@ -127,69 +137,107 @@ def machine_motion(
     MachineMotion
         At the ends of the steps. [SI]
     """
-    n, (held, speed) = len(system.omega), balance
+    n = len(system.omega)
     now = (*(before or (np.zeros(n), np.zeros(n))), state.flux)
     parts: list[MachineMotion] = []
     ends = [*(s.begins for s in supplies[1:]), end]
     for supply, last in zip(supplies, ends, strict=True):
-        supply, flux = _switched(system, machine, supply, state, now, speed)
-        now = (*now[:2], flux)
+        stretch, now = stretch_of(system, machine, supply, state, now, balance)
         if supply.begins >= min(last, end):  # an open breaker that closes at once
             continue
-        fluxes = flux_system(
-            machine.circuit, machine.line_omega, speed, state.field_voltage, is_open=supply.is_open
-        )
-        run = _Stretch(system, machine, fluxes, supply, state.angle, held, speed)
-        parts.append(run.motion(now, min(last, end), step))
+        parts.append(stretch.motion(now, min(last, end), step))
         now = parts[-1].q[:, -1], parts[-1].v[:, -1], parts[-1].flux[:, -1]
     return MachineMotion(
         *(np.concatenate([getattr(p, name) for p in parts], axis=-1) for name in FIELDS)
     )
 
 
-def _switched(
+def stretch_of(
     system: ModalSystem,
     machine: Machine,
     supply: Supply,
     state: MachineState,
-    now: tuple[Floats, Floats, Floats],
-    speed: float,
-) -> tuple[Supply, Floats]:
-    """The supply with its angle known, and the fluxes just after it has changed to it."""
-    q, _, flux = now
-    turned = machine.pole_pairs * float(product(system.reach[:, 0], q))
-    lost = (speed - 1.0) * machine.line_omega * supply.begins
-    return switched(machine.circuit, supply, flux, state.angle + turned + lost)
-
-
-def switched(circuit: Circuit, supply: Supply, flux: Floats, axis: float) -> tuple[Supply, Floats]:
-    """A supply with its angle known, and the fluxes just after it has changed to it.
+    now: State,
+    balance: Balance,
+) -> tuple[Stretch, State]:
+    """The equations from a change of the supply on, and the state just after it.
 
     Parameters
     ----------
-    circuit : Circuit
-        The motor. [pu]
+    system : ModalSystem
+        The train under one force, the torque of the motor. [SI]
+    machine : Machine
+        The motor. [pu, SI]
     supply : Supply
-        What its stator is connected to from then on. [pu, rad]
-    flux : ndarray, shape (n_flux,)
-        Fluxes just before. [pu]
-    axis : float
-        Angle of axis d ahead of the line. [rad]
+        What it is connected to from now on. [pu, rad]
+    state : MachineState
+        As for `machine_motion`. [pu, rad]
+    now : tuple of ndarray
+        Modal positions, velocities and fluxes just before. [SI, pu]
+    balance : Balance
+        As for `machine_motion`. [N m, 1]
 
     Returns
     -------
-    Supply, ndarray
+    stretch : Stretch
+        [mixed]
+    now : tuple of ndarray
+        Likewise, just after. [SI, pu]
+    """
+    held, speed = balance
+    turned = machine.pole_pairs * float(product(system.reach[:, 0], now[0]))
+    supply, flux = switched(machine, supply, state, now[2], turned=turned, speed=speed)
+    fluxes = flux_system(
+        machine.circuit, machine.line_omega, speed, state.field_voltage, is_open=supply.is_open
+    )
+    stretch = Stretch(system, machine, fluxes, supply, state.angle, held, speed)
+    return stretch, (*now[:2], flux)
+
+
+def switched(
+    machine: Machine,
+    supply: Supply,
+    state: MachineState,
+    flux: Floats,
+    *,
+    turned: float = 0.0,
+    speed: float = 1.0,
+) -> tuple[Supply, Floats]:
+    """A supply with its angle known, and the fluxes just after the motor is connected to it.
+
+    Parameters
+    ----------
+    machine : Machine
+        The motor. [pu, SI]
+    supply : Supply
+        What it is connected to from now on. [pu, rad]
+    state : MachineState
+        As for `machine_motion`. [pu, rad]
+    flux : ndarray, shape (n_flux,)
+        Fluxes just before. [pu]
+    turned : float
+        Electrical angle of the rotor beyond that in balance. [rad]
+    speed : float
+        Of the rotor in balance, over synchronous speed. [1]
+
+    Returns
+    -------
+    supply : Supply
         [pu, rad]
+    flux : ndarray, shape (n_flux,)
+        [pu]
     """
     if supply.is_open:
-        return supply, opened(circuit, flux)
+        return supply, opened(machine.circuit, flux)
     if supply.residual is None and supply.ahead is None:
         return supply, flux
-    size, angle = residual_voltage(circuit, flux)
+    size, angle = residual_voltage(machine.circuit, flux)
     if supply.residual is not None:
         flux = flux * (supply.residual / size)
     if supply.ahead is not None:
-        supply = replace(supply, forward=(supply.forward[0], angle + axis - supply.ahead))
+        lost = (speed - 1.0) * machine.line_omega * supply.begins
+        of_line = angle + state.angle + turned + lost - supply.ahead
+        supply = replace(supply, forward=(supply.forward[0], of_line))
     return supply, flux
 
 
@@ -197,19 +245,36 @@ FIELDS = tuple(MachineMotion.__dataclass_fields__)
 
 
 @dataclass(frozen=True, eq=False)
-class _Stretch:
+class Stretch:
     """Equations between two changes of the supply."""
 
-    system: ModalSystem
-    machine: Machine
-    fluxes: FluxSystem
-    supply: Supply
+    system: ModalSystem  #: The train. [SI]
+    machine: Machine  #: The motor. [pu, SI]
+    fluxes: FluxSystem  #: Its fluxes. [pu]
+    supply: Supply  #: What it is connected to, its angle known. [pu, rad]
     angle: float  #: Of axis d at t = 0, the train in balance. [rad]
-    held: float
-    speed: float
+    held: float  #: Torque with which the train is in balance. [N m]
+    speed: float  #: Of the axes, over synchronous speed. [1]
 
-    def motion(self, now: tuple[Floats, Floats, Floats], end: float, step: float) -> MachineMotion:
-        """Motion from modal positions, velocities and fluxes on, in equal steps."""
+    def motion(self, now: State, end: float, step: float, prepared: Any = None) -> MachineMotion:
+        """Motion in equal steps.
+
+        Parameters
+        ----------
+        now : tuple of ndarray
+            Modal positions, velocities and fluxes at its beginning. [SI, pu]
+        end : float
+            Last time. [s]
+        step : float
+            Longest step. [s]
+        prepared : cdata, optional
+            As `prepared` gives it for the step that follows, from a stretch with the same fluxes. [struct]
+
+        Returns
+        -------
+        MachineMotion
+            At the ends of the steps. [SI]
+        """
         system, begins = self.system, self.supply.begins
         count = max(math.ceil((end - begins) / step * (1.0 - 1e-9)), 1)
         h = (end - begins) / count
@@ -219,7 +284,9 @@ class _Stretch:
         flux = np.empty((count + 1, len(now[2])))
         states[0] = np.stack([a.reshape(-1, block) for a in now[:2]], axis=1).ravel()
         flux[0] = now[2]
-        described = self._described(h)
+        described = self.prepared(h) if prepared is None else prepared
+        described.angle = self.angle
+        described.forward[0:2], described.backward[0:2] = self.supply.forward, self.supply.backward
         room = np.empty(library.machine_room(described))
         made = library.advance_machine(
             count, begins, h, described, *map(address, (states, flux, room))
@@ -237,8 +304,8 @@ class _Stretch:
         torque, rate = air_gap_torque(self.fluxes, flux), torque_rate(self.fluxes, flux, slope)
         return MachineMotion(time, q, v, rotor, flux, base * torque, base * rate)
 
-    def _described(self, h: float) -> Any:
-        """``machine_t`` for steps of one length."""
+    def prepared(self, h: float) -> Any:
+        """``machine_t`` for steps of one length, but for the supply and the angle of the rotor."""
         machine, fluxes, block = self.machine, self.fluxes, _block(self.system)
         free, forced = _train_step(self.system, block, h)
         half, pushed = _train_step(self.system, block, 0.5 * h)
@@ -258,15 +325,13 @@ class _Stretch:
             "flux_steady": np.stack([m.steady for m in maps]),
             "current": fluxes.stator_current,
         }
-        described = struct(
+        return struct(
             "machine_t",
             **{name: np.ascontiguousarray(a) for name, a in arrays.items()},
             n_blocks=len(free), block=2 * block, n_flux=len(fluxes.rate), q=fluxes.q,
             line_omega=machine.line_omega, axes_speed=self.speed, pole_pairs=machine.pole_pairs,
-            torque_base=machine.torque_base, held=self.held, angle=self.angle,
+            torque_base=machine.torque_base, held=self.held,
         )  # fmt: skip
-        described.forward[0:2], described.backward[0:2] = self.supply.forward, self.supply.backward
-        return described
 
     def _flux_rate(self, time: Floats, rotor: Floats, speed: Floats, flux: Floats) -> Floats:
         """Rates of the fluxes from their equations; angle and speed of the rotor are those beyond balance."""

@@ -170,7 +170,7 @@ def _range(extremes: tuple[float, float]) -> float:
 def _difference(
     a: tuple[Floats, Floats],
     b: tuple[Floats, Floats],
-    until_largest: bool = False,
+    with_impacts: bool = False,
     guard_share: float = 1.0,
     same_until: float = math.inf,
 ) -> float:
@@ -179,32 +179,34 @@ def _difference(
     Two curves that differ may by chance share their largest value; they hardly share six. Those
     after the largest are compared with the nearest of the other run, not rank by rank: where one
     run has a ripple the other has not, all ranks below it would be compared with their neighbours.
-    After many impacts two runs go their own ways; with `until_largest` what comes after the largest
-    value says nothing about it. The share is all of it where the largest value comes after
-    `same_until`.
+    After many impacts two runs go their own ways: what comes after both the largest value and `same_until`
+    says nothing about it. The share is all of it where the largest value comes after `same_until`. Extremes up to the
+    largest are compared by themselves, too, as among many one that differs finds a near one.
     """
     worst = 0.0
     for sign in (1.0, -1.0):
-        x, y = (_highest(sign * value, until_largest) for _, value in (a, b))
-        share = guard_share
-        if share < 1.0:
-            latest = max(float(when[int(np.argmax(sign * value))]) for when, value in (a, b))
-            share = guard_share if latest < same_until else 1.0
-        worst = max(
-            worst,
-            abs(x[0] - y[0]),
-            share * _distance(x[:COMPARED_EXTREMES], y),
-            share * _distance(y[:COMPARED_EXTREMES], x),
-        )
+        largest = [float(when[int(np.argmax(sign * value))]) for when, value in (a, b)]
+        share = guard_share if max(largest) < same_until else 1.0
+        until = [max(*largest, same_until)] * 2
+        for ends in (until, largest) if with_impacts else (until,):
+            x, y = (
+                _highest(sign * value[when <= end])
+                for (when, value), end in zip((a, b), ends, strict=True)
+            )
+            worst = max(
+                worst,
+                abs(x[0] - y[0]),
+                share * _distance(x[:COMPARED_EXTREMES], y),
+                share * _distance(y[:COMPARED_EXTREMES], x),
+            )
     return worst
 
 
-def _highest(value: Floats, until_largest: bool) -> list[float]:
-    """The largest values that are compared, in falling order; on request of those up to the largest in time."""
-    seen = value[: int(np.argmax(value)) + 1] if until_largest else value
-    if len(seen) > 2 * COMPARED_EXTREMES:
-        seen = np.partition(seen, -2 * COMPARED_EXTREMES)[-2 * COMPARED_EXTREMES :]
-    return sorted(seen.tolist(), reverse=True)
+def _highest(value: Floats) -> list[float]:
+    """The largest values that are compared, in falling order."""
+    if len(value) > 2 * COMPARED_EXTREMES:
+        value = np.partition(value, -2 * COMPARED_EXTREMES)[-2 * COMPARED_EXTREMES :]
+    return sorted(value.tolist(), reverse=True)
 
 
 def _distance(values: Sequence[float], others: Sequence[float]) -> float:
@@ -275,7 +277,7 @@ def judge_run(
     fine: SingleRun,
     coarse: SingleRun,
     *,
-    until_largest: bool = False,
+    with_impacts: bool = False,
     guard_share: float = 1.0,
     same_until: float = math.inf,
 ) -> JudgedRun:
@@ -293,14 +295,14 @@ def judge_run(
         Bound on what modes left out may add to each output. [N m]
     fine, coarse : SingleRun
         Simulations at h/2 and at h. [SI]
-    until_largest : bool, optional
-        True: extremes after the largest do not count for the error (runs with impacts). [flag]
+    with_impacts : bool, optional
+        True: extremes up to the largest are compared by themselves, too. [flag]
     guard_share : float, optional
         How much of the change of the next smaller extremes is taken for the error of the finer run;
         default all of it, as always of the change of the extremes themselves. [1]
     same_until : float, optional
-        Time from which the two runs went different ways: where the largest extreme comes later, all of
-        that change is taken. [s]
+        Time from which the two runs went different ways; what comes later, and after the largest extreme, does not
+        count for the error. Where the largest extreme comes later, all of that change is taken. [s]
 
     Returns
     -------
@@ -323,7 +325,7 @@ def judge_run(
     bound = largest({i: float(truncation[i]) for i in used})
     change = largest(
         {
-            i: _difference(turning[i], coarse.turning[i], until_largest, guard_share, same_until)
+            i: _difference(turning[i], coarse.turning[i], with_impacts, guard_share, same_until)
             for i in used
         }
     )

@@ -119,7 +119,7 @@ def follow(modal: ModalTrain, drive: Drive, end: float, tolerance: float, before
         With the outcome ``completed``; speeds are what is added to those before. [SI]
     """
     train = modal.train
-    step, keep, truncation = _first_step(train, modal.modes, drive, tolerance, end)
+    step, keep, truncation = first_step(train, modal.modes, drive, tolerance, end)
     most = _most_samples(train)
     offset = before[train.output_element][:, None]
 
@@ -190,13 +190,34 @@ def _flexibility(train: Train, modes: Modes, stations: Ints) -> Floats:
     return np.asarray(np.abs(torque_outputs(train, modes, stations).position) / omega**2)
 
 
-def _first_step(
+def first_step(
     train: Train, modes: Modes, drive: Drive, tolerance: float, end: float
 ) -> tuple[float, Mask, Floats]:
     """Spacing that resolves the torques and every visible mode.
 
-    Modes that no affordable spacing resolves (a link of 1e16 N m/rad) follow statically; the bound
-    on their ringing comes back with the mask of the others.
+    Modes that no affordable spacing resolves (a link of 1e16 N m/rad) follow statically.
+
+    Parameters
+    ----------
+    train : Train
+        The train. [SI]
+    modes : Modes
+        Its modes. [SI]
+    drive : Drive
+        What drives them. [SI]
+    tolerance : float
+        Wanted relative error of the peaks. [1]
+    end : float
+        How long it is followed. [s]
+
+    Returns
+    -------
+    step : float
+        [s]
+    keep : ndarray of bool, shape (n_modes,)
+        Modes that are integrated. [mask]
+    bound : ndarray, shape (n_outputs,)
+        On the ringing of the others. [N m]
     """
     keep = np.ones(modes.n_modes, dtype=np.bool_)
     visible = visible_modes(train, modes, drive, tolerance)

@@ -1,8 +1,7 @@
 """Many calculations in turn, whose starts run side by side in the lanes of one loop.
 
-A study calculates one case after the other by the same functions. Here some of them (as many as the loop has lanes)
-take turns, one at a time: each goes on until it wants a start simulated, and waits. When all wait, their starts run
-side by side. Nothing in a calculation knows of it, and each has the same bits alone.
+A study calculates one case after the other by the same functions. Here some of them (`AT_ONCE`) take turns, one at a
+time: each goes on until it wants a start simulated, and waits. When all wait, their starts run side by side. Nothing in a calculation knows of it, and each has the same bits alone.
 """
 
 from __future__ import annotations
@@ -16,6 +15,10 @@ from engine.errors import InternalError
 from engine.start.simulation import Simulation, form_of, turning_of_starts
 from engine.start.trajectory import SingleRun
 from engine.stepping.linear_loop import LANES
+
+#: Calculations that take turns: twice as many as there are lanes, so that starts of about as many steps can go together,
+#: and lanes are filled where forms differ. [count]
+AT_ONCE = 2 * LANES
 
 Item = TypeVar("Item")
 Answer = TypeVar("Answer")
@@ -87,7 +90,7 @@ def turning_of_start(simulation: Simulation) -> SingleRun:
 
 
 def side_by_side(
-    calculate: Callable[[Item], Answer], items: Iterable[Item], at_once: int = LANES
+    calculate: Callable[[Item], Answer], items: Iterable[Item], at_once: int = AT_ONCE
 ) -> list[Answer]:
     """Answers of a calculation for each of some items, in their order; their starts run side by side.
 
@@ -166,9 +169,7 @@ def _rounds(members: Sequence[_Member], group: _Group) -> Iterator[None]:
             assert member.wanted is not None
             forms.setdefault(form_of(member.wanted), []).append(member)
         for alike in forms.values():
-            for first in range(0, len(alike), LANES):
-                some = alike[first : first + LANES]
-                wanted = [m.wanted for m in some if m.wanted is not None]
-                for member, answer in zip(some, turning_of_starts(wanted), strict=True):
-                    member.wanted, member.answer = None, answer
+            wanted = [m.wanted for m in alike if m.wanted is not None]
+            for member, answer in zip(alike, turning_of_starts(wanted), strict=True):
+                member.wanted, member.answer = None, answer
         yield

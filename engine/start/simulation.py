@@ -279,22 +279,32 @@ def form_of(simulation: Simulation) -> tuple[Any, ...]:
 def turning_of_starts(simulations: Sequence[Simulation]) -> list[SingleRun | InternalError]:
     """Turning points of starts of one form, side by side; each has the same bits alone.
 
+    As many as the loop has lanes go at a time, those of about as many steps together: a lane that has ended waits for
+    the others.
+
     Parameters
     ----------
     simulations : sequence of Simulation
-        One, or up to `kernels.LANES` of them with the same `form_of`. [SI]
+        One or more with the same `form_of`. [SI]
 
     Returns
     -------
     list of SingleRun or InternalError
         Of each, without histories of its torques; or why there is none. [SI]
     """
-    lanes = 1 if len(simulations) == 1 else kernels.LANES
-    loop = _Loop(simulations, lanes, histories=False)
-    first = loop.ends["last"].copy()
-    while loop.advance():
-        loop.make_room()
-    return [_single_run(loop, lane, first) for lane in range(len(simulations))]
+    order = sorted(
+        range(len(simulations)), key=lambda i: simulations[i].maximum_time / simulations[i].step
+    )
+    found: dict[int, SingleRun | InternalError] = {}
+    for first in range(0, len(order), kernels.LANES):
+        some = order[first : first + kernels.LANES]
+        lanes = 1 if len(some) == 1 else kernels.LANES
+        loop = _Loop([simulations[i] for i in some], lanes, histories=False)
+        at_rest = loop.ends["last"].copy()
+        while loop.advance():
+            loop.make_room()
+        found.update((i, _single_run(loop, lane, at_rest)) for lane, i in enumerate(some))
+    return [found[i] for i in range(len(simulations))]
 
 
 def _single_run(loop: _Loop, lane: int, first: Floats) -> SingleRun | InternalError:

@@ -95,6 +95,7 @@ class Start(JudgedRun):
     #: Bound on the relative change of the answers by what is left out of the simulation: effects with
     #: data that are off. None = no bound is known. [1]
     left_out: float | None = 0.0
+    estimate: float = 0.0  #: Part of it that is no bound but an estimate, as data are lacking. [1]
     #: Tooth and bearing forces against time, where they were calculated. [N]
     forces: ForceHistories | None = None
     #: Unwrapped load angle at the samples, the motor lagging positive; None without a field. [rad]
@@ -141,7 +142,9 @@ class Start(JudgedRun):
         return dict(zip((int(e) for e in judged), turning, strict=True))
 
 
-def with_left_out(start: Start, bound: float | None, tolerance: float) -> Start:
+def with_left_out(
+    start: Start, bound: float | None, tolerance: float, estimate: float = 0.0
+) -> Start:
     """A start beside what its simulation leaves out.
 
     Parameters
@@ -152,6 +155,9 @@ def with_left_out(start: Start, bound: float | None, tolerance: float) -> Start:
         Bound on the relative change of the answers by effects that are off; None = none is known. [1]
     tolerance : float
         Wanted relative error of peak torques, of error and bound together. [1]
+    estimate : float, optional
+        Estimated change by what lacks its data. It is left out, too, but no calculation could meet a tolerance with
+        it. [1]
 
     Returns
     -------
@@ -159,11 +165,12 @@ def with_left_out(start: Start, bound: float | None, tolerance: float) -> Start:
         The tolerance is met only where there is a bound. [SI]
     """
     known = None if bound is None or start.left_out is None else bound + start.left_out
-    peaks = tuple(
-        replace(p, left_out=None if known is None else known * p.size) for p in start.peaks
-    )
     met = start.met_tolerance and known is not None and start.estimated_error + known <= tolerance
-    return replace(start, peaks=peaks, left_out=known, met_tolerance=met)
+    whole = None if known is None else known + estimate
+    peaks = tuple(
+        replace(p, left_out=None if whole is None else whole * p.size) for p in start.peaks
+    )
+    return replace(start, peaks=peaks, left_out=whole, estimate=estimate, met_tolerance=met)
 
 
 def _first_step(settings: StartSettings, fastest: float) -> float:

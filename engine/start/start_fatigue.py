@@ -6,6 +6,7 @@ starts is the change of its damage between the two step sizes the start was calc
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
@@ -28,6 +29,7 @@ from engine.fatigue.sn_curve import SNCurve, sn_curve_for
 from engine.fatigue.stress import stress_of_unit_torque
 from engine.numerics.same_bits import exp, log
 from engine.start.event_results import prediction_interval
+from engine.start.peaks import JudgedRun
 from engine.start.start import Start
 
 #: Outcomes after which the cycles are those of a whole start.
@@ -100,7 +102,12 @@ def _sn_curve(material: MaterialRow, points: tuple[SNPointRow, ...]) -> SNCurve:
 
 
 def starts_of(
-    case: CaseData, start: Start, full: Start | None = None, *, always_count: bool = False
+    case: CaseData,
+    start: Start,
+    full: JudgedRun | None = None,
+    otherwise: JudgedRun | None = None,
+    *,
+    always_count: bool = False,
 ) -> tuple[AllowableStarts | None, tuple[tuple[str, float | None], ...]]:
     """Allowable starts of every judged shaft, with the error of each.
 
@@ -110,8 +117,10 @@ def starts_of(
         The case. [SI]
     start : Start
         The start. [SI]
-    full : Start, optional
+    full : JudgedRun, optional
         The same with every effect that it leaves out, where that was measured. [SI]
+    otherwise : JudgedRun, optional
+        The same with what its `estimate` is of, where that was measured. [SI]
     always_count : bool, optional
         Count even where the largest amplitude is at or below the endurance limit. [flag]
 
@@ -127,7 +136,7 @@ def starts_of(
         return None, ()
     shafts, errors = [], []
     for index, element in judged:
-        shaft, error = _shaft(case, element, (start, full), index, always_count)
+        shaft, error = _shaft(case, element, (start, full, otherwise), index, always_count)
         shafts.append(shaft)
         errors.append((shaft.element, error))
     return allowable_starts(shafts, case.starts_factor), tuple(errors)
@@ -136,7 +145,7 @@ def starts_of(
 def _shaft(
     case: CaseData,
     element: ElementRow,
-    starts: tuple[Start, Start | None],
+    starts: tuple[Start, JudgedRun | None, JudgedRun | None],
     index: int,
     always_count: bool,
 ) -> tuple[ShaftFatigue, float | None]:
@@ -145,7 +154,7 @@ def _shaft(
     The error is the change of the damage between the two steps, and by what pieces and modes left out may
     do to every torque; it reaches to the ends of the interval, of an ensemble where runs part.
     """
-    start, full = starts
+    start, full, otherwise = starts
     material = next(m for m in case.materials if m.material == element.material)
     curve = sn_curve_of(case, element.material)
     residue = case.rainflow_residue or RainflowResidue.HALF_CYCLES
@@ -187,24 +196,36 @@ def _shaft(
     if start.repeatability is not None:
         ends = _over_ensemble(case, element, start, index)
         low, high = min(low, ends[0]), max(high, ends[1])
-    left_out = None if start.left_out is None else change(start.left_out)
-    if left_out is not None and full is not None:
-        other = largest_damage(case, element, [fine for fine, _ in _histories(full, index)])
-        left_out = max(left_out, abs(other / damage - 1.0))
-    shaft = _with_interval(shaft, (low, high), off, left_out)
+    measured = [
+        largest_damage(case, element, [fine for fine, _ in _histories(other, index)])
+        for other in (full, otherwise)
+        if other is not None
+    ]
+    left_out = start.left_out
+    if left_out is not None:
+        left_out = change(left_out if otherwise is None else left_out - start.estimate)
+        left_out = max(left_out, *(abs(other / damage - 1.0) for other in measured), 0.0)
+    shaft = _with_interval(shaft, (low, high), off, left_out, measured)
     # near endurance the interval reaches further than the change of the damage
     return shaft, max(off, 1.0 - damage / high, damage / low - 1.0 if low else 1.0)
 
 
 def _with_interval(
-    shaft: ShaftFatigue, damage: tuple[float, float], error: float, left_out: float | None
+    shaft: ShaftFatigue,
+    damage: tuple[float, float],
+    error: float,
+    left_out: float | None,
+    measured: Sequence[float],
 ) -> ShaftFatigue:
-    """The shaft with all of its errors in its interval; without one where what is left out has no bound."""
+    """The shaft with all of its errors in its interval, and the damages measured with what is left out.
+
+    Without an interval where what is left out has no bound.
+    """
     if left_out is None:
         return replace(shaft, starts_low=None, starts_high=None, left_out=None)
     share = 1.0 + left_out
-    low = max(0.0, min(damage[0], shaft.damage / (1.0 + error))) / share
-    high = max(damage[1], shaft.damage * (1.0 + error)) * share
+    low = min(max(0.0, min(damage[0], shaft.damage / (1.0 + error))) / share, *measured, math.inf)
+    high = max(max(damage[1], shaft.damage * (1.0 + error)) * share, *measured, 0.0)
     return replace(
         shaft,
         damage_low=low,
@@ -233,7 +254,7 @@ def _over_ensemble(
     return exp(low), exp(high)
 
 
-def _histories(start: Start, index: int) -> list[tuple[Floats, Floats]]:
+def _histories(start: JudgedRun, index: int) -> list[tuple[Floats, Floats]]:
     """Torques at the turning points of each section of an element, at both steps. [N m]"""
     if index in start.sections:
         return [(fine[1], coarse[1]) for fine, coarse in start.sections[index]]

@@ -21,7 +21,7 @@ from engine.errors import ModelError
 from engine.model.modes import Modes, modal_damping_matrix
 from engine.model.train import Train
 from engine.numerics.distinct import distinct
-from engine.numerics.same_bits import interp, matrix_exponential, product
+from engine.numerics.same_bits import along_first, interp, matrix_exponential, product
 from engine.start.torque_outputs import TorqueOutputs, force_reach, torque_outputs
 from engine.stepping import linear_loop as kernels
 
@@ -38,11 +38,11 @@ _CUBIC = (
         ]
     ),
 )  # fmt: skip
-_LINEAR = ((0.0, 1.0), np.array([[1.0, 0.0], [-1.0, 1.0], [0.0, 0.0], [0.0, 0.0]]))
+_LINEAR = ((0.0, 1.0), np.array([[1.0, 0.0], [-1.0, 1.0]]))
 #: Off-diagonal modal damping below this share of the diagonal is rounding.
 _COUPLED = 1e-11
-#: Steps whose modal forces are calculated at a time.
-CHUNK = 2048
+#: Steps whose torques are calculated at a time, so that they stay in the processor's cache.
+CHUNK = 16384
 #: Lengths of steps that are remembered: knots and samples that are multiples of one time have few.
 KNOWN_STEPS = 32
 #: Times this close to equally spaced, over the whole span, are equally spaced.
@@ -265,15 +265,13 @@ def time_response(
     v = np.zeros(modes.n_modes) if initial_speed is None else initial_speed
     system = modal_system(train, modes, stations, damping_ratio, kept)
 
-    def forces(part: Floats) -> Floats:
-        return _modal_cubics(torques, stations, system.reach, part)
-
-    out_q, out_v = _integrate(
-        system.omega, system.damping, system.coupled, grid, forces, v[system.keep]
-    )
+    n, rows = len(system.omega), system.room_for(len(t))
+    both = rows[:n] if len(grid) == len(t) else np.empty((n, 2, len(grid)))
+    _integrate(
+        system, grid, lambda part: _torque_polynomials(torques, stations, part), v[system.keep], both
+    )  # fmt: skip
     if len(grid) != len(t):
-        pick = np.searchsorted(grid, t)
-        out_q, out_v = out_q[:, pick], out_v[:, pick]
+        np.take(both, np.searchsorted(grid, t), axis=2, out=rows[:n])
 
     def applied() -> tuple[Floats, Floats]:
         force, rate = np.zeros((len(stations), len(t))), np.zeros((len(stations), len(t)))
@@ -283,7 +281,7 @@ def time_response(
             rate[column] += _slope(p, t)
         return force, rate
 
-    return system.response(t, out_q, out_v, applied)
+    return system.response(t, rows, applied)
 
 
 @dataclass(frozen=True, eq=False)
@@ -299,11 +297,17 @@ class ModalSystem:
     reach: Floats  #: Torques to modes. [rad/√(kg m²)] Shape (n_kept, n_stations).
     outputs: TorqueOutputs  #: Element torques. [SI]
 
+    def room_for(self, n_times: int) -> Floats:
+        """Positions and velocities of the modes, then torques and rates of the outputs: (rows, 2, n_times).
+
+        One piece of memory, not yet filled, because a large one comes in large pages.
+        """
+        return np.empty((len(self.omega) + len(self.outputs.element), 2, n_times))
+
     def response(
         self,
         time: Floats,
-        q: Floats,
-        v: Floats,
+        rows: Floats,
         applied: Callable[[], tuple[Floats, Floats]],
     ) -> TimeResponse:
         """What the modes do to stations and elements.
@@ -312,8 +316,8 @@ class ModalSystem:
         ----------
         time : ndarray, shape (n_times,)
             Times. [s]
-        q, v : ndarray, shape (n_kept, n_times)
-            Modal positions and velocities then. [rad √(kg m²), rad √(kg m²)/s]
+        rows : ndarray, shape (n_kept + n_outputs, 2, n_times)
+            From `room_for`, with the modes filled; the torques are filled here. [SI]
         applied : callable
             Torques and their rates, shape (n_stations, n_times); asked for where an element's torque depends on
             them. [N m, N m/s]
@@ -324,7 +328,9 @@ class ModalSystem:
             Angles, speeds and element torques. [SI]
         """
         train, outputs = self.train, self.outputs
-        torque, torque_rate = product(outputs.position, q), product(outputs.position, v)
+        modes, torques = rows[: len(self.omega)], rows[len(self.omega) :]
+        product(outputs.position, modes.reshape(len(modes), -1), torques.reshape(len(torques), -1))
+        q, v, torque, torque_rate = modes[:, 0], modes[:, 1], torques[:, 0], torques[:, 1]
         if np.any(outputs.force) or np.any(outputs.velocity):
             force, rate = applied()
             acceleration = product(self.reach, force) - product(self.damping, v)
@@ -393,13 +399,13 @@ def _step_grid(t: Floats, torques: Sequence[PrescribedTorque]) -> Floats:
     return np.asarray(merged[~drop])
 
 
-def _modal_cubics(
-    torques: Sequence[PrescribedTorque], stations: Ints, reach: Floats, grid: Floats
+def _torque_polynomials(
+    torques: Sequence[PrescribedTorque], stations: Ints, grid: Floats
 ) -> Floats:
-    """Coefficients of the modal forces over every step, shape (n_steps, n_modes, 4)."""
+    """Coefficients of each torque over every step, shape (terms, n_stations, n_steps). [N m]"""
     start, h = grid[:-1], np.diff(grid)
     places, weights = _LINEAR if all(p.linear for p in torques) else _CUBIC
-    values = np.zeros((len(h), len(stations), len(places)))
+    values = np.zeros((len(places), len(stations), len(h)))
     for p in torques:
         column = int(np.searchsorted(stations, p.station))
         if len(p.knots):
@@ -409,48 +415,47 @@ def _modal_cubics(
             first, last = ends[:-1], ends[1:]
         inner = [p.value(start + share * h, "right") for share in places[1:-1]]
         for i, part in enumerate((first, *inner, last)):
-            values[:, column, i] += part
-    n = len(reach)
-    to_modes = (reach.T[:, None, :, None] * weights.T[:, None, :]).reshape(-1, 4 * n)
-    return np.asarray(product(values.reshape(len(h), -1), to_modes).reshape(len(h), n, 4))
+            values[i, column] += part
+    return np.asarray(along_first(weights, values))
 
 
 def _integrate(
-    omega: Floats,
-    matrix: Floats,
-    coupled: bool,
-    grid: Floats,
-    forces: Callable[[Floats], Floats],
-    v: Floats,
-) -> tuple[Floats, Floats]:
-    """Modal positions and velocities on the grid, shape (n_modes, n_grid).
+    system: ModalSystem, grid: Floats, torques: Callable[[Floats], Floats], v: Floats, both: Floats
+) -> None:
+    """Modal positions and velocities on the grid, into `both`, shape (n_modes, 2, n_grid).
 
-    `forces` gives the modal cubics between some grid points; it is asked for a few thousand steps
-    at a time, which stay in the processor's cache.
+    `torques` gives the polynomials between some grid points; it is asked for some thousand steps
+    at a time.
     """
-    n = len(omega)
-    out_q, out_v = np.empty((len(grid), n)), np.empty((len(grid), n))
-    q = np.zeros(n)
-    out_q[0], out_v[0] = q, v
-    state = np.concatenate([q, v])
+    omega, n = system.omega, len(system.omega)
+    out = both[:, 0], both[:, 1]
+    state = np.concatenate([np.zeros(n), v])
+    q, v = state[:n], state[n:]
+    out[0][:, 0], out[1][:, 0] = q, v
     steps = _steps(grid)
-    stiffness, rate = omega**2, np.diag(matrix).copy()
-    changes = np.flatnonzero(np.diff(steps)) + 1 if coupled else np.zeros(0, dtype=np.int64)
-    by_length = _CoupledSteps(omega, matrix, _slack(grid))
+    changes = np.flatnonzero(np.diff(steps)) + 1 if system.coupled else np.zeros(0, dtype=np.int64)
+    by_length = _CoupledSteps(omega, system.damping, _slack(grid))
+    rate = np.diag(system.damping).copy()
     for i, j in zip([0, *changes], [*changes, len(steps)], strict=True):
-        if coupled and j > i:
-            free, forced = by_length.step(float(steps[i]), j - i)
         for a in range(i, j, CHUNK):
             b = min(a + CHUNK, j)
-            cubic, new = forces(grid[a : b + 1]), slice(a + 1, b + 1)
-            if coupled:
-                out = np.empty((b - a, 2 * n))
-                kernels.drive_coupled(free, forced, cubic, state, out)
-                out_q[new], out_v[new] = out[:, :n], out[:, n:]
+            over = torques(grid[a : b + 1])
+            if system.coupled:
+                if a == i:
+                    free, forced = by_length.step(float(steps[i]), j - i)
+                    push = _pushes(forced[..., : len(over)], system.reach)
+                states = np.empty((b - a, 2 * n))
+                kernels.drive_coupled(free, push, over, state, states)
+                out[0][:, a + 1 : b + 1], out[1][:, a + 1 : b + 1] = states.T[:n], states.T[n:]
             else:
-                after = out_q[new], out_v[new]
-                kernels.drive_modes(steps[a:b], stiffness, rate, cubic, (q, v), after)
-    return out_q.T, out_v.T
+                modes = kernels.prescribed_struct(omega**2, rate, system.reach, len(over))
+                kernels.drive_modes(modes, steps[a:b], over, (q, v), both, a + 1)
+
+
+def _pushes(forced: Floats, reach: Floats) -> Floats:
+    """What coefficients of torques do over a step, shape (n_state, terms, n_stations), from what those of modes do."""
+    rows = forced.transpose(0, 2, 1)
+    return np.asarray(product(rows.reshape(-1, len(reach)), reach).reshape(*rows.shape[:2], -1))
 
 
 def _steps(grid: Floats) -> Floats:
@@ -483,6 +488,8 @@ def _equal_steps_until(grid: Floats, i: int, slack: float) -> int:
         line = np.linspace(grid[i], grid[j], j - i + 1)
         return bool(np.max(np.abs(grid[i : j + 1] - line)) <= slack)
 
+    if equal(last):
+        return last
     good, bad = i + 1, i + 2
     while bad <= last and equal(bad):
         good, bad = bad, min(2 * bad - i, last) if bad < last else last + 1

@@ -1,4 +1,4 @@
-"""Starts without events, prescribed forces and turning points (`kernels/linear_loop.c`).
+"""Starts without events and turning points (`kernels/linear_loop.c`), prescribed torques (`kernels/prescribed.c`).
 
 Arrays are (n_modes,), (n_forces,) or (n_samples, …) and C-contiguous. A *force* is a torque at
 one station; `reach` maps forces to modes and modal to station angles alike. Several starts run side by side, one a
@@ -26,6 +26,7 @@ __all__ = [
     "drive_modes",
     "drive_struct",
     "lane_to_end",
+    "prescribed_struct",
     "room_for",
     "start_forces",
     "system_struct",
@@ -275,44 +276,70 @@ def room_for(lanes: int, system: Any, drive: Any, torques: Any) -> Floats:
     return np.empty(library.linear_room(lanes, system, drive, torques))
 
 
-def drive_modes(
-    steps: Floats,
-    stiffness: Floats,
-    rate: Floats,
-    cubic: Floats,
-    state: tuple[Floats, Floats],
-    out: tuple[Floats, Floats],
-) -> None:
-    """Uncoupled modes under prescribed modal forces.
+def prescribed_struct(stiffness: Floats, rate: Floats, reach: Floats, terms: int) -> Any:
+    """Modes without coupling under prescribed torques (``prescribed_t``).
 
     Parameters
     ----------
-    steps : ndarray, shape (n_steps,)
-        Length of each step; coefficients are made anew where it changes. [s]
     stiffness, rate : ndarray, shape (n_modes,)
         λ and d of each mode. [1/s², 1/s]
-    cubic : ndarray, shape (n_steps, n_modes, 4)
-        Coefficients of the modal force over each step. [SI]
-    state : tuple of ndarray, shape (n_modes,)
-        Positions and velocities, updated. [SI]
-    out : tuple of ndarray, shape (n_steps, n_modes)
-        The same after each step. [SI]
+    reach : ndarray, shape (n_modes, n_torques)
+        Torques to modes. [rad/√(kg m²)]
+    terms : int
+        Coefficients of each torque over a step: 2 of a straight line, 4 of a cubic. [count]
+
+    Returns
+    -------
+    cdata
+        Struct.
     """
-    room = np.empty(12 * len(rate))
-    library.drive_modes(
-        len(steps), len(rate), *map(address, (steps, stiffness, rate, cubic, *state, *out, room))
-    )
+    n, n_torques = reach.shape
+    return struct(
+        "prescribed_t", n=n, n_torques=n_torques, terms=terms, stiffness=stiffness, rate=rate, reach=reach
+    )  # fmt: skip
 
 
-def drive_coupled(free: Floats, forced: Floats, cubic: Floats, state: Floats, out: Floats) -> None:
-    """A coupled linear system under prescribed forces.
+def drive_modes(
+    system: Any,
+    steps: Floats,
+    torque: Floats,
+    state: tuple[Floats, Floats],
+    out: Floats,
+    first: int,
+) -> None:
+    """Uncoupled modes under prescribed torques.
 
     Parameters
     ----------
-    free, forced : ndarray, shape (n_state, n_state) and (n_state, n_modes, 4)
-        Coefficients of the step. [SI]
-    cubic : ndarray, shape (n_steps, n_modes, 4)
-        Coefficients of the modal force over each step. [SI]
+    system : cdata
+        From `prescribed_struct`. [SI]
+    steps : ndarray, shape (n_steps,)
+        Length of each step; coefficients are made anew where it changes. [s]
+    torque : ndarray, shape (terms, n_torques, n_steps)
+        Coefficients of each torque over each step. [N m]
+    state : tuple of ndarray, shape (n_modes,)
+        Positions and velocities, updated. [SI]
+    out : ndarray, shape (n_modes, 2, n_times)
+        Written: the same after each step. [SI]
+    first : int
+        Time in `out` at which the first step ends. [index]
+    """
+    room = np.empty(library.prescribed_room(system))
+    library.drive_modes(
+        system, len(steps), *map(address, (steps, torque, *state)), out.shape[2], first,
+        address(out), address(room),
+    )  # fmt: skip
+
+
+def drive_coupled(free: Floats, push: Floats, torque: Floats, state: Floats, out: Floats) -> None:
+    """A coupled linear system under prescribed torques.
+
+    Parameters
+    ----------
+    free, push : ndarray, shape (n_state, n_state) and (n_state, terms, n_torques)
+        Coefficients of the step: of the state, and of the torques' own. [SI]
+    torque : ndarray, shape (terms, n_torques, n_steps)
+        Coefficients of each torque over each step. [N m]
     state : ndarray, shape (n_state,)
         State, updated. [SI]
     out : ndarray, shape (n_steps, n_state)
@@ -320,7 +347,7 @@ def drive_coupled(free: Floats, forced: Floats, cubic: Floats, state: Floats, ou
     """
     room = np.empty(len(state))
     library.drive_coupled(
-        len(cubic), *forced.shape[:2], *map(address, (free, forced, cubic, state, out, room))
+        len(out), len(state), push[0].size, *map(address, (free, push, torque, state, out, room))
     )
 
 

@@ -27,6 +27,7 @@ from engine.case.study_inputs import (
     TUNED,
 )
 from engine.model.links import link_of
+from engine.model.sections import sections_of
 
 #: Table and column of the names that a quantity belongs to; the damping ratio is that of all modes.
 _OWNERS = {
@@ -166,7 +167,7 @@ def nominal_value(case: CaseData, name: str, quantity: str) -> float | None:
         return None if mesh is None else mesh.backlash or mesh.angular_backlash
     if quantity == DIAMETER:
         return element.od
-    link = link_of(element, mesh)
+    link = link_of(element, mesh, sections_of(case).get(name, ()))
     return link.stiffness if quantity == STIFFNESS else link.viscous
 
 
@@ -229,6 +230,7 @@ class _Draft:
 
     def __init__(self, case: CaseData) -> None:
         self.fields = dict(vars(case))
+        self.sections = sections_of(case)
         self._rows: dict[str, list[Any]] = {}
         self._places: dict[tuple[str, str], dict[Any, list[int]]] = {}
 
@@ -294,7 +296,7 @@ def _elastic(draft: _Draft, change: Change, own: str, along: str) -> None:
         draft.change("meshes", "element", change, lambda m: {along: None})
 
     def new(e: ElementRow) -> Mapping[str, Any]:
-        link = link_of(e, mesh)
+        link = link_of(e, mesh, draft.sections.get(change.name, ()))
         return {own: change.of(link.stiffness if own == "stiffness" else link.viscous)}
 
     draft.change("elements", "element", change, new)

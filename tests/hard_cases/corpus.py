@@ -316,6 +316,9 @@ def start_step(width: float | None = 1e-9) -> StartCase:
         (0.0, 0.6, 0.25), (at, 0.8, 0.25), (next_to, 0.4, 0.1), (0.9, 0.7, 0.2), (1.0, 0.0, 0.2),
     )  # fmt: skip
     case = _chain([50.0, 20.0, 60.0], [3e6, 2e6], motor_curve=curve)
+    case = replace(
+        case, torque_follows="own speed"
+    )  # the reference finds the jump of the motor's own speed
     how = "1e-9 of speed" if width else "no number between"
     truth = Truth(case, 2.5e-5, breaks=((at, next_to),))
     return StartCase(f"vertical step in the curve, {how}", case, truth)

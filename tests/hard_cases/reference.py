@@ -154,7 +154,7 @@ def arrays_of(
     rows_of = np.zeros((len(first), len(names)))
     rows_of[np.arange(len(first)), first] = 1.0
     rows_of[np.arange(len(first)), second] = -ratio[first] / ratio[second]
-    assert not breaks or case.torque_follows != TorqueFollows.MEAN_SPEED
+    assert not breaks or case.torque_follows == TorqueFollows.OWN_SPEED
     voltage = (1.0 if case.voltage is None else case.voltage) ** 2
     for name in dict.fromkeys(r.station for r in case.motor_torque):
         rows = [r for r in case.motor_torque if r.station == name]

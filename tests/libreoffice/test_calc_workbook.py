@@ -8,7 +8,7 @@ import struct
 
 import pytest
 from flat_sheets import Formula, write_sheets
-from sheet_ranges import CATALOGUE, MOTOR, SCATTER, TUNING, model_arguments, with_event
+from sheet_ranges import CATALOGUE, MOTOR, SCATTER, SECTIONS, TUNING, model_arguments, with_event
 from xls_cells import read_cells
 
 from addin.libreoffice.names import programmatic_name
@@ -49,6 +49,7 @@ ALONE = {
         ("200.1;30.3;500.7;79300;[.Z1]", [200.1, 30.3, 500.7, 79300.0]),
         ('8.1;;20.3;11500000;"US"', [8.1, None, 20.3, 11.5e6, "US"]),
     ],
+    "TV_SECTIONS": [('[.AD18:.AI22];;"US"', [SECTIONS, None, "US"])],
     "TV_MOTOR_CIRCUIT": [("[.AD13:.AO15];60", [MOTOR, 60.0])],
     "TV_MOTOR_CURVES": [("[.AD13:.AO15];0.05;60", [MOTOR, 0.05, 60.0])],
     "TV_FAULT_TORQUE": [
@@ -134,7 +135,7 @@ def calculated(calc, expected, tmp_path_factory):
         (1, 25): 100.1,
         (1, 27): 31000.7,
     }
-    for top, block in ((0, TUNING), (3, CATALOGUE), (8, SCATTER), (12, MOTOR)):
+    for top, block in ((0, TUNING), (3, CATALOGUE), (8, SCATTER), (12, MOTOR), (17, SECTIONS)):
         for i, row in enumerate(block):
             results |= {(top + i, 29 + j): v for j, v in enumerate(row) if v is not None}
     for at, (formula, rows) in expected[1].items():

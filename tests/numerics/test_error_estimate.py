@@ -133,6 +133,12 @@ def test_lesser_extremes_count_in_full_unless_contacts_were_the_same() -> None:
     for until, share in ((0.31, 1.0 / 7.0), (0.3, 1.0)):
         told = _difference((when, a), (when, b), guard_share=1.0 / 7.0, same_until=until)
         assert told == pytest.approx(share * 0.7)
+    # what comes after the largest counts as long as the runs are together
+    for until, share in ((0.25, 0.5), (0.15, 0.0)):
+        times = np.array([0.05, 0.1, 0.2])
+        late = [(times, np.array([0.0, 10.0, value])) for value in (7.0, 7.7)]
+        told = _difference(*late, guard_share=0.5, same_until=until)
+        assert told == pytest.approx(share * 0.7)
     moved = np.array([5.0, 7.0, 10.5])
     assert _difference((when, a), (when, moved), guard_share=1.0 / 7.0) == pytest.approx(0.5)
 

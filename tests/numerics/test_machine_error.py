@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from engine.backlash.operating_events import operating_events
+from engine.case.choices import MotorEventKind as Kind
 from engine.model.modal_analysis import analyse
 from tests.machine_reference import misses, random_case, with_clearance
 
@@ -47,3 +50,31 @@ def _hold(make, seeds):
             missed[seed] = found
     assert len(missed) <= 0.01 * len(seeds), missed
     return apart
+
+
+@pytest.mark.parametrize("kind", [Kind.THREE_PHASE_FAULT, Kind.LINE_TO_LINE_FAULT])
+@pytest.mark.parametrize("seed", [0, 1, 2, 6])
+def test_stated_errors_hold_where_phases_clear_at_zeros_of_current(kind, seed):
+    """Beside scipy's location of the zeros of phase currents."""
+    case = random_case(seed)
+    row = case.motor_events[0]
+    event = replace(
+        row, kind=kind, phase=0.4 + 0.5 * seed, angle=None, residual_voltage=None, clears_after=0.06,
+        clearing="zeros of current",
+    )  # fmt: skip
+    case = replace(case, motor_events=(event,))
+    (found,) = operating_events(case, analyse(case))
+    assert misses(case, found) == []
+
+
+def test_phases_that_clear_at_zeros_are_not_those_that_clear_at_once():
+    case = random_case(0)
+    event = replace(
+        case.motor_events[0], kind=Kind.THREE_PHASE_FAULT, residual_voltage=None, clears_after=0.06
+    )
+    sizes = []
+    for clearing in (None, "zeros of current"):
+        changed = replace(case, motor_events=(replace(event, clearing=clearing),))
+        (found,) = operating_events(changed, analyse(changed))
+        sizes.append(found.history.air_gap[-1])
+    assert abs(sizes[1] / sizes[0] - 1.0) > 1e-3

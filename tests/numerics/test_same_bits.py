@@ -116,10 +116,19 @@ def test_products_are_summed_in_the_order_of_the_index(rng, shape):
     assert np.array_equal(own.product(a, b), expected)
     assert np.array_equal(own.product(np.asfortranarray(a), b[:, ::-1]), expected[:, ::-1])
     assert np.array_equal(own.product(b.T, a.T), expected.T)
+    given = np.full((m, n), np.nan)
+    assert own.product(a, b, given) is given
+    assert np.array_equal(given, expected)
     if k:
         assert np.array_equal(own.product(a[0], b), expected[0])
         assert np.array_equal(own.product(a, b[:, 0]), expected[:, 0])
         assert own.product(a[0], b[:, 0]) == expected[0, 0]
+
+
+def test_a_product_needs_an_array_of_its_shape(rng):
+    a, b = rng.normal(size=(3, 4)), rng.normal(size=(4, 5))
+    with pytest.raises(own.InternalError, match=r"shape \(3, 5\) into an array of shape \(5, 3\)"):
+        own.product(a, b, np.empty((5, 3)))
 
 
 def test_products_of_complex_numbers(rng):

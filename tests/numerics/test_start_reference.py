@@ -295,17 +295,19 @@ def test_a_link_of_1e16_does_not_make_the_start_endless(damping: float | None) -
 # --- the motor's phase, two motors ----------------------------------------------------------------
 
 
-def test_curves_read_at_the_mean_speed() -> None:
+@pytest.mark.parametrize("follows", [None, "own speed"])
+def test_curves_read_at_the_mean_speed_or_that_of_the_station(follows: str | None) -> None:
     elements = tuple(
         ElementRow(e.element, e.kind, e.from_, e.to, e.stiffness or 5e7) for e in geared().elements
     )
-    case = geared(torque_follows="mean speed", elements=elements)
+    case = geared(torque_follows=follows, elements=elements)
     times = np.arange(0.0, 0.25, 2.5e-4)
     truth = Reference(case).run(0.25, times)
     run = simulated(case, 2.5e-4, 0.249)
     assert trajectory_error(case, run, truth, times) < 2e-5
-    own = Reference(replace(case, torque_follows=None)).run(0.25, times)
-    assert trajectory_error(case, run, own, times) > 1e-4
+    # and it matters: the other speed gives other torques
+    other = replace(case, torque_follows="mean speed" if follows else "own speed")
+    assert trajectory_error(case, run, Reference(other).run(0.25, times), times) > 1e-4
 
 
 @pytest.mark.first_ones(1)

@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 from engine.case.case import Case
-from engine.case.data import EffectChoiceRow
+from engine.case.data import EffectChoiceRow, MeshRow
 from engine.model.modal_analysis import analyse
 from engine.plan.evidence import DAMPING_GAIN
 from engine.run import PlannedStart, judged_starts, planned_start
@@ -258,6 +258,45 @@ def test_the_bound_of_electrical_damping_holds(first):
 @pytest.mark.slow
 def test_the_bound_of_electrical_damping_holds_on_a_hundred_trains():
     assert electrical_both_ways(range(100)) >= 150
+
+
+def both_readings(seed: int) -> tuple[int, int]:
+    """Starts and damages within the ranges of the start at the other speed, for both; motors have no data."""
+    drawn = with_judged_shafts(random_start(seed), seed, 1.2)
+    meshes = [e.element for e in drawn.elements if e.kind == "gear mesh"]
+    case = replace(drawn, meshes=tuple(MeshRow(name, backlash=0.0) for name in meshes))
+    own, mean = (replace(case, torque_follows=follows) for follows in ("own speed", "mean speed"))
+    planned = [planned_start(c, analyse(c)) for c in (own, mean)]
+    if planned[0].evidence.electrical is None:  # no mode is crossed
+        return 0, 0
+    judged = [judged_starts(c, p) for c, p in zip((own, mean), planned, strict=True)]
+    damages = 0
+    for (start, starts, _), (other, other_starts, _) in (judged, judged[::-1]):
+        assert start.estimate > 0.0
+        for peak, beside in zip(start.peaks, other.peaks, strict=True):
+            off = other.estimated_error * peak.size  # of the other start itself
+            assert peak.low - off <= beside.size <= peak.high + off
+            low, high = peak.minimum_range
+            assert low - off <= beside.minimum <= high + off
+        if starts is None:  # no shaft, meshes alone
+            continue
+        for shaft, beside in zip(starts.shafts, other_starts.shafts, strict=True):
+            assert shaft.damage_low / 1.02 <= beside.damage <= 1.02 * shaft.damage_high
+            damages += beside.damage > 0.0
+    return 2, damages
+
+
+@pytest.mark.first_ones(1)
+@pytest.mark.parametrize("first", [0, 200])
+def test_starts_read_at_the_other_speed_are_within_the_ranges(first):
+    found = np.sum([both_readings(seed) for seed in range(first, first + 6)], axis=0)
+    assert np.all(found >= 4)
+
+
+@pytest.mark.slow
+def test_a_hundred_starts_read_at_the_other_speed_are_within_the_ranges():
+    found = np.sum([both_readings(seed) for seed in range(100, 220)], axis=0)
+    assert np.all(found >= 100)
 
 
 # --- effects whose absence is exact ---------------------------------------------------------------

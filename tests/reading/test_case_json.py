@@ -276,3 +276,37 @@ def test_any_case_survives_the_way_through_json(data):
 
 def without_shares(data: CaseData) -> CaseData:
     return replace(data, excitations=tuple(replace(x, torque_share=None) for x in data.excitations))
+
+
+def test_names_compare_without_capitals_and_outer_blanks():
+    """A reference gets the spelling of the row that defines the name, unless two rows differ by capitals alone."""
+
+    def read(**names):
+        table = {"from": "Motor", "to": "Fan"} | names
+        return read_case_json(
+            {
+                "format": 1,
+                "stations": [
+                    {"station": "Motor", "inertia": 1.0},
+                    {"station": "Fan", "inertia": 2.0},
+                ],
+                "elements": [{"element": "Shaft", "kind": "shaft", "stiffness": 1e5, **table}],
+            }
+        )
+
+    plain, other = read(), read(**{"from": " MOTOR ", "to": "fan"})
+    assert other.problems == ()
+    assert case_digest(other.case()) == case_digest(plain.case())
+    twins = read_case_json(
+        {
+            "format": 1,
+            "stations": [{"station": name, "inertia": 1.0} for name in ("motor", "Motor", "fan")],
+            "elements": [
+                {"element": "a", "kind": "shaft", "from": "motor", "to": "Motor", "stiffness": 1e5},
+                {"element": "b", "kind": "shaft", "from": "MOTOR", "to": "fan", "stiffness": 1e5},
+            ],
+        }
+    )
+    assert [(p.table, p.row, p.column) for p in twins.problems if p.column == "From"] == [
+        ("Elements", 2, "From")
+    ]

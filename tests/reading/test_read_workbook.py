@@ -186,6 +186,10 @@ def test_headers_may_differ_in_capitals_and_blanks(workbook, read):
 def test_names_beyond_the_contract_may_be_missing(workbook, read):
     workbook.without.add("RainflowResidue")
     workbook.headers[("Meshes", "Gear type")] = None
+    workbook.headers[("EventTorque", "Per life")] = None
+    workbook.headers[("MotorEvents", "Per life")] = None
+    workbook.headers[("MotorEvents", "Latest clearing")] = None
+    workbook.headers[("MotorEvents", "Clearing")] = None
     found = read(workbook)
     assert found.problems == ()
     assert found.warnings == ()
@@ -535,6 +539,18 @@ def test_another_template_version_is_told(workbook, read):
     assert found.problems == ()
     assert found.template_version == "0.9"
     assert "template version '0.9'" in found.warnings[0]
+
+
+def test_a_workbook_without_the_choice_of_speed_says_which_one_it_now_has(workbook, read):
+    assert read(workbook).warnings == ()  # blank is no earlier version
+    workbook.without.add("TorqueFollows")
+    found = read(workbook)
+    assert not found.data.reads_own_speed
+    (warning,) = found.warnings
+    assert "read at the mean speed" in warning
+    assert "set TorqueFollows to own speed" in warning
+    workbook.rows["MotorTorque"] = []
+    assert read(workbook).warnings == ()  # no curve to read
 
 
 def test_effects_without_a_choice_state_nothing(workbook, read):

@@ -9,7 +9,7 @@ import pytest
 from office_page import cell, launched, load_in_office
 from playwright import sync_api
 from servers import SLOW_CASE, outside, slow_case
-from sheet_ranges import MOTOR, SCATTER, TEMPLATES, TUNING, model_arguments, with_event
+from sheet_ranges import MOTOR, SCATTER, SECTIONS, TEMPLATES, TUNING, model_arguments, with_event
 
 from addin.worksheet import registry
 from addin.worksheet.registry import FUNCTIONS
@@ -103,6 +103,7 @@ def test_every_function_shows_the_same_doubles(excel):
         "TV_SN_LIFE": [handle, material, [[30000.0, None]]],
         "TV_STARTS": [handle, None, False],
         "TV_LIFE": [[[1e-3, 2e-4]], [[12.0, None]], None, 2],
+        "TV_SECTIONS": [SECTIONS],
         "TV_MOTOR_CIRCUIT": [MOTOR, 60],
         "TV_MOTOR_CURVES": [MOTOR, [[1, 0.05]], 60],
         "TV_FAULT_TORQUE": ["out-of-phase closing", 0.2, 0.25, None, 120],

@@ -14,6 +14,7 @@ from sheet_ranges import (
     CATALOGUE,
     MOTOR,
     SCATTER,
+    SECTIONS,
     TEMPLATES,
     TUNING,
     model_arguments,
@@ -79,6 +80,7 @@ def every_call(handle):
     found["TV_MODEL"] = model_arguments()
     found["TV_EVENTS"] = [registry.call("TV_MODEL", with_event(model_arguments()))[0][0]]
     found["TV_STIFFNESS"] = [200.1, None, 501.7, 79300]
+    found["TV_SECTIONS"] = [SECTIONS]
     found["TV_MOTOR_CIRCUIT"] = [MOTOR, 60]
     found["TV_MOTOR_CURVES"] = [MOTOR, [[1, 0.5], [0.05, None]], 60]
     found["TV_FAULT_TORQUE"] = ["line-to-line fault", 0.2, 0.25]

@@ -99,7 +99,7 @@ def test_the_json_keeps_its_schema(folder: Path, name: str) -> None:
 
 def test_the_start_of_the_case_is_a_row_with_its_own_numbers(folder: Path) -> None:
     rows = {r["condition"]: r for r in read(folder / "starts.json")["start_matrix"]}
-    starts = run(sample_case("proposed")).starts
+    starts = run(sample_case("proposed", torque_follows="own speed")).starts
     assert starts is not None
     assert rows["normal start"]["allowable_starts"] == pytest.approx(starts.starts, rel=2e-3)
     assert rows["weak supply"]["allowable_starts"] > rows["normal start"]["allowable_starts"]

@@ -20,7 +20,7 @@ from engine.case.case import Case
 from engine.case.data import StationRow
 from engine.motor.circuit import Circuit, Winding
 from engine.motor.curves import slip_curves
-from engine.motor.fault_torques import fault_torque
+from engine.motor.fault_torques import fault_torque, largest_of_constant_fluxes
 from engine.motor.two_axis import MachineState, flux_system, open_circuit_state, running_state
 from engine.start.machine_motion import Balance, Machine, MachineMotion, Supply, machine_motion
 from engine.start.time_response import ModalSystem, modal_system
@@ -154,6 +154,21 @@ def test_line_to_line_fault_without_resistance(circuit, phase):
     flux = stator * np.exp(-1j * (state.angle + t))
     exact = flux.real * (flux.imag - behind[1]) / xq - flux.imag * (flux.real - behind[0]) / xd
     assert np.max(np.abs(motion.torque - exact)) < 1e-8
+
+
+@pytest.mark.parametrize(
+    "supply", [FAULT, Supply(0.0, (0.5, 0.0), (0.5, -1.2)), Supply(0.0, (0.9, 0.2), (0.1, 2.0))]
+)
+def test_largest_torque_of_constant_fluxes(supply):
+    """The formula beside the equations in time, for any voltages."""
+    bare = lossless(UNEQUAL)
+    state = running_state(bare, 0.8, 0.9)
+    motion = at_constant_speed(bare, [supply], state, 2.0 * math.pi / LINE, 0.01)
+    (size, ahead), (against, back) = supply.forward, supply.backward
+    closed = largest_of_constant_fluxes(
+        bare, state.flux, (size, ahead - state.angle), (against, back - state.angle)
+    )
+    assert closed == pytest.approx(abs(largest(motion)[0]), rel=1e-6)
 
 
 @pytest.mark.parametrize("degrees", [100.0, -40.0])

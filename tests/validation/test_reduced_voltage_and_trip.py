@@ -94,10 +94,10 @@ class Driven:
         self.k, self.c, self.J = whole.k, whole.c, whole.J
         self.field_time = math.inf
 
-    def motor_torque(self, t: float, lag: float, speed: float, connected: bool) -> float:
+    def motor_torque(self, t: float, lag: float, mean: float, connected: bool) -> float:
         if not connected:
             return 0.0
-        c, x = self.case, speed / SYNCHRONOUS
+        c, x = self.case, mean / SYNCHRONOUS
         torque = float(self.pulsating(min(max(x, 0.0), 1.0))) * math.sin(2.0 * lag)
         if t <= self.field_time:
             return torque + float(self.average(min(max(x, 0.0), 1.0)))
@@ -105,7 +105,7 @@ class Driven:
         risen = 1.0 - math.exp(-(t - self.field_time) / (c.field_time_constant or 1e-12))
         return (
             torque
-            + c.pull_in_damping * (SYNCHRONOUS - speed)
+            + c.pull_in_damping * (SYNCHRONOUS - mean)
             + (c.pull_out_torque or 0.0) * risen * math.sin(lag)
         )
 
@@ -113,7 +113,7 @@ class Driven:
         rows, n = self.B.shape
         x, w, lag = y[:rows], y[rows : rows + n], y[-1]
         force = -self.B.T @ (self.k * x + self.c * (self.B @ w))
-        force[0] += self.motor_torque(t, lag, w[0], connected)
+        force[0] += self.motor_torque(t, lag, self.mean(y), connected)
         for i, curve, full, soft, ends in self.loads:
             z = min(max(w[i] / soft, -1.0), 1.0)
             at = min(max(abs(w[i]) / full, ends[0]), ends[1])

@@ -29,9 +29,14 @@ REFERENCE = {
 DESIGNS = sorted(REFERENCE)
 
 
+def as_the_prototype(design: str) -> Case:
+    """The prototype reads the motor's curves at the speed of its rotor; so the data were chosen for the paper's stress."""
+    return sample_case(design, torque_follows="own speed")
+
+
 @pytest.fixture(scope="module")
 def starts() -> dict[str, Start]:
-    return {design: started(sample_case(design)) for design in DESIGNS}
+    return {design: started(as_the_prototype(design)) for design in DESIGNS}
 
 
 @pytest.mark.parametrize("design", DESIGNS)
@@ -93,12 +98,14 @@ def _straight(case: Case, points: int = 40) -> Case:
 @pytest.mark.parametrize("design", DESIGNS)
 def test_the_run_time_is_that_of_straight_lines_between_the_points(design: str) -> None:
     """Ours are smooth curves; read with straight lines, the prototype's 8.06 s come out."""
-    assert started(_straight(sample_case(design))).outcome.time == pytest.approx(8.06, abs=0.006)
+    assert started(_straight(as_the_prototype(design))).outcome.time == pytest.approx(
+        8.06, abs=0.006
+    )
 
 
 @pytest.mark.parametrize("design", DESIGNS)
 def test_crossings(design: str, starts: dict[str, Start]) -> None:
-    case = sample_case(design)
+    case = as_the_prototype(design)
     train, modes, damping = prepared(case)
     rows = crossings_of(case, ModalTrain(train, modes, damping), starts[design])
     percent = sample_data()["results"]["percent_speed"][design]

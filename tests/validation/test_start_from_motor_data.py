@@ -26,7 +26,7 @@ def case_from_data(**fields):
 
 
 def torque_of(case):
-    """Torque of the motor at a time, an angle and a speed, as the specification writes it. [N m]"""
+    """Torque of the motor at a time, an angle and a mean speed, as the specification writes it. [N m]"""
     motor = next(motors_from_data(case))
     pairs, line = 2, 2.0 * np.pi * 60.0
     x = np.linspace(0.0, 1.0, 100_001)
@@ -34,8 +34,8 @@ def torque_of(case):
     pulsation = curves.pulsating * np.exp(1j * (curves.phase - curves.phase[0]))
     torques = (case.voltage or 1.0) ** 2 * motor.torque_base * np.stack([curves.average, pulsation])
 
-    def torque(t, angle, speed):
-        at = speed * pairs / line * (len(x) - 1)
+    def torque(t, angle, mean):
+        at = mean * pairs / line * (len(x) - 1)
         k = int(at)
         average, turned = torques[:, k] + (at - k) * (torques[:, k + 1] - torques[:, k])
         phase = 2.0 * (line * t - pairs * angle) + (case.pulsation_phase or 0.0)
@@ -64,7 +64,8 @@ def test_the_start_uses_torques_and_their_phase():
     def rate(t, x):
         angle, speed = x[:3], x[3:]
         twist = stiffness * (angle[:-1] - angle[1:])
-        force = np.array([torque(t, angle[0], speed[0]) - twist[0], twist[0] - twist[1], twist[1]])
+        mean = (inertia @ speed) / inertia.sum()
+        force = np.array([torque(t, angle[0], mean) - twist[0], twist[0] - twist[1], twist[1]])
         return np.concatenate([speed, force / inertia])
 
     t = np.linspace(0.0, found.outcome.time, 60_001)

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import pytest
 
+from engine.case.case import Case
 from engine.case.study_inputs import CatalogueRow, StudyInputs, TuningRow
 from engine.studies.tuning.tuning import Ranked, TuningResult, best_cases
 from tests.sample_case import PSI, sample_case
@@ -26,6 +27,11 @@ def _stiffness(design: str) -> dict[str, float]:
     }
 
 
+def proposed() -> Case:
+    """Its motor curves are read as when they were chosen for the paper's stress."""
+    return sample_case("proposed", starts_required=2000.0, torque_follows="own speed")
+
+
 OLD, NEW = _stiffness("proposed"), _stiffness("modified")
 
 
@@ -34,7 +40,7 @@ def found() -> TuningResult:
     """Both stiffnesses of each coupling, and one softer HS coupling."""
     rows = [TuningRow(name, "stiffness", False, (OLD[name], NEW[name])) for name in COUPLINGS]
     rows[1] = TuningRow(COUPLINGS[1], "stiffness", False, (*rows[1].values, 220e3))
-    return tune(sample_case("proposed", starts_required=2000.0), StudyInputs(tuple(rows)))
+    return tune(proposed(), StudyInputs(tuple(rows)))
 
 
 def _row(found: TuningResult, stiffness: dict[str, float]) -> Ranked:
@@ -94,7 +100,7 @@ def test_whatever_is_better_still_is_shown(found: TuningResult) -> None:
 
 def test_a_catalogue_finds_the_same(found: TuningResult) -> None:
     """A maker's list of the same couplings: the installed one, as a ready case, is `modified`."""
-    case = sample_case("proposed", starts_required=2000.0)
+    case = proposed()
     offers = [
         CatalogueRow(name, f"{kind} {name}", "yes" if kind == "stiff" else None, k[name], 2.0)
         for name in COUPLINGS

@@ -12,13 +12,14 @@ from typer.testing import CliRunner
 
 from addin.cli.app import app
 from addin.contract.input_tables import INPUT_TABLES
-from addin.reading.case_json import case_to_json
+from addin.reading.case_json import case_to_json, read_case_json
+from addin.reading.workbook import read_workbook
 from addin.verify.file import verify_file
 from addin.verify.structure import missing_tables
 from addin.writing.recalculate import recalculate
 from addin.xlsx import Workbook, open_workbook
 from addin.xlsx.references import cell_name
-from engine.case.data import EventTorqueRow, MotorEventRow
+from engine.case.data import CaseData, EffectChoiceRow, EventTorqueRow, MotorEventRow
 from tests.engine.results.test_motor_events import motor
 from tests.reading.small_workbook import SmallWorkbook
 from tests.trains import geared
@@ -61,7 +62,7 @@ def calculated(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_events_stand_as_typed(calculated: Path) -> None:
     first, second, *rest = shown(open_workbook(calculated / "book.xlsx"), "EventTorque")
-    assert first == ["Fault", "Motor", -4.0, 1.0, pytest.approx(math.pi / 2.0), 0.1]
+    assert first == ["Fault", "Motor", -4.0, 1.0, pytest.approx(math.pi / 2.0), 0.1, None]
     assert second[:3] == ["Fault", "Motor", -1.0]
     assert all(value in (None, "") for row in rest for value in row)
 
@@ -108,6 +109,9 @@ def test_events_of_a_motor_on_the_sheet(tmp_path: Path) -> None:
         None,
         None,
         0.1,
+        None,
+        None,
+        None,
     ]
     assert second[:3] == ["Dip", "Motor", "voltage dip"]
     assert second[5] == pytest.approx(0.8)
@@ -122,6 +126,45 @@ def test_events_of_a_motor_on_the_sheet(tmp_path: Path) -> None:
     largest = max(abs(row[1]) for row in sheet[1:])
     assert max(abs(row[1]) for row in drawn) == pytest.approx(largest, rel=0.02)
     assert drawn[0] == [0.0, pytest.approx(drawn[0][2], rel=1e-9), drawn[0][2]]  # in balance
+
+
+def test_a_worst_clearing_time_on_the_sheet(tmp_path: Path) -> None:
+    """The word goes into the file and comes back; the sheet shows what was found, and a chart of it."""
+    event = MotorEventRow(
+        "Worst", "Motor", "line-to-line fault", "worst", clears_after="worst", latest_clearing=0.03
+    )
+    dip = MotorEventRow("Dip", "Motor", "voltage dip", residual_voltage=0.97, clears_after=0.1)
+    data = motor(dip, event, effect_choices=(EffectChoiceRow("backlash", "off"),))
+    case = tmp_path / "case.json"
+    case.write_text(json.dumps(case_to_json(data)), encoding="utf-8")
+    assert read_case_json(case).data == CaseData(**vars(data))
+    words = ["new", str(tmp_path / "typed.xlsx"), "--units", "si", "--from", str(case)]
+    assert CliRunner().invoke(app, words).exit_code == 0
+    assert read_workbook(tmp_path / "typed.xlsx").data.motor_events == (dip, event)
+    book = tmp_path / "book.xlsx"
+    done = recalculate(
+        tmp_path / "typed.xlsx", destination=book, json_file=tmp_path / "results.json"
+    )
+    assert not done.problems
+    rows = json.loads((tmp_path / "results.json").read_text(encoding="utf-8"))["event_peaks"]
+    sheet = shown(open_workbook(book), "EventPeaks")
+    assert [row[-3:] for row in sheet] == [
+        [pytest.approx(math.degrees(r["worst_phase"])), None, r["worst_clearing_time"]]
+        if r["event"] == "Worst"
+        else [None] * 3
+        for r in rows
+    ]
+    assert "CHANGED" not in str(open_workbook(book).shown_value("Summary", "B9"))
+    drawn = shown(open_workbook(book), "ChartClearing")
+    assert [row[0] for row in drawn] == pytest.approx([0.0015 * (k + 1) for k in range(20)])
+    assert verify_file(book).outcome == "follows"
+    number = open_workbook(tmp_path / "typed.xlsx")
+    table = number.tables["MotorEvents"]
+    number.set_cell(table.sheet, cell_name(table.data.top + 1, table.ref.left + 6), "wurst")
+    number.save(tmp_path / "wrong.xlsx")
+    (problem,) = read_workbook(tmp_path / "wrong.xlsx").problems
+    assert problem.column == "Clears after"
+    assert "Type a number or worst, or leave the cell blank" in problem.message
 
 
 def test_verify_follows_it_and_finds_an_edited_peak(calculated: Path, tmp_path: Path) -> None:

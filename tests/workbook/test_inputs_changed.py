@@ -63,7 +63,7 @@ def in_si(dimension: str, unit: str) -> list[float]:
 
 def filled(spec: TableSpec, field: Field, row: int) -> Any:
     """Something in every cell: whether it makes sense is of no matter here."""
-    if field.choices:
+    if field.choices and (not field.is_number or row == ROWS - 1):
         return field.choices[row % len(field.choices)]
     if not field.is_number:
         return STATIONS[row] if field.name == "Station" else f"{field.name} {row + 1}"
@@ -155,7 +155,9 @@ def test_every_input_that_is_edited_turns_the_banner(calculated: Path, calc: Any
         cell, value = one.cells[-1], one.values[-1]
         matters = one.field.name not in OF_THE_DOCUMENT
         if isinstance(value, str):
-            edits = [(value, False), (f"{value}x", True), (value.swapcase(), True)]
+            # a word in the place of a number is read whatever its capitals
+            capitals = not one.field.is_number
+            edits = [(value, False), (f"{value}x", True), (value.swapcase(), capitals)]
         else:
             edits = [(value, False), (value * (1 + 1e-11), False), (value * (1 + 1e-8), True),
                      (-value, True), (0.0, True), ("words", True)]  # fmt: skip

@@ -34,6 +34,14 @@ CATALOGUE = [
 ]
 SCATTER = [[None, None, "%"], ["Quantity", "Distribution", "Spread"], ["stiffness", "normal", 5.0]]
 #: Data sheet of a motor.
+#: Rows of table Sections, as a range: a hub, a step with a fillet, a taper.
+SECTIONS = [
+    [None, "mm", "mm", "mm", "mm", "%"],
+    ["Element", "Length", "OD", "End OD", "Fillet", "Penetration"],
+    ["Rotor", 80.0, 100.0, None, None, 100.0 / 3.0],
+    ["Rotor", 250.0, 100.0, None, 4.0, None],
+    ["Rotor", 400.0, 150.0, 130.0, None, None],
+]
 MOTOR = [
     [None, "kVA", *["pu"] * 6, *["s"] * 4],
     [

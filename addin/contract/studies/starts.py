@@ -34,6 +34,7 @@ _CASE = ("MotorTorque.Average", "MotorTorque.Pulsating", "LoadTorque.Torque", "S
 _STRESS = (*_CASE, "Elements.Stress diameter", "Elements.Stress bore")
 _FATIGUE = (*_STRESS, "Elements.SCF", "SNPoints.Cycles", "SNPoints.Stress", "Materials.Endurance")
 _DUTY = ("StartConditions.So far", "StartConditions.Per year")
+_PER_LIFE = ("EventTorque.Per life", "MotorEvents.Per life")
 
 
 def _run(equation: str, of_case: tuple[str, ...] = _CASE) -> Trace:
@@ -80,6 +81,9 @@ _INPUTS: tuple[TableSpec, ...] = (
             ),
             number(
                 "So far", "count", "Starts so far under this condition.", blank="0",
+            ),
+            text(
+                "Event", "Event of table EventTorque or MotorEvents, in the place of a start.", blank="a start",
             ),
         ),
     ),
@@ -210,6 +214,8 @@ _RESULTS: tuple[TableSpec, ...] = (
             number("used_high", "count", "Damage so far, at the upper end of its error."),
             number("yearly_low", "count", "Damage per year, at the lower end of its error."),
             number("yearly_high", "count", "Damage per year, at the upper end of its error."),
+            number("events_low", "count", "Damage of events, at the lower end of its error."),
+            number("events_high", "count", "Damage of events, at the upper end of its error."),
             UNLIMITED,
         ),
         columns=(
@@ -234,13 +240,18 @@ _RESULTS: tuple[TableSpec, ...] = (
                 _MINER, of_case=("StartConditions.Per year", *_FATIGUE), format=shown.USED,
             ),
             number(
-                "Left", "count", "Allowed damage 1/StartsFactor minus damage so far.",
-                "1/StartsFactor − used", _METHOD,
-                of_row=("DamageLedger.Used", "DamageLedger.Allowed"), format=shown.FOUR_DECIMALS,
+                "Events", "count", "Damage of all events in a life.", "Σ Per life × q over the events that have it",
+                _MINER, of_case=(*_PER_LIFE, *_FATIGUE), format=shown.USED,
+            ),
+            number(
+                "Left", "count", "Allowed damage 1/StartsFactor minus damage so far and of events.",
+                "1/StartsFactor − used − events", _METHOD,
+                of_row=("DamageLedger.Used", "DamageLedger.Events", "DamageLedger.Allowed"),
+                format=shown.FOUR_DECIMALS,
             ),
             number(
                 "Remaining years", "count", "Left / yearly.",
-                "(1/StartsFactor − used)/yearly; 0 where nothing is left", _METHOD,
+                "(1/StartsFactor − used − events)/yearly; 0 where nothing is left", _METHOD,
                 of_row=("DamageLedger.Left", "DamageLedger.Yearly"), format=shown.YEARS, unlimited=True,
             ),
             number(
@@ -256,8 +267,8 @@ _RESULTS: tuple[TableSpec, ...] = (
             ),
             verdict(
                 "Verdict", "pass while life is left; fail; or not judged.",
-                "pass if used < 1/StartsFactor", _METHOD,
-                of_row=("DamageLedger.Used", "DamageLedger.Allowed"),
+                "pass if used + events < 1/StartsFactor", _METHOD,
+                of_row=("DamageLedger.Used", "DamageLedger.Events", "DamageLedger.Allowed"),
             ),
             sentence(
                 "Reason", "Reason, with the numbers.", "The verdict in words", _METHOD, of_case=_DUTY,
@@ -286,6 +297,10 @@ _RESULTS: tuple[TableSpec, ...] = (
                 trace=_asked("Per year", "As typed; blank = 0"), format=shown.AS_TYPED,
             ),
             number(
+                "Per life", "count", "Such events in the life of the train.", "As typed; blank = 0", _METHOD,
+                of_case=_PER_LIFE, format=shown.AS_TYPED,
+            ),
+            number(
                 "Share", "fraction", "Share of the damage per year.",
                 "Per year × q over Σ per year × q",
                 _METHOD, of_row=("StartConditions.Per year",), of_case=("DamageLedger.Yearly",),
@@ -312,7 +327,7 @@ _RESULTS: tuple[TableSpec, ...] = (
             number(
                 "Remaining starts", "count",
                 "Allowed damage not yet used / damage of one start, if only this condition occurs.",
-                "(1/StartsFactor − used)/q, of this start condition alone", _METHOD,
+                "(1/StartsFactor − used − events)/q, of this start condition alone", _METHOD,
                 of_row=("RemainingStarts.Damage",), of_case=("DamageLedger.Left",), format=shown.STARTS,
                 unlimited=True,
             ),
@@ -358,7 +373,7 @@ _SHEETS: tuple[Sheet, ...] = (
     Sheet(
         "Damage ledger",
         "result",
-        {"A": 1.5, "B": 20, "C": 26, "D:J": 10, "K": 10, "L": 32},
+        {"A": 1.5, "B": 20, "C": 26, "D:K": 10, "L": 10, "M": 32},
         {"DamageLedger": "B7", "RemainingStarts": f"B{_LEDGER.below(7)}"},
         freeze="",
         side=0.25,
@@ -416,6 +431,6 @@ STARTS = StudySpec(
     details=_DETAILS,
     charts=_CHARTS,
     height=70.0,
-    also=(("Damage ledger", "L"),),
+    also=(("Damage ledger", "M"),),
     first="C",
 )

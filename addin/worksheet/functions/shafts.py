@@ -1,12 +1,15 @@
-"""Stiffness of a shaft from its sizes."""
+"""Stiffness of a shaft from its sizes, and of a stepped one from its sections."""
 
 from __future__ import annotations
 
 import math
 
-from addin.worksheet.answers import si_unit, system_for
-from addin.worksheet.registry import Argument, FunctionError, registered
+from addin.contract.tables import table
+from addin.worksheet.answers import Rows, si_unit, system_for, table_cells
+from addin.worksheet.blocks import case_of_sections, problems_in_words
+from addin.worksheet.registry import Argument, Block, FunctionError, registered
 from engine.model.links import shaft_stiffness
+from engine.results.tables import section_results
 
 #: Place of these functions among all, in lists and in the documentation.
 ORDER = 30
@@ -49,3 +52,24 @@ def tv_stiffness(
             "#NUM!",
         )
     return stiffness
+
+
+@registered(
+    "TV_SECTIONS",
+    Argument("Sections", "block", "Table Sections with headers and units."),
+    Argument("Materials", "block", "Table SectionMaterials with headers and units.", True),
+    Argument(
+        "Units", "text", "SI (mm, N*m/rad, kg*m^2; default) or US (in, lbf*in/rad, lb*ft^2).", True
+    ),
+    columns=len(table("SectionResults").columns),
+    example="=TV_SECTIONS(Sections!B21:L52, Sections!B56:E61)",
+)
+def tv_sections(sections: Block, materials: Block | None, units: str | None) -> Rows:
+    """Effective length, stiffness and inertia of each section, and of each element as a whole.
+
+    As table SectionResults has them, without a calculation; steps, tapers, hubs and keyways included.
+    """
+    case, problems = case_of_sections(sections, materials)
+    if problems:
+        raise FunctionError(problems_in_words(problems))
+    return table_cells("SectionResults", section_results(case), system_for(units, None), True)

@@ -15,6 +15,7 @@ module           responsibility
 `motor_events`   checks of table MotorEvents: what happens to a motor in operation
 `train`          checks of stations, elements and modal damping: names, stiffness, and one open
                  train
+`sections`       checks of the sections that stepped shafts are made of
 `gears`          checks of gear meshes: numbers, ratios, the line of action, gears on bearings
 `find_problems`  every check a case must pass, all of them at once
 ===============  =================================================================================

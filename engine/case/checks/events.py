@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from engine.case.checks.problem import (
     ANY_NUMBER,
+    COUNTS,
     NOT_NEGATIVE,
     POSITIVE,
     SCALARS,
@@ -19,6 +20,7 @@ from engine.case.data import GROUND, TABLED_EVENT, CaseData
 from engine.errors import Problem
 
 TABLE = "EventTorque"
+PER_LIFE = Limit("Per life", COUNTS, action="Type the number of such events.")
 NUMBERS = (
     Limit("Amplitude", ANY_NUMBER),
     Limit(
@@ -30,12 +32,14 @@ NUMBERS = (
     ),
     Limit("Phase", ANY_NUMBER, "rad"),
     Limit("Time constant", POSITIVE, "s", "Leave the cell blank if the torque does not decay."),
+    PER_LIFE,
 )
 
 
 def check_events(case: CaseData) -> Iterator[Problem]:
     """Terms of each event, what they are shares and multiples of, and a train that runs."""
     stations = {s.station for s in case.stations if s.station}
+    counted: dict[str | None, int | None] = {}
     for cells, row in each_row(TABLE, case.event_torque):
         if not row.event:
             yield cells.blank("Event", "the name of an event", "Name it: rows of one name add up.")
@@ -50,6 +54,12 @@ def check_events(case: CaseData) -> Iterator[Problem]:
                 "Type the torque over RatedTorque, with its sign, or clear the whole row.",
             )
         yield from cells.numbers(row, NUMBERS)
+        first = counted.setdefault(row.event, cells.row) if row.per_life is not None else cells.row
+        if first != cells.row:
+            yield cells.wrong(
+                "Per life", row.per_life, f"in one row of the event (row {first} has it already)",
+                "Clear one of the two cells.",
+            )  # fmt: skip
     yield from _missing_base(case)
     if case.event_names:
         yield from _held_train(case)

@@ -17,6 +17,7 @@ from engine.case.checks.motor_events import check_motor_events
 from engine.case.checks.motors import check_motors
 from engine.case.checks.problem import first_of_each_cell
 from engine.case.checks.scalars import check_scalars
+from engine.case.checks.sections import check_sections
 from engine.case.checks.torques import check_excitations, check_torques
 from engine.case.checks.train import (
     check_connected,
@@ -31,6 +32,7 @@ CHECKS: tuple[Callable[[CaseData], Iterator[Problem]], ...] = (
     check_scalars,
     check_stations,
     check_elements,
+    check_sections,
     check_meshes,
     check_mode_damping,
     check_torques,

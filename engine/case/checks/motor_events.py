@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
+from engine.case.checks.events import PER_LIFE
 from engine.case.checks.problem import (
     SCALARS,
     Allowed,
@@ -15,6 +16,7 @@ from engine.case.checks.problem import (
     has_possible_ratings,
     suggestion,
 )
+from engine.case.choices import Clearing, Scanned
 from engine.case.choices import MotorEventKind as Kind
 from engine.case.data import TABLED_EVENT, CaseData, MotorEventRow, value_of
 from engine.errors import Problem
@@ -24,6 +26,8 @@ TABLE = "MotorEvents"
 LARGEST_VOLTAGE = 1.5
 #: Faults are cleared, and supplies return, within; above, milliseconds were typed. [s]
 LONGEST = 10.0
+#: Backup protection trips within; a worst clearing time is looked for until then at most. [s]
+LONGEST_SCANNED = 1.0
 _ANGLE = Allowed(lambda v: abs(v) <= 2.0 * math.pi, "between -360 and 360 degrees")
 NUMBERS = (
     Limit("Phase", _ANGLE, "rad", "It is an angle at line frequency."),
@@ -41,7 +45,17 @@ NUMBERS = (
         "It counts from the event, so that nothing clears before it begins; milliseconds typed as seconds? "
         "Write 120 ms or 0.12 s.",
     ),
+    Limit(
+        "Latest clearing",
+        Allowed(lambda v: 0.0 < v <= LONGEST_SCANNED, f"above 0 and at most {LONGEST_SCANNED:g} s"),
+        "s",
+        "It counts from the event; milliseconds typed as seconds? Write 300 ms or 0.3 s.",
+    ),
+    PER_LIFE,
 )
+
+#: Columns of which the worst value is looked for where this word stands.
+SCANNED = ("Phase", "Angle", "Clears after")
 
 
 class Takes(NamedTuple):
@@ -86,7 +100,11 @@ def check_motor_events(case: CaseData) -> Iterator[Problem]:
         yield from cells.choice("Kind", row.kind, Kind)
         yield from cells.numbers(row, NUMBERS)
         if row.kind in tuple(Kind):
-            yield from _columns(cells, row, COLUMNS[Kind(row.kind)])
+            takes = COLUMNS[Kind(row.kind)]
+            if row.clearing == Clearing.ZEROS and row.kind == Kind.THREE_PHASE_FAULT:
+                takes = Takes(takes.needs, (*takes.may, "Phase"))
+            yield from _columns(cells, row, takes)
+            yield from _clearing(cells, row)
     if case.motor_events and has_possible_ratings(case):
         ratings = case.ratings
         if ratings.line_frequency is None or ratings.synchronous_speed is None:
@@ -123,6 +141,34 @@ def _motor(case: CaseData, cells: Cells, row: MotorEventRow) -> Iterator[Problem
             )
 
 
+def _clearing(cells: Cells, row: MotorEventRow) -> Iterator[Problem]:
+    """Zeros of current are those of a fault that clears at a given time."""
+    yield from cells.choice("Clearing", row.clearing, Clearing)
+    if row.clearing != Clearing.ZEROS:
+        return
+    if row.kind not in (Kind.THREE_PHASE_FAULT, Kind.LINE_TO_LINE_FAULT):
+        yield cells.problem(
+            "Clearing", row.clearing, f"blank for a {row.kind}",
+            f"no fault is cleared in a {row.kind}. Clear the cell.",
+        )  # fmt: skip
+    elif row.clears_after is None:
+        yield cells.blank(
+            "Clears after",
+            "given where Clearing is zeros of current",
+            "Type when the breaker opens.",
+        )
+    elif row.clears_after == Scanned.WORST:
+        yield cells.wrong(
+            "Clears after", row.clears_after, "a number where Clearing is zeros of current",
+            "Phases clear at zeros whatever its number: type some, or Clearing at once.",
+        )  # fmt: skip
+
+
+def _word(row: MotorEventRow, column: str) -> str | None:
+    value = value_of(row, column)
+    return value if isinstance(value, str) else None
+
+
 def _columns(cells: Cells, row: MotorEventRow, takes: Takes) -> Iterator[Problem]:
     for column in ("Phase", "Angle", "Residual voltage", "Clears after"):
         value = value_of(row, column)
@@ -135,6 +181,15 @@ def _columns(cells: Cells, row: MotorEventRow, takes: Takes) -> Iterator[Problem
                 f"blank for a {row.kind}",
                 f"it has no effect on a {row.kind}. Clear the cell.",
             )
+    for column in SCANNED:
+        yield from cells.choice(column, _word(row, column), Scanned, "a number, or worst")
+    if row.latest_clearing is not None and row.clears_after != Scanned.WORST:
+        yield cells.problem(
+            "Latest clearing",
+            row.latest_clearing,
+            "blank where Clears after is not worst",
+            "it has no effect unless Clears after is worst. Type worst there, or clear the cell.",
+        )
     if row.residual_voltage == 0.0 and row.kind in (Kind.RECLOSING, Kind.OUT_OF_PHASE_CLOSING):
         yield cells.wrong(
             "Residual voltage",

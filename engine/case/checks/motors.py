@@ -64,7 +64,10 @@ _LEAKAGE = Allowed(
 DATA_NUMBERS = (
     Limit("Apparent power", POSITIVE, "V A"),
     Limit("Voltage", POSITIVE, "V"),
-    Limit("Power factor", _SHARE),
+    Limit(
+        "Power factor",
+        Allowed(lambda v: 0.0 < abs(v) <= 1.0, "at most 1 (100 %), and below 0 only where it lags"),
+    ),
     Limit("Efficiency", _SHARE),
     *_reactances(LARGEST_MAGNETISING, "Xd", "Xq"),
     *_reactances(LARGEST_LEAKAGE, "Xd transient", "Xd subtransient", "Xq subtransient", "Xl"),
@@ -189,6 +192,11 @@ def _only(
 def _induction(cells: Cells, motor: MotorDataRow) -> Iterator[Problem]:
     """The equivalent circuit of an induction motor."""
     of_field = ("Discharge resistance", "Field circuit")
+    if motor.power_factor is not None and motor.power_factor < 0.0:
+        yield cells.wrong(
+            "Power factor", motor.power_factor, "positive where Kind is induction",
+            "The current of an induction motor always lags: type it without sign.",
+        )  # fmt: skip
     yield from _only(cells, motor, (*SYNCHRONOUS, *of_field), "Kind is synchronous")
     for column in INDUCTION:
         if value_of(motor, column) is None:

@@ -73,6 +73,10 @@ VOLTAGE = Limit(
 )
 
 
+#: How often something happens.
+COUNTS = Allowed(NOT_NEGATIVE.holds, "zero or more, and finite")
+
+
 class Cells(NamedTuple):
     """The cells of one row, or the scalars of the case, and how a sentence names what is wrong."""
 
@@ -108,9 +112,14 @@ class Cells(NamedTuple):
         sentence = f"the cell is blank; it must be {allowed}. {action}"
         return self.problem(column, None, allowed, sentence)
 
-    def number(self, value: float | None, limit: Limit) -> Iterator[Problem]:
-        """A problem if a number is given and is not finite or not allowed; the value in SI."""
+    def number(self, value: float | str | None, limit: Limit) -> Iterator[Problem]:
+        """A problem if a number is given and is not finite or not allowed; the value in SI.
+
+        A word in its place has been chosen from a list.
+        """
         column, allowed, unit, action = limit
+        if isinstance(value, str):
+            return
         if value is not None and not math.isfinite(value):
             yield self.wrong(column, value, ANY_NUMBER.words, "Correct the cell.", unit)
         elif value is not None and not allowed.holds(value):

@@ -62,7 +62,10 @@ def check_stations(case: CaseData) -> Iterator[Problem]:
             "the table is empty; a train needs at least one station with its inertia.",
         )
     yield from check_names(table, "Station", [s.station for s in case.stations], "a station")
-    shafted = {name for e in case.elements if e.density for name in (e.from_, e.to)}
+    stepped = {row.element for row in case.sections}
+    shafted = {
+        name for e in case.elements if e.density or e.element in stepped for name in (e.from_, e.to)
+    }
     for cells, s in each_row(table, case.stations):
         if s.station and s.station.lower() == GROUND:
             allowed = "another word: 'ground' means a fixed end"
@@ -71,7 +74,7 @@ def check_stations(case: CaseData) -> Iterator[Problem]:
             yield cells.blank(
                 "Inertia",
                 "positive",
-                "Type the inertia, or give a shaft at this station a Density.",
+                "Type the inertia, or give a shaft at this station a Density or sections.",
             )
         allowed_inertia = NOT_NEGATIVE if s.station in shafted else POSITIVE
         action = (
@@ -102,7 +105,7 @@ def _ends(stations: set[str], cells: Cells, e: ElementRow) -> Iterator[Problem]:
             yield cells.wrong(column, GROUND, "a station", "A gear mesh joins two gears.")
 
 
-def _geometry(cells: Cells, e: ElementRow) -> Iterator[Problem]:
+def _geometry(cells: Cells, e: ElementRow, stepped: bool) -> Iterator[Problem]:
     """Stiffness, or everything it is computed from."""
     yield from cells.numbers(e, ELEMENT_NUMBERS)
     if e.scf is not None and 0 < e.scf < 1:
@@ -120,35 +123,35 @@ def _geometry(cells: Cells, e: ElementRow) -> Iterator[Problem]:
                 "m",
                 quote_quantity(outer, "m", (*cells, outside)),
             )
-    yield from _stiffness(cells, e)
+    yield from _stiffness(cells, e, stepped)
 
 
-def _stiffness(cells: Cells, e: ElementRow) -> Iterator[Problem]:
+def _stiffness(cells: Cells, e: ElementRow, stepped: bool) -> Iterator[Problem]:
     if e.stiffness is not None:
         allowed = Allowed(
             (NOT_NEGATIVE if e.damping else POSITIVE).holds,
             "positive (0 only where Damping is given)",
         )
         action = (
-            "Correct it, or leave it blank: a shaft is computed from OD, ID and Length, a gear "
-            "mesh is rigid."
+            "Correct it, or leave it blank: a shaft is computed from OD, ID and Length or from its sections, a "
+            "gear mesh is rigid."
         )
         yield from cells.number(e.stiffness, Limit("Stiffness", allowed, "N m/rad", action))
-    elif e.kind in KINDS and e.kind != ElementKind.GEAR_MESH:
+    elif e.kind in KINDS and e.kind != ElementKind.GEAR_MESH and not stepped:
         needed = ("OD", "Length", "Shear modulus")
         absent = [column for column in needed if value_of(e, column) is None]
         if absent:
             yield cells.problem(
                 "Stiffness",
                 None,
-                "a stiffness, or OD, Length and Shear modulus",
+                "a stiffness, or OD, Length and Shear modulus, or rows of table Sections",
                 "the stiffness is blank and cannot be computed: "
                 + ", ".join(absent)
                 + (" are" if len(absent) > 1 else " is")
-                + " blank too. Type a stiffness or the geometry.",
+                + " blank too. Type a stiffness or the geometry, or its sections in table Sections.",
             )
     shaft = e.kind != ElementKind.GEAR_MESH
-    if shaft and e.density is not None and (e.od is None or e.length is None):
+    if shaft and not stepped and e.density is not None and (e.od is None or e.length is None):
         yield cells.problem(
             "Density",
             e.density,
@@ -165,12 +168,13 @@ def check_elements(case: CaseData) -> Iterator[Problem]:
     stations = {s.station for s in case.stations if s.station}
     ratios = {s.station: (1.0 if s.speed_ratio is None else s.speed_ratio) for s in case.stations}
     materials = {m.material for m in case.materials if m.material}
+    stepped = {row.element for row in case.sections}
     for cells, e in each_row(table, case.elements):
         if e.kind is None:
             yield cells.blank("Kind", "one of " + ", ".join(KINDS), "Choose from the list.")
         yield from cells.choice("Kind", e.kind, ElementKind)
         yield from _ends(stations, cells, e)
-        yield from _geometry(cells, e)
+        yield from _geometry(cells, e, e.element in stepped)
         a, b = ratios.get(e.from_), ratios.get(e.to)
         joins_equals = e.kind in (ElementKind.SHAFT, ElementKind.COUPLING)
         if joins_equals and a and b and abs(a / b - 1.0) > 1e-9:

@@ -19,7 +19,7 @@ ELECTRICAL_DAMPING = Effect(
         "one that the start has by the slope of its curves, divided by the mode's own, times the mode's share of a "
         "peak; on above tolerance / 5, and with TorqueFollows = machine"
     ),
-    bound="5 × the number; blank without MotorData, which Why then estimates by the slope",
+    bound="5 × the number; without MotorData an estimate: the change of a peak with curves read at the other speed",
     flag="electrical_damping",
     inputs=EffectInputs(
         "a row of every motor in table MotorData", "are blank", has_data_of_every_motor

@@ -11,11 +11,7 @@ def finding(case: CaseData, e: Evidence, modelled: tuple[str, ...]) -> Finding:
     if e.electrical is None:
         return Finding.impossible("No mode is crossed with a motor on.")
     if not e.electrical.known:
-        why = (
-            "Not every motor has a row in table MotorData: what it damps of a mode is unknown. The slope of the "
-            f"torque curves, as an estimate, changes a peak by {percent(e.electrical.slope)}: the start "
-            f"{'has' if case.reads_own_speed else 'leaves out'} it (TorqueFollows)."
-        )
+        why = "Not every motor has a row in table MotorData: what it damps of a mode is unknown."
         return Finding.impossible(why, None)
     number, limit = e.electrical.number, e.tolerance / DAMPING_GAIN
     bound = DAMPING_GAIN * number

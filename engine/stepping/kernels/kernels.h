@@ -144,6 +144,13 @@ typedef struct {
     const int64_t *damper_force;                  /* (n_dampers) */
 } pieces_t;
 
+/* Modes without coupling under torques that are polynomials of s = t/h over each step. */
+typedef struct {
+    int64_t n, n_torques, terms;     /* modes, torques, coefficients of each torque over a step: 1 to 4 */
+    const double *stiffness, *rate;  /* (n) λ and d [1/s², 1/s] */
+    const double *reach;             /* (n, n_torques) [rad/√(kg m²)] */
+} prescribed_t;
+
 /* A motor on a train in time, over steps of one length. Points of a step: its beginning, middle and end. */
 typedef struct {
     int64_t n_blocks, block;     /* groups of modes that damping couples; state of each, positions before velocities */
@@ -229,11 +236,11 @@ void exponential_step(int64_t n, const double *stiffness, const double *rate, do
 void newmark_step(int64_t n, const double *stiffness, const double *rate, double h, double *free,
                   double *forced);
 double first_fall(double g0, double d0, double g1, double d1);
-void drive_modes(int64_t n_steps, int64_t n, const double *steps, const double *stiffness,
-                 const double *rate, const double *cubic, double *q, double *v, double *out_q, double *out_v,
-                 double *room);
-void drive_coupled(int64_t n_steps, int64_t n_state, int64_t n_modes, const double *free,
-                   const double *forced, const double *cubic, double *state, double *out, double *room);
+int64_t prescribed_room(const prescribed_t *p);
+void drive_modes(const prescribed_t *p, int64_t n_steps, const double *steps, const double *torque, double *q,
+                 double *v, int64_t n_times, int64_t first, double *out, double *room);
+void drive_coupled(int64_t n_steps, int64_t n_state, int64_t n_push, const double *free, const double *push,
+                   const double *torque, double *state, double *out, double *room);
 int64_t machine_room(const machine_t *machine);
 int64_t advance_machine(int64_t n_steps, double time, double h, const machine_t *machine, double *state, double *flux,
                         double *room); /* (n_steps + 1, …), the first row given; steps made */

@@ -20,12 +20,20 @@ static int has_wide(void)
     return (low & 6) == 6 && __get_cpuid_count(7, 0, &a, &b, &c, &d) && (b >> 5 & 1);
 }
 
-const loop_t *widest(int64_t lanes)
+int has_wider(void)
 {
     static int known, wide; /* asking the processor takes long where it is shared */
     if (!known) wide = has_wide(), known = 1;
+    return wide;
+}
+
+const loop_t *widest(int64_t lanes)
+{
+    const int wide = has_wider();
     return lanes == 1 ? wide ? &wide_one : &plain_one : wide ? &wide_lanes : &plain_lanes;
 }
 #else
+int has_wider(void) { return 0; }
+
 const loop_t *widest(int64_t lanes) { return lanes == 1 ? &plain_one : &plain_lanes; }
 #endif

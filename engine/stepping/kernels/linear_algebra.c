@@ -1,5 +1,5 @@
 /* Small dense linear algebra in a fixed order of operations: the same bits from every compiler and processor. */
-#include "kernels.h"
+#include "vector_units.h"
 #include <math.h>
 #include <string.h>
 
@@ -24,18 +24,17 @@ static void add_multiple(int64_t n, double factor, const double *restrict a, dou
     for (int64_t i = 0; i < n; i++) b[i] += factor * a[i];
 }
 
-enum { WIDE = 16, NARROW = 4, DEEP = 64 };
-/* Two doubles of a vector unit. */
-typedef double two_t __attribute__((vector_size(16)));
+enum { MOST = 32, NARROW = 4, DEEP = 64 };
+typedef double four_t __attribute__((vector_size(32), aligned(8), may_alias));
 
 /* A matrix with any steps between its rows and columns. */
 typedef struct { const double *values; int64_t row, column; } matrix_t;
 
 /* Columns j to j + n of a product (m, k)(k, n), n ≤ wide: as many sums side by side. */
-static inline __attribute__((always_inline)) void panel(const int wide, int64_t m, int64_t n, int64_t k, matrix_t a,
-                                                        matrix_t b, double *c, int64_t c_row, int64_t c_column)
+IN_BOTH void panel(const int wide, int64_t m, int64_t n, int64_t k, matrix_t a, matrix_t b, double *c, int64_t c_row,
+                   int64_t c_column)
 {
-    two_t packed[DEEP * WIDE / 2];
+    four_t packed[DEEP * MOST / 4];
     double *pack = (double *)packed;
     for (int64_t first = 0; first == 0 || first < k; first += DEEP) {
         int64_t deep = k - first < DEEP ? k - first : DEEP;
@@ -44,13 +43,13 @@ static inline __attribute__((always_inline)) void panel(const int wide, int64_t 
                 pack[wide * p + w] = w < n ? b.values[(first + p) * b.row + w * b.column] : 0.0;
         for (int64_t i = 0; i < m; i++) {
             const double *left = a.values + i * a.row + first * a.column;
-            two_t s[WIDE / 2] = {{0.0}};
+            four_t s[MOST / 4] = {{0.0}};
             double *sum = (double *)s;
             if (first) for (int64_t w = 0; w < n; w++) sum[w] = c[i * c_row + w * c_column];
             for (int64_t p = 0; p < deep; p++) {
                 double one = left[p * a.column];
-                two_t factor = {one, one};
-                for (int w = 0; w < wide / 2; w++) s[w] += factor * packed[wide / 2 * p + w];
+                four_t factor = {one, one, one, one};
+                for (int w = 0; w < wide / 4; w++) s[w] += factor * packed[wide / 4 * p + w];
             }
             for (int64_t w = 0; w < n; w++) c[i * c_row + w * c_column] = sum[w];
         }
@@ -58,12 +57,12 @@ static inline __attribute__((always_inline)) void panel(const int wide, int64_t 
 }
 
 /* c = a b, each entry summed in the order of its index. */
-static void panels(int64_t m, int64_t n, int64_t k, matrix_t a, matrix_t b, double *c, int64_t c_row,
-                   int64_t c_column)
+IN_BOTH void panels(const int most, int64_t m, int64_t n, int64_t k, matrix_t a, matrix_t b, double *c, int64_t c_row,
+                    int64_t c_column)
 {
     while (n > 0) {
-        int64_t wide = n > NARROW ? WIDE : NARROW, now = n < wide ? n : wide;
-        if (wide == WIDE) panel(WIDE, m, now, k, a, b, c, c_row, c_column);
+        int64_t wide = n > NARROW ? most : NARROW, now = n < wide ? n : wide;
+        if (wide == most) panel(most, m, now, k, a, b, c, c_row, c_column);
         else panel(NARROW, m, now, k, a, b, c, c_row, c_column);
         b.values += now * b.column;
         c += now * c_column;
@@ -72,10 +71,26 @@ static void panels(int64_t m, int64_t n, int64_t k, matrix_t a, matrix_t b, doub
 }
 
 /* The longer side of the result is that of the sums side by side; the bits are the same. */
+IN_BOTH void any_product(const int most, int64_t m, int64_t n, int64_t k, const double *a, const double *b, double *c)
+{
+    if (n >= m) panels(most, m, n, k, (matrix_t){a, k, 1}, (matrix_t){b, n, 1}, c, n, 1);
+    else panels(most, n, m, k, (matrix_t){b, 1, n}, (matrix_t){a, 1, k}, c, 1, n);
+}
+
+static void plain_product(int64_t m, int64_t n, int64_t k, const double *a, const double *b, double *c)
+{
+    any_product(16, m, n, k, a, b, c);
+}
+
+static WIDER void wide_product(int64_t m, int64_t n, int64_t k, const double *a, const double *b, double *c)
+{
+    any_product(32, m, n, k, a, b, c);
+}
+
 void product(int64_t m, int64_t n, int64_t k, const double *a, const double *b, double *c)
 {
-    if (n >= m) panels(m, n, k, (matrix_t){a, k, 1}, (matrix_t){b, n, 1}, c, n, 1);
-    else panels(n, m, k, (matrix_t){b, 1, n}, (matrix_t){a, 1, k}, c, 1, n);
+    if (has_wider()) wide_product(m, n, k, a, b, c);
+    else plain_product(m, n, k, a, b, c);
 }
 
 /* --- singular values ----------------------------------------------------------------------------- */

@@ -1,4 +1,4 @@
-/* Starts without events; prescribed forces; turning points. */
+/* Starts without events; turning points. */
 #include "forces.h"
 #include "step.h"
 #include "turning.h"
@@ -67,44 +67,6 @@ void start_forces(double t, double inside, const double *phase, const double *sp
                    force, force_rate);
     damper_forces(system->n_dampers, system->damper_force, system->viscous, speed, acceleration, force,
                   force_rate);
-}
-
-/* Uncoupled modes under prescribed modal forces, cubics of each step: (n_steps, n, 4); room for 12 n numbers. */
-void drive_modes(int64_t n_steps, int64_t n, const double *steps, const double *stiffness,
-                 const double *rate, const double *cubic, double *q, double *v, double *out_q, double *out_v,
-                 double *room)
-{
-    double *free = room, *forced = room + 4 * n;
-    for (int64_t k = 0; k < n_steps; k++) {
-        if (k == 0 || steps[k] != steps[k - 1]) polynomial_step(n, stiffness, rate, steps[k], free, forced);
-        for (int64_t i = 0; i < n; i++) {
-            const double *c = cubic + 4 * (k * n + i), *a = free + 4 * i, *b = forced + 8 * i;
-            double x = a[0] * q[i] + a[1] * v[i], y = a[2] * q[i] + a[3] * v[i];
-            for (int j = 0; j < 4; j++) {
-                x += b[j] * c[j];
-                y += b[4 + j] * c[j];
-            }
-            q[i] = out_q[k * n + i] = x;
-            v[i] = out_v[k * n + i] = y;
-        }
-    }
-}
-
-/* A coupled linear system under prescribed forces. */
-void drive_coupled(int64_t n_steps, int64_t n_state, int64_t n_modes, const double *free,
-                   const double *forced, const double *cubic, double *state, double *out, double *room)
-{
-    for (int64_t k = 0; k < n_steps; k++) {
-        const double *c = cubic + 4 * k * n_modes;
-        for (int64_t i = 0; i < n_state; i++) {
-            const double *row = free + i * n_state, *push = forced + 4 * i * n_modes;
-            double x = 0.0;
-            for (int64_t j = 0; j < n_state; j++) x += row[j] * state[j];
-            for (int64_t j = 0; j < 4 * n_modes; j++) x += push[j] * c[j];
-            room[i] = x;
-        }
-        for (int64_t i = 0; i < n_state; i++) state[i] = out[k * n_state + i] = room[i];
-    }
 }
 
 /* Turning points of a piecewise cubic through values and slopes; at most 2 n. Returns how many.

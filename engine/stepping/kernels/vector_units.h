@@ -6,6 +6,16 @@
 /* Lanes that are calculated at once. */
 #define MANY 4
 
+/* Whether this machine has the wider registers for which a function marked WIDER is compiled. */
+int has_wider(void);
+#if defined(__x86_64__)
+#define WIDER __attribute__((target("avx2")))
+#else
+#define WIDER
+#endif
+/* Compiled into a plain function and a WIDER one, which give the same bits. */
+#define IN_BOTH static inline __attribute__((always_inline))
+
 typedef void (*begin_t)(const system_t *, const drive_t *, const torques_t *, state_t *, samples_t *, double *);
 typedef void (*advance_t)(stretches_t *, const system_t *, const drive_t *, const torques_t *, state_t *,
                           samples_t *, double *);

@@ -106,7 +106,7 @@ def accuracy_study(
         return _nothing(case)
     on_stage("start with the effects of the plan")
     analysis = analysis_for_start(case)
-    planned = planned_start(case, analysis, stage)
+    planned = planned_start(case, analysis, stage, estimated=False)
     if planned.plan.events:
         study = _event_study(case, planned, rounds, on_stage)
     elif has_start(case):

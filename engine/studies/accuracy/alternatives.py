@@ -110,7 +110,8 @@ def _calculated(a: _Alternative) -> PlannedStart:
     """Modes, plan and start, as they are timed; modes that are not finer are those already found."""
     most = max((pieces for _, pieces in a.analysis.subdivided.segments), default=2 * COARSEST)
     found = analyse(a.case, least_pieces=a.finer * most)
-    return planned_start(a.case, found if a.finer > 1 else a.analysis, most_modes=a.most_modes)
+    used = found if a.finer > 1 else a.analysis
+    return planned_start(a.case, used, most_modes=a.most_modes, estimated=False)
 
 
 def price_sentence(case: CaseData, rows: tuple[AccuracyRow, ...]) -> str:

@@ -402,7 +402,7 @@ def maximum_torques(case: CaseData) -> dict[str, float]:
         CaseData(**vars(case)),
         tolerance_peak=min(case.tolerance_peak or DEFAULT_TOLERANCE_PEAK, PEAK_ACCURACY),
     )
-    start = planned_start(finer, analysis_for_start(finer)).start
+    start = planned_start(finer, analysis_for_start(finer), estimated=False).start
     return {p.element: p.maximum for p in start.peaks}
 
 

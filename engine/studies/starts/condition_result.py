@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
+from engine.backlash.operating_events import OperatingEvent, operating_events
 from engine.case.case import Case
 from engine.case.choices import ElementKind
 from engine.case.data import CaseData
@@ -14,12 +15,15 @@ from engine.fatigue.allowable_starts import ShaftFatigue
 from engine.fatigue.stress import stress_of_unit_torque
 from engine.results.results import Results
 from engine.run import run
+from engine.start.pieces import analysis_for_start
 from engine.start.start import Start
 from engine.start.start_fatigue import is_counted, judged_shafts
 from engine.studies.starts.conditions import StartCondition, condition_case
 
 #: Outcome of a condition whose run raised an error, or that was not begun.
 NOT_CALCULATED = "not calculated"
+#: That of an event in operation, which is no start.
+EVENT = "event in operation"
 
 
 @dataclass(frozen=True)
@@ -101,10 +105,49 @@ def calculate_condition(case: CaseData, condition: StartCondition) -> ConditionR
         Its row; where the run raises an error, the row says why. [SI]
     """
     try:
-        results = run(Case(**vars(condition_case(case, condition))))
+        changed = Case(**vars(condition_case(case, condition)))
+        if condition.event:
+            (event,) = operating_events(changed, analysis_for_start(changed))
+            return _event_row(case, condition, event)
+        results = run(changed)
     except TorsionError as error:
         return ConditionResult(condition, NOT_CALCULATED, NOT_CALCULATED, remarks=(str(error),))
     return _row(case, condition, results)
+
+
+def _event_row(case: CaseData, condition: StartCondition, event: OperatingEvent) -> ConditionResult:
+    """The row of an event in operation."""
+    response = event.response
+    if response is None:
+        return ConditionResult(condition, NOT_CALCULATED, NOT_CALCULATED, remarks=(event.note,))
+    largest, torque = response.largest_peak(case.element_speed_ratios)
+    rated, errors = case.ratings.rated_torque, dict(event.damage_errors)
+    counted = {s.element: s for s in event.shafts}
+    span = {p.element: p.peak_to_peak for p in response.peaks}
+    shafts = tuple(
+        _shaft(
+            counted[str(e.element)], span[str(e.element)] * stress_of_unit_torque(e), errors, True
+        )
+        for _, e in judged_shafts(case)
+    )
+    governing = _governing(shafts)
+    return ConditionResult(
+        condition=condition,
+        outcome=EVENT,
+        words=EVENT,
+        time=response.outcome.time,
+        peak_torque=torque,
+        peak_over_rated=torque / rated if rated else None,
+        peak_element=None if largest is None else largest.element,
+        peak_to_peak_stress=None if governing is None else governing.peak_to_peak_stress,
+        shafts=shafts,
+        governing=None if governing is None else governing.element,
+        allowable_starts=None if governing is None else governing.allowable_starts,
+        unlimited=bool(shafts) and all(s.unlimited for s in shafts),
+        judged=bool(shafts),
+        remarks=(event.note,),
+        accuracy=_accuracy(response),
+    )
 
 
 def _row(case: CaseData, condition: StartCondition, results: Results) -> ConditionResult:
@@ -172,22 +215,26 @@ def _shafts(case: CaseData, results: Results) -> tuple[ConditionShaft, ...]:
         if shaft is None:
             shafts.append(ConditionShaft(name, stress, 0.0, 0.0, 0.0, None, False, False, False))
             continue
-        error = errors.get(name) or 0.0
-        shafts.append(
-            ConditionShaft(
-                element=name,
-                peak_to_peak_stress=stress,
-                damage=shaft.damage,
-                damage_low=min(shaft.damage_low, shaft.damage * max(1.0 - error, 0.0)),
-                damage_high=max(shaft.damage_high, shaft.damage * (1.0 + error)),
-                allowable_starts=shaft.allowable_starts if whole else None,
-                unlimited=whole and shaft.unlimited,
-                judged=whole,
-                extended=shaft.above_first_point > 0.0,
-                yields=bool(shaft.above_shear_yield),
-            )
-        )
+        shafts.append(_shaft(shaft, stress, errors, whole))
     return tuple(shafts)
+
+
+def _shaft(
+    shaft: ShaftFatigue, stress: float, errors: Mapping[str, float | None], whole: bool
+) -> ConditionShaft:
+    error = errors.get(shaft.element) or 0.0
+    return ConditionShaft(
+        element=shaft.element,
+        peak_to_peak_stress=stress,
+        damage=shaft.damage,
+        damage_low=min(shaft.damage_low, shaft.damage * max(1.0 - error, 0.0)),
+        damage_high=max(shaft.damage_high, shaft.damage * (1.0 + error)),
+        allowable_starts=shaft.allowable_starts if whole else None,
+        unlimited=whole and shaft.unlimited,
+        judged=whole,
+        extended=shaft.above_first_point > 0.0,
+        yields=bool(shaft.above_shear_yield),
+    )
 
 
 def _governing(shafts: Sequence[ConditionShaft]) -> ConditionShaft | None:

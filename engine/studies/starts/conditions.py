@@ -7,14 +7,15 @@ from dataclasses import dataclass, replace
 
 from engine.case.checks.find_problems import find_problems
 from engine.case.checks.problem import (
-    NOT_NEGATIVE,
+    COUNTS,
     Allowed,
     Cells,
     Limit,
     each_row,
     first_of_each_cell,
+    suggestion,
 )
-from engine.case.data import CaseData
+from engine.case.data import TABLED_EVENT, CaseData, value_of
 from engine.case.study_inputs import DAMPING_RATIO, LOAD_TORQUE, StartConditionRow, StudyInputs
 from engine.errors import Problem
 from engine.start.settings import has_start
@@ -23,7 +24,6 @@ from engine.studies.variation import Change, varied_case
 TABLE = "StartConditions"
 #: Instants of one period at which a standard trip is tried. [count]
 TRIP_INSTANTS = 8
-_COUNT = Allowed(NOT_NEGATIVE.holds, "zero or more, and finite")
 #: Numbers that no column of the case would check; more load is a percent sign forgotten.
 _LIMITS = (
     Limit(
@@ -31,8 +31,8 @@ _LIMITS = (
         Allowed(lambda share: 0.0 <= share <= 2.0, "from 0 to 2 (200 % of LoadTorque)"),
         action="Write 80 % or 0.8.",
     ),
-    Limit("Per year", _COUNT, action="Type the number of such starts."),
-    Limit("So far", _COUNT, action="Type the number of such starts."),
+    Limit("Per year", COUNTS, action="Type the number of such starts."),
+    Limit("So far", COUNTS, action="Type the number of such starts."),
 )
 #: Scalars of the case that a row changes → the column it is typed in.
 _COLUMN_OF = {
@@ -58,13 +58,15 @@ class StartCondition:
     trip_span: float = 0.0
     per_year: float = 0.0  #: Duty. [1/year, count]
     so_far: float = 0.0  #: Likewise. [1/year, count]
+    event: str = ""  #: Event in operation in the place of a start; empty = a start.
+    per_life: float = 0.0  #: How often that happens in the life of the train. [count]
     row: int | None = None  #: Row of `StartConditions`; None = of the standard matrix.
     why: str = ""  #: Why the standard matrix has it; empty for a row.
 
     @property
     def has_duty(self) -> bool:
         """Whether such starts have happened or will. [flag]"""
-        return self.per_year > 0.0 or self.so_far > 0.0
+        return self.per_year > 0.0 or self.so_far > 0.0 or self.per_life > 0.0
 
     @property
     def instants(self) -> tuple[StartCondition, ...]:
@@ -119,7 +121,36 @@ def _problems(case: CaseData, rows: Sequence[StartConditionRow]) -> Iterator[Pro
                 "load curve on sheet Torque."
             )
             yield cells.problem("Load", row.load, "blank", words)
+        if row.event:
+            yield from _event(case, cells, row)
         yield from _of_the_changed_case(case, cells, replace(row, load=None))
+
+
+def _event(case: CaseData, cells: Cells, row: StartConditionRow) -> Iterator[Problem]:
+    """An event in operation: it is there, nothing of a start is typed, and it is counted once."""
+    if row.event not in case.event_names:
+        allowed = "an event of table EventTorque or MotorEvents"
+        yield cells.wrong("Event", row.event, allowed, suggestion(str(row.event), case.event_names))
+    for column in ("Voltage", "Load", "Trip speed"):
+        value = value_of(row, column)
+        if value is not None:
+            yield cells.problem(
+                column,
+                value,
+                "blank where Event is given",
+                f"it has no effect on event '{row.event}', which comes upon the running train. Clear the cell.",
+            )
+    if row.event in case.events_per_life:
+        for column in ("Per year", "So far"):
+            value = value_of(row, column)
+            if value is not None:
+                yield cells.problem(
+                    column,
+                    value,
+                    "blank where the event has Per life",
+                    f"event '{row.event}' would be counted twice: its Per life is given on sheet Excitation. Clear one of "
+                    "the two cells.",
+                )
 
 
 def _name(cells: Cells, row: StartConditionRow, names: dict[str, int | None]) -> Iterator[Problem]:
@@ -170,6 +201,16 @@ def condition_of_row(case: CaseData, number: int | None, row: StartConditionRow)
     StartCondition
         Blanks are those of the case. [SI]
     """
+    if row.event:
+        return StartCondition(
+            name=row.condition or f"row {number}",
+            damping_ratio=row.damping_ratio,
+            per_year=row.per_year or 0.0,
+            so_far=row.so_far or 0.0,
+            event=row.event,
+            per_life=case.events_per_life.get(row.event, 0.0),
+            row=number,
+        )
     voltage = case.voltage or 1.0
     return StartCondition(
         name=row.condition or f"row {number}",
@@ -192,7 +233,8 @@ def condition_case(case: CaseData, condition: StartCondition) -> CaseData:
     A damping ratio stands in the place of DampingRatio, and `ModeDamping` is scaled in the same
     proportion: hot or cold oil changes all modes alike. Where the case states no DampingRatio there
     is no proportion, and `ModeDamping` stays. Dampers and loss factors stay, too. A trip speed is
-    asked for: an effect choice that forces aborted starts off is not kept beside it.
+    asked for: an effect choice that forces aborted starts off is not kept beside it. Of the events in operation
+    only that of the condition is left.
 
     Parameters
     ----------
@@ -206,9 +248,9 @@ def condition_case(case: CaseData, condition: StartCondition) -> CaseData:
     CaseData
         The changed case, not yet checked. [SI]
     """
-    new = replace(
-        CaseData(**vars(case)), voltage=condition.voltage, trip_speed=condition.trip_speed
-    )
+    new = _without_other_events(CaseData(**vars(case)), condition.event)
+    if not condition.event:
+        new = replace(new, voltage=condition.voltage, trip_speed=condition.trip_speed)
     if condition.trip_speed is not None:
         choices = tuple(
             c for c in new.effect_choices if (c.effect, c.choice) != ("aborted start", "off")
@@ -223,3 +265,13 @@ def condition_case(case: CaseData, condition: StartCondition) -> CaseData:
         changes.append(Change(DAMPING_RATIO, "", ratio / case.damping_ratio))
     new = varied_case(new, changes) if changes else new
     return new if ratio is None else replace(new, damping_ratio=ratio)
+
+
+def _without_other_events(case: CaseData, event: str) -> CaseData:
+    tabled = case.torque_time if event == TABLED_EVENT else case.torque_time_from_rest
+    return replace(
+        case,
+        event_torque=tuple(row for row in case.event_torque if row.event == event),
+        motor_events=tuple(row for row in case.motor_events if row.event == event),
+        torque_time=tabled,
+    )

@@ -1,7 +1,8 @@
 """Damage ledger: what a duty has used of each shaft's life, and what is left.
 
 Palmgren-Miner over start conditions: Σ nᵢ qᵢ, with qᵢ the damage of one start under condition i from the start
-matrix, nᵢ how many. The order of starts is ignored, as the rule does; residual stress and the
+matrix, nᵢ how many. Events in operation are conditions like any other; those that are counted for the whole life are taken from what is
+left at once. The order of starts is ignored, as the rule does; residual stress and the
 sequence effect of large starts before small ones are not in it.
 
 A shaft may be used up to 1/StartsFactor. That is the same as dividing allowable starts by the factor
@@ -19,6 +20,7 @@ from dataclasses import asdict, dataclass
 
 from engine.case.result_words import Judgement, NoNumber
 from engine.studies.starts.condition_result import ConditionResult, ConditionShaft
+from engine.studies.starts.conditions import StartCondition
 from engine.studies.starts.matrix import StartMatrix
 
 
@@ -33,8 +35,12 @@ class LedgerRow:
     yearly: float | None  #: Damage a year, Σ per year × damage, and the ends of its error. [1/year]
     yearly_low: float | None  #: Likewise. [1/year]
     yearly_high: float | None  #: Likewise. [1/year]
+    #: Damage of the events in a life, Σ per life × damage, and the ends of its error. [1]
+    events: float | None
+    events_low: float | None  #: Likewise. [1]
+    events_high: float | None  #: Likewise. [1]
     allowed: float  #: 1/StartsFactor. [1]
-    left: float | None  #: Allowed minus used; negative where it is overdrawn. [1]
+    left: float | None  #: Allowed minus used, minus events; negative where it is overdrawn. [1]
     #: Left over yearly, 0 where nothing is left; None = unlimited, or no duty a year. [year]
     remaining_years: float | None
     years_low: float | None  #: Its interval; None = unlimited. [year]
@@ -60,6 +66,7 @@ class RemainingStarts:
     damage_high: float | None  #: Likewise. [1]
     so_far: float  #: Its duty. [count, 1/year]
     per_year: float  #: Likewise. [count, 1/year]
+    per_life: float  #: Of an event. [count]
     share: float | None  #: Of the yearly damage; None where that is not judged or zero. [1]
     #: Left over damage, 0 where nothing is left; None = unlimited or not judged. [1]
     remaining_starts: float | None
@@ -141,16 +148,18 @@ def _row(results: Sequence[ConditionResult], name: str, allowed: float) -> Ledge
             "No duty: type Per year and So far in StartConditions to calculate the life left."
         )
         return LedgerRow(
-            name, *(None,) * 6, allowed, *(None,) * 4, False, None, Judgement.NOT_JUDGED, reason
+            name, *(None,) * 9, allowed, *(None,) * 4, False, None, Judgement.NOT_JUDGED, reason
         )  # fmt: skip
     damages = ("damage", "damage_low", "damage_high")
     used, used_low, used_high = (_sum(duty, name, "so_far", damage) for damage in damages)
     yearly, yearly_low, yearly_high = (_sum(duty, name, "per_year", damage) for damage in damages)
-    life_left = allowed - used
+    events, events_low, events_high = (_sum(duty, name, "per_life", damage) for damage in damages)
+    taken, least, most = used + events, used_low + events_low, used_high + events_high
+    life_left = allowed - taken
     years = remaining_life(life_left, yearly)
     starts_yearly = any(r.condition.per_year > 0.0 for r in duty)
     unlimited = starts_yearly and life_left > 0.0 and yearly == 0.0
-    verdict, reason = _verdict(duty, name, allowed, used, (used_low, used_high), starts_yearly)
+    verdict, reason = _verdict(duty, name, allowed, taken, (least, most), starts_yearly)
     return LedgerRow(
         element=name,
         used=used,
@@ -159,11 +168,14 @@ def _row(results: Sequence[ConditionResult], name: str, allowed: float) -> Ledge
         yearly=yearly,
         yearly_low=yearly_low,
         yearly_high=yearly_high,
+        events=events,
+        events_low=events_low,
+        events_high=events_high,
         allowed=allowed,
         left=life_left,
         remaining_years=years,
-        years_low=remaining_life(allowed - used_high, yearly_high),
-        years_high=remaining_life(allowed - used_low, yearly_low),
+        years_low=remaining_life(allowed - most, yearly_high),
+        years_high=remaining_life(allowed - least, yearly_low),
         unlimited=unlimited,
         governing=_governing(duty, name, yearly > 0.0),
         verdict=verdict,
@@ -208,13 +220,14 @@ def _verdict(
     duty: Sequence[ConditionResult],
     name: str,
     allowed: float,
-    used: float,
+    taken: float,
     interval: tuple[float, float],
     starts_yearly: bool,
 ) -> tuple[Judgement, str]:
     low, high = interval
-    sentences = [f"Used so far {used:.4g} of {allowed:.4g}."]
-    verdict = Judgement.PASS if used < allowed else Judgement.FAIL
+    reserved = " with the events of a life" if any(r.condition.per_life for r in duty) else ""
+    sentences = [f"Used so far{reserved} {taken:.4g} of {allowed:.4g}."]
+    verdict = Judgement.PASS if taken < allowed else Judgement.FAIL
     if verdict == Judgement.FAIL:
         sentences.append("No life left: by this calculation the train must not be started again.")
     if (low < allowed) != (high < allowed):
@@ -233,9 +246,11 @@ def _verdict(
 
 
 def _governing(duty: Sequence[ConditionResult], name: str, by_year: bool) -> str | None:
-    number = "per_year" if by_year else "so_far"
+    def times(c: StartCondition) -> float:
+        return c.per_year if by_year else c.so_far + c.per_life
+
     shares = {
-        r.condition.name: getattr(r.condition, number) * s.damage
+        r.condition.name: times(r.condition) * s.damage
         for r in duty
         if (s := r.shaft(name)) is not None
     }
@@ -266,6 +281,7 @@ def _remaining(
         damage_high=None if shaft is None else shaft.damage_high,
         so_far=condition.so_far,
         per_year=condition.per_year,
+        per_life=condition.per_life,
         share=share,
         remaining_starts=years,
         unlimited=judged and years is None,
@@ -293,14 +309,19 @@ def _words(rows: Sequence[LedgerRow]) -> Iterator[str]:
             yield f"{row.element}: no start condition of this duty causes damage."
         elif row.remaining_years is not None:
             yield (
-                f"{row.element}: {row.used / row.allowed:.1%} of its life is used; the remaining life "
+                f"{row.element}: {_share_used(row)}; the remaining life "
                 f"is {_quantity(row.remaining_years)} years{_interval(row)}, consumed mostly by "
                 f"'{row.governing}'."
             )
         else:
-            yield f"{row.element}: {row.used / row.allowed:.1%} of its life is used."
+            yield f"{row.element}: {_share_used(row)}."
         if row.verdict == Judgement.NOT_JUDGED:
             yield f"Not judged: {row.reason}"
+
+
+def _share_used(row: LedgerRow) -> str:
+    words = f"{(row.used or 0.0) / row.allowed:.1%} of its life is used"
+    return f"{words}, {row.events / row.allowed:.1%} is kept for events" if row.events else words
 
 
 def _interval(row: LedgerRow) -> str:

@@ -184,14 +184,15 @@ def start_rows(matrix: StartMatrix) -> list[dict[str, object]]:
     list of dict
         Under their JSON keys; percentages as fractions. [SI]
     """
-    of_condition = ("voltage", "damping_ratio", "load", "trip_speed")
+    of_start_alone = ("voltage", "load", "trip_speed")
     of_start = (
         "time", "percent_speed", "peak_over_rated", "peak_element", "governing",
         "peak_to_peak_stress", "mesh_minimum_torque", "impacts",
     )  # fmt: skip
     return [
         {"condition": r.condition.name}
-        | {key: getattr(r.condition, key) for key in of_condition}
+        | {key: None if r.condition.event else getattr(r.condition, key) for key in of_start_alone}
+        | {"damping_ratio": r.condition.damping_ratio}
         | {"outcome": r.words}
         | {key: getattr(r, key) for key in of_start}
         | {

@@ -20,6 +20,7 @@ after the crossing.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from engine.case.data import CaseData
@@ -81,6 +82,7 @@ def plan_matrix(case: CaseData, studies: StudyInputs, *, with_standard: bool = F
     """
     rows = studies.start_conditions
     conditions = [condition_of_row(case, number, row) for number, row in enumerate(rows, start=1)]
+    conditions += _counted_events(case, conditions)
     if rows and not with_standard:
         return MatrixPlan(tuple(conditions), standard=False)
     taken = {c.name for c in conditions}
@@ -89,6 +91,21 @@ def plan_matrix(case: CaseData, studies: StudyInputs, *, with_standard: bool = F
         name = c.name if c.name not in taken else f"{c.name} (standard)"
         conditions.append(replace(c, name=name))
     return MatrixPlan(tuple(conditions), standard=True, notes=notes)
+
+
+def _counted_events(case: CaseData, rows: Sequence[StartCondition]) -> list[StartCondition]:
+    """Events with a number in a life that no row has."""
+    taken, events = {c.name for c in rows}, {c.event for c in rows}
+    return [
+        StartCondition(
+            name if name not in taken else f"{name} (event)",
+            event=name,
+            per_life=times,
+            why="Per life",
+        )
+        for name, times in case.events_per_life.items()
+        if name not in events
+    ]
 
 
 def _standard(case: CaseData) -> tuple[list[StartCondition], tuple[str, ...]]:

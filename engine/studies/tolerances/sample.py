@@ -307,7 +307,7 @@ def _evaluate_sample(unit: Unit, i: int, evaluated: Evaluated) -> tuple[str, str
                 evaluated.by_step[i] = _change(near_start(case, recipe, near, 0.5), start)
                 evaluated.checked[i] = start.counted
             if start.reversed and unit.replan:
-                own = planned_start(case, analysis_for_start(case))
+                own = planned_start(case, analysis_for_start(case), estimated=False)
                 start = read_start(case, recipe, own.model, own.start.outcome, own.start)
             evaluated.counted[i] = start.counted
             evaluated.reversed[i] = bool(start.reversed)

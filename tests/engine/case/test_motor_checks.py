@@ -65,7 +65,7 @@ def test_good_motors_pass(data, circuits):
 
 
 def test_the_rated_power_may_give_the_base():
-    data = replace(SHEET, apparent_power=None, power_factor=0.8, efficiency=0.95)
+    data = replace(SHEET, apparent_power=None, power_factor=-0.8, efficiency=0.95)
     assert places(case(data, rated_power=7.6e5)) == []
     assert data.base_power(7.6e5) == pytest.approx(1e6, rel=1e-12)
 
@@ -96,6 +96,7 @@ def test_the_rated_power_may_give_the_base():
         ({"field_circuit": "open"}, "Discharge resistance", "blank where Field circuit is open"),
         ({"field_circuit": "shut"}, "Field circuit", "one of closed, open"),
         ({"power_factor": 80.0}, "Power factor", "at most 1 (100 %)"),
+        ({"power_factor": 0.0}, "Power factor", "below 0 only where it lags"),
         ({"start_factor": 0.0}, "Start factor", "usually by 0.7 to 1"),
         ({"station": "motr"}, "Station", "Did you mean 'motor'?"),
     ],
@@ -153,6 +154,7 @@ def test_a_motor_needs_the_line():
         ({"x_1": 10.0}, "X1", "Per cent and per unit mixed up?"),
         ({"r_1": 3.0}, "R1", "Per cent and per unit mixed up?"),
         ({"kind": "inductoin"}, "Kind", "synchronous"),
+        ({"power_factor": -0.9}, "Power factor", "always lags: type it without sign"),
     ],
 )
 def test_wrong_induction_motors_are_found_at_their_cell(change, column, words):

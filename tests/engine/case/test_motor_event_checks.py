@@ -20,6 +20,10 @@ RIGHT = (
     MotorEventRow("transfer", "motor", "reclosing", None, 1.0, 0.8, 0.2),
     MotorEventRow("dip", "motor", "voltage dip", residual_voltage=0.0, clears_after=0.2),
     MotorEventRow("phase", "motor", "voltage unbalance", 0.3, residual_voltage=0.9),
+    MotorEventRow("worst", "motor", "line-to-line fault", "worst", clears_after="worst"),
+    MotorEventRow("angle", "motor", "out-of-phase closing", angle="worst"),
+    replace(FAULT, event="zeros", phase=0.3, clearing="zeros of current"),
+    replace(FAULT, event="late", clears_after="worst", latest_clearing=0.3),
 )
 
 
@@ -48,6 +52,27 @@ def test_right_events_pass():
             replace(FAULT, residual_voltage=0.5),
             "Residual voltage",
             "no effect on a three-phase fault",
+        ),
+        (replace(FAULT, phase="worst"), "Phase", "no effect on a three-phase fault"),
+        (replace(FAULT, per_life=-1.0), "Per life", "the number of such events"),
+        (replace(FAULT, clearing="zero"), "Clearing", "at once, zeros of current"),
+        (
+            replace(FAULT, clearing="zeros of current", clears_after=None),
+            "Clears after",
+            "when the breaker opens",
+        ),
+        (
+            replace(FAULT, clearing="zeros of current", clears_after="worst"),
+            "Clears after",
+            "whatever its number",
+        ),
+        (replace(RIGHT[6], clearing="zeros of current"), "Clearing", "no fault is cleared"),
+        (replace(FAULT, clears_after="best"), "Clears after", "it must be a number, or worst"),
+        (replace(FAULT, latest_clearing=0.2), "Latest clearing", "unless Clears after is worst"),
+        (
+            replace(FAULT, clears_after="worst", latest_clearing=300.0),
+            "Latest clearing",
+            "Write 300 ms or 0.3 s",
         ),
         (replace(FAULT, phase=0.5), "Phase", "no effect on a three-phase fault"),
         (replace(FAULT, angle=float("nan")), "Angle", "found nan"),

@@ -173,12 +173,16 @@ def test_a_motor_that_cannot_carry_its_load_is_not_calculated():
 
 
 def test_the_field_of_the_motor_follows_from_its_power_factor():
-    """A leading current takes more excitation: the fault is stronger."""
-    weak, strong = (
-        air_gap(run(motor(FAULT, motor_data=(replace(SHEET, power_factor=pf),))))["event"]
-        for pf in (1.0, 0.8)
+    """A leading current takes more excitation than one in phase, a lagging one less."""
+    lagging, weak, strong = (
+        abs(
+            air_gap(run(motor(FAULT, motor_data=(replace(SHEET, power_factor=pf),))))["event"][
+                "largest"
+            ]
+        )
+        for pf in (-0.8, 1.0, 0.8)
     )
-    assert abs(strong["largest"]) > 1.05 * abs(weak["largest"])
+    assert strong > 1.05 * weak > 1.05 * lagging
 
 
 def test_one_phase_as_before_is_no_event():

@@ -187,3 +187,41 @@ def test_without_driving_torque_no_flank_is_known() -> None:
     assert verdict.coverage == "0 of 1 events"
     assert "'Mesh' carries no driving torque" in str(verdict.not_judged)
     assert check(results, "Overall").verdict != Judgement.PASS
+
+
+def counted(times: float, **fields: object) -> Results:
+    fault = (replace(FAULT[0], per_life=times), FAULT[1])
+    soft = {  # starts damage it, too
+        "materials": (MaterialRow("steel", 800e6, 500e6, 60e6),),
+        "sn_points": (SNPointRow("steel", 1e3, 340e6), SNPointRow("steel", 1e6, 60e6)),
+    }
+    return run(train(*fault, **({"starts_required": 100.0} | soft | fields)))
+
+
+def test_events_in_a_life_take_their_share_of_it() -> None:
+    """Palmgren-Miner: required starts and events together."""
+    results = counted(5.0)
+    row = rows(results)["Fault", "Low-speed shaft"]
+    assert row["damage_per_life"] == pytest.approx(5.0 * row["damage"], rel=1e-12)
+    (start,) = result_tables(results)["AllowableStarts"]
+    life = check(results, "Life of starts and events")
+    expected = 5.0 * row["damage"] + 100.0 * start["damage"]
+    assert start["damage"] > 0.0
+    assert life.result == pytest.approx(expected, rel=1e-12)
+    assert (life.limit, life.where) == (1.0, "Low-speed shaft")
+    # the limit lies between these two numbers of events
+    most = (1.0 - 100.0 * start["damage"]) / row["damage"]
+    assert check(counted(0.9 * most), life.check).verdict in (Judgement.PASS, Judgement.INCOMPLETE)
+    assert check(counted(1.1 * most), life.check).verdict == Judgement.FAIL
+    assert check(counted(0.6 * most, starts_factor=2.0), life.check).verdict == Judgement.FAIL
+
+
+def test_a_life_is_judged_only_where_events_are_counted() -> None:
+    assert "Life of starts and events" not in [v.check for v in run(train(*FAULT)).verdicts]
+    without = check(counted(5.0, starts_required=None), "Life of starts and events")
+    assert without.verdict == Judgement.INCOMPLETE
+    assert "StartsRequired is blank" in without.not_judged
+    lost = counted(5.0, damping_ratio=None, starts_required=None)
+    life = check(lost, "Life of starts and events")
+    assert life.verdict == Judgement.NOT_JUDGED
+    assert "event Fault is not calculated" in life.not_judged

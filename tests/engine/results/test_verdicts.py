@@ -234,7 +234,9 @@ def test_a_peak_nearer_to_its_limit_than_its_error_says_so(
     mesh = next(e.peak_torque_limit for e in complete.case.elements if e.element == "Mesh")
     assert mesh is not None
     peaks = tuple(
-        replace(p, maximum=mesh - 10.0, minimum=0.0, error=error) if p.element == "Mesh" else p
+        replace(p, maximum=mesh - 10.0, minimum=0.0, error=error, left_out=0.0)
+        if p.element == "Mesh"
+        else p
         for p in complete.start.peaks
     )
     changed_results = replace(complete, start=replace(complete.start, peaks=peaks))
@@ -319,7 +321,7 @@ def test_a_reversal_is_judged_by_the_range_of_the_minimum_not_by_that_of_the_pea
     (mesh,) = complete.reversals
     lowest = mesh.minimum_torque
     peaks = tuple(
-        replace(p, minimum=lowest, error=1.0).repeated_in(
+        replace(p, minimum=lowest, error=1.0, left_out=0.0).repeated_in(
             (p.maximum - 50.0, p.maximum + 50.0), (lowest - lower, lowest)
         )
         if p.element == mesh.element

@@ -63,11 +63,12 @@ def alike(a: SingleRun, b: SingleRun) -> None:
 def test_different_starts_side_by_side_have_the_bits_that_each_has_alone() -> None:
     case = sample_case("proposed")
     simulations = [
-        simulation(stiffer(case, 1.0 + 0.02 * i), 2e-3 / (1.0 + 0.1 * i)) for i in range(LANES)
-    ]
+        simulation(stiffer(case, 1.0 + 0.02 * i), 2e-3 / (1.0 + 0.1 * i))
+        for i in range(2 * LANES)  # those of most steps first: they do not run in this order
+    ][::-1]
     together = turning_of_starts(simulations)
     ends = {run.end for run in together if isinstance(run, SingleRun)}
-    assert len(ends) == LANES  # different cases, which end at different times
+    assert len(ends) == 2 * LANES  # different cases, which end at different times
     for one, run in zip(simulations, together, strict=True):
         (alone,) = turning_of_starts([one])
         assert isinstance(run, SingleRun)

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from benchmarks.problems import random_chain
 from engine.case.case import Case
 from engine.case.data import ElementRow, StationRow
 from engine.model.build_train import build_train
@@ -53,3 +56,18 @@ def test_lengths_that_differ_by_more_than_rounding_are_not_one():
     times = np.sort(np.append(rng.uniform(0.0, 0.5, 300), [0.0, 0.5]))
     equal = torque_at(np.linspace(0.0, 0.5, 15001))[:, -1]
     assert torque_at(times)[:, -1] == pytest.approx(equal, rel=1e-9)
+
+
+def test_each_mode_has_the_bits_that_it_has_alone():
+    """Nineteen modes go through the loop eight at a time, under straight lines and under cubics."""
+    train = build_train(random_chain(19).case())
+    modes, times = modes_of(train), np.linspace(0.0, 0.3, 1001)
+    pushes = [responses.linear(i, KNOTS, 1e3 * np.sin((40.0 + i) * KNOTS)) for i in (0, 7)]
+    for torques in (pushes, [replace(p, linear=False) for p in pushes]):
+        together = responses.time_response(train, modes, torques, times)
+        assert not together.coupled
+        for mode in range(modes.n_modes):
+            kept = np.arange(modes.n_modes) == mode
+            alone = responses.time_response(train, modes, torques, times, kept=kept)
+            assert np.array_equal(together.modal[0][mode], alone.modal[0][0])
+            assert np.array_equal(together.modal[1][mode], alone.modal[1][0])

@@ -10,9 +10,12 @@ import pytest
 
 from engine.case.case import Case
 from engine.case.data import CaseData, ElementRow, MeshRow, StationRow
+from engine.case.effect import StartEffects
 from engine.model.build_train import build_train
 from engine.model.frequency_derivatives import clusters, frequency_derivatives
 from engine.model.modes import modes_of
+from engine.start.settings import PLAIN_START
+from engine.start.start import run_start
 from engine.start.start_fatigue import sn_slope
 from engine.studies.sensitivities.differences import differences
 from engine.studies.sensitivities.plan import derivative_units, plan_derivatives
@@ -20,6 +23,7 @@ from engine.studies.sensitivities.sensitivities import AGREED, Derivatives, gath
 from engine.studies.sensitivities.tables import derivative_rows, element_rows, frequency_rows
 from engine.studies.sensitivities.tangent import tangent_of
 from engine.studies.variation import Change, varied_case
+from tests.engine.start.test_machine_damping import ANSWERING, case_from_data, modal_of
 from tests.sample_case import sample_case
 from tests.trains import geared
 from tests.whole_studies import derivatives
@@ -313,3 +317,26 @@ def test_a_start_with_teeth_that_part_has_differences_alone() -> None:
     assert told.peak is not None
     assert told.peak_error is not None
     assert any("only from differences of complete starts" in s for s in got.sentences)
+
+
+def test_a_motor_that_answers_to_vibration_has_differences_alone() -> None:
+    """They are those of complete starts 0.05 % to either side; the tangent has not what the motor answers."""
+    case = case_from_data(tolerance_peak=1e-6, damping_ratio=0.002)
+    plan = plan_derivatives(case)
+    assert plan.recipe.effects.electrical_damping
+    assert tangent_of(plan) is None
+    shaft = str(case.elements[0].element)
+    unit = next(u for u in derivative_units(plan) if u.parameter == ("stiffness", shaft))
+    got = differences(unit)
+
+    def by_hand(effects: StartEffects) -> np.ndarray:
+        size = []
+        for factor in (0.9995, 1.0005):
+            varied = Case(**vars(varied_case(case, [Change("stiffness", shaft, factor)])))
+            size.append([p.size for p in run_start(varied, modal_of(varied), effects).peaks])
+        return np.log(np.divide(*size)) / np.log(0.9995 / 1.0005)
+
+    expected = by_hand(ANSWERING)
+    assert np.all(np.abs(got.peak - expected) <= got.peak_error + 5e-4 * np.max(np.abs(expected)))
+    # and it matters: without the answer the derivatives are others
+    assert np.max(np.abs(by_hand(PLAIN_START) - expected)) > 0.02

@@ -1,0 +1,145 @@
+"""Worst phase, angle and clearing time of an event of a motor."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from engine.backlash.motor_scan import worst_instants
+from engine.case.case import Case
+from engine.case.data import EffectChoiceRow, MotorEventRow, StationRow
+from engine.model.modal_train import ModalTrain
+from engine.results.tables import result_tables
+from engine.run import run
+from tests.engine.results.test_motor_events import BASE, CIRCUIT, FAULT, SHEET, event, motor
+from tests.engine.results.test_operating_events import rows, train, with_backlash
+from tests.trains import RATED
+
+TOGETHER = (EffectChoiceRow("backlash", "off"),)
+#: Without resistance, and with equal subtransient reactances.
+EQUAL = replace(
+    CIRCUIT, rs=1e-6, rf=1e-6, rkd=1e-6, rkq=1e-6, xmq=CIRCUIT.xmd, xlkq=1.0 / (1.0 / 0.16 + 1.0 / 0.2049)
+)  # fmt: skip
+LL_FAULT = event("line-to-line fault", phase="worst")
+FREE = replace(FAULT, clears_after="worst", latest_clearing=0.1)
+
+
+def heavy(*events: MotorEventRow) -> Case:
+    """A train that keeps its speed."""
+    stations = tuple(replace(s, inertia=1e6 * s.inertia) for s in train().stations[:-1])
+    load = StationRow("Load", None, 4e6, 3.0, running_load=0.9 * RATED / 3.0)
+    return motor(*events, motor_circuit=(EQUAL,), stations=(*stations, load), maximum_time=0.05)
+
+
+def scan(case: Case):
+    results = run(replace(case, motor_events=(event("voltage dip", residual_voltage=0.97),)))
+    modal = ModalTrain(results.train, results.modes, results.damping)
+    return worst_instants(case, modal, case.motor_events[0])
+
+
+def test_a_closing_is_worst_at_120_degrees():
+    """sin δ + 2 sin ½δ is largest there (docs/motor.md)."""
+    found = scan(heavy(event("out-of-phase closing", angle="worst"))).of_motor
+    assert abs(found.row.angle) == pytest.approx(math.radians(120.0))
+    subtransient = 0.12 + 1.0 / (1.0 / 0.73 + 1.0 / 0.2049 + 1.0 / 0.16)
+    assert found.largest == pytest.approx(1.5 * math.sqrt(3.0) / subtransient * BASE, rel=2e-3)
+
+
+def test_a_line_to_line_fault_is_worst_where_its_voltage_crosses_zero():
+    """The faulted voltage is in quadrature with that of the healthy phase: its flux is then all offset."""
+    found = scan(heavy(LL_FAULT)).of_motor
+    beside = (found.row.phase + 0.5 * math.pi) % math.pi - 0.5 * math.pi
+    assert abs(beside) <= math.radians(7.5)
+    none = max(abs(row["largest"]) for phase in (45.0, 90.0) for row in air_gaps(phase))
+    assert found.largest > 1.1 * none
+
+
+def air_gaps(phase: float):
+    case = heavy(replace(LL_FAULT, phase=math.radians(phase)))
+    return result_tables(run(case))["AirGapTorque"]
+
+
+def test_no_clearing_time_is_worse_than_the_worst_one_with_its_error():
+    """Beside every event of a finer grid, calculated alone."""
+    case = motor(FREE, effect_choices=TOGETHER)
+    worst = rows(run(case))
+    times = np.linspace(0.0005, 0.1, 161)
+    events = [event("three-phase fault", f"{t:.6f}", clears_after=float(t)) for t in times]
+    alone = rows(run(replace(case, motor_events=tuple(events))))
+    for (_, element), row in worst.items():
+        peak = max(abs(row["maximum"]), abs(row["minimum"]))
+        sizes = [
+            max(abs(r["maximum"]), abs(r["minimum"])) for (_, e), r in alone.items() if e == element
+        ]
+        assert max(sizes) <= peak * (1.0 + row["error"])
+        assert row["error"] < 0.02
+        nearest = times[int(np.argmax(sizes))]
+        # another maximum may be as high within the error
+        assert abs(nearest - row["worst_clearing_time"]) < 2e-3 or (
+            max(sizes) == pytest.approx(peak, rel=2.0 * row["error"])
+        )
+
+
+def test_the_worst_instant_typed_gives_the_same_peaks():
+    case = motor(
+        replace(LL_FAULT, clears_after="worst", latest_clearing=0.05), effect_choices=TOGETHER
+    )
+    results = run(case)
+    table = rows(results)
+    for element in {e for _, e in table}:
+        row = table["event", element]
+        typed = replace(LL_FAULT, phase=row["worst_phase"], clears_after=row["worst_clearing_time"])
+        alone = rows(run(replace(case, motor_events=(typed,))))["event", element]
+        for key in ("maximum", "minimum", "time", "damage"):
+            assert alone[key] == row[key]
+        assert "worst_angle" not in row
+        assert "worst_phase" not in alone
+    (air_gap,) = result_tables(results)["AirGapTorque"]
+    typed = replace(
+        LL_FAULT, phase=air_gap["worst_phase"], clears_after=air_gap["worst_clearing_time"]
+    )
+    (alone,) = result_tables(run(replace(case, motor_events=(typed,))))["AirGapTorque"]
+    assert alone["largest"] == air_gap["largest"]
+    assert air_gap["error"] > alone["error"]
+
+
+def test_what_is_drawn_is_the_largest_torque_at_each_clearing_time():
+    case = motor(FREE, effect_choices=TOGETHER)
+    (found,) = run(case).events
+    worst = found.worst
+    assert len(worst.clearing) == 48  # eight in each of six periods
+    middle = float(worst.clearing[20])
+    alone = run(replace(case, motor_events=(replace(FAULT, clears_after=middle),))).events[0]
+    assert worst.air_gap[20] == pytest.approx(abs(alone.air_gap.largest), rel=5e-3)
+    (peak,) = (p for p in alone.response.peaks if p.element == worst.element)
+    assert worst.torque[20] == pytest.approx(peak.size, rel=5e-3)
+    (largest,) = (p for p in found.response.peaks if p.element == worst.element)
+    assert largest.size == max(p.size for p in found.response.peaks)
+
+
+def test_a_worst_event_with_separating_teeth_is_not_calculated():
+    loose = with_backlash(
+        event_torque=(), motor_torque=(), motor_data=(SHEET,), motor_circuit=(CIRCUIT,),
+        motor_events=(FREE,),
+    )  # fmt: skip
+    (found,) = run(loose).events
+    assert found.response is None
+    assert "teeth" in found.note
+
+
+def test_a_motor_that_cannot_carry_its_load_is_not_scanned():
+    (found,) = run(motor(FREE, motor_circuit=(replace(CIRCUIT, rs=0.9),))).events
+    assert found.response is None
+    assert "does not carry its torque" in found.note
+
+
+def test_a_worst_instant_with_slipping_poles_has_no_bound() -> None:
+    """Torques then change too fast with the instant."""
+    long = replace(FREE, latest_clearing=0.8)
+    (found,) = run(motor(long, effect_choices=TOGETHER)).events
+    assert "slips poles at its worst instant" in found.note
+    assert found.response.left_out is None
+    assert all(p.high is None for p in found.response.peaks)
