@@ -66,7 +66,7 @@ def several() -> Results:
 def test_largest_torques_are_near_their_closed_forms(several):
     """The resistances take some per cent of the flux in the first cycle."""
     found = air_gap(several)
-    assert list(found) == ["fault", "closing", "at once", "later", "dip"]
+    assert list(found) == ["start", "fault", "closing", "at once", "later", "dip"]
     assert found["fault"]["largest"] < -4.0 * BASE
     for name in ("fault", "closing", "at once"):
         assert 0.9 < found[name]["ratio"] < 1.05
