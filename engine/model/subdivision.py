@@ -113,7 +113,7 @@ def natural_modes(
     links = {
         str(e.element): link_of(e, meshes.get(e.element), sections.get(str(e.element), ()))
         for e in case.elements
-        if e.element not in parted
+        if e.element not in parted and (e.density or str(e.element) in sections)
     }
     waves = {name: link for name, link in links.items() if link.inertia and link.stiffness}
     time = {name: _travel_time(link) for name, link in waves.items()}

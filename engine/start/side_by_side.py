@@ -16,8 +16,8 @@ from engine.start.simulation import Simulation, form_of, turning_of_starts
 from engine.start.trajectory import SingleRun
 from engine.stepping.linear_loop import LANES
 
-#: Calculations that take turns: twice as many as there are lanes, so that starts of about as many steps can go together,
-#: and lanes are filled where forms differ. [count]
+#: Calculations that take turns: twice as many as there are lanes, so that starts of about as many steps can go together
+#: and lanes are filled where forms differ. More fill them better, but cost more than that saves. [count]
 AT_ONCE = 2 * LANES
 
 Item = TypeVar("Item")
