@@ -34,6 +34,12 @@ class StartEffects:
     full_length: bool = False  #: True: the run does not stop early because the train has settled.
     contact_law: str = ContactLaw.LIMITED  #: One of `ContactLaw`.
 
+    @property
+    def need_events(self) -> bool:
+        """Whether one of them needs the event-driven simulation. [flag]"""
+        switched = self.pull_in or self.aborted_start
+        return bool(self.clearances) or switched or self.motor_transient
+
 
 @dataclass(frozen=True)
 class EffectInputs:

@@ -83,9 +83,7 @@ class Plan:
 
         Gears that move laterally do: it alone gives the forces of their bearings.
         """
-        e = self.effects
-        clearances, in_time = bool(e.clearances), e.motor_transient
-        return clearances or in_time or e.pull_in or e.aborted_start or self.lateral
+        return self.effects.need_events or self.lateral
 
 
 #: Effects whose bound is no part of `Plan.left_out`: modes left out are in the error, what a run does not go on
