@@ -308,7 +308,7 @@ _SPECS = (
         Axis("Clearing time [s]", least=0, number="General", low=True),
         Axis(Label("Clearing axis", r"Torque.*"), number="General"),
         (
-            _curve("ChartClearing", "Time", "Air gap", "Air-gap torque", "rust", 1.25),
+            _curve("ChartClearing", "Time", "Air gap", "Largest air-gap torque", "rust", 1.25),
             _curve("ChartClearing", "Time", "Element", Label("Clearing element"), "navy", 1.75),
         ),
         legend=True,

@@ -125,6 +125,8 @@ class AirGapTorque:
     closed_form: float | None
     #: Turns by which the rotor has lost its step against a line with voltage; 0: it stays in step. [count]
     slipped: int
+    #: From when on the rotor is more than half a turn from where it was; infinite: never. [s]
+    slips_from: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -308,7 +310,7 @@ def air_gap_torque_of(drive: MotorDrive) -> AirGapTorque:
     lag = -drive.event.machine.pole_pairs * motion.rotor
     return AirGapTorque(
         largest, time, max(change, LEAST_PEAK_ERROR),
-        _closed_form(drive.event), _turns(drive.event, motion.time, lag),
+        _closed_form(drive.event), *_slip(drive.event, motion.time, lag),
     )  # fmt: skip
 
 
@@ -330,10 +332,11 @@ def with_teeth_apart(air_gap: AirGapTorque, event: MotorEvent, response: Start) 
         [N m, s]
     """
     (torque,) = response.machines
-    turns = _turns(event, response.trajectory.time, torque.lag)
+    turns, since = _slip(event, response.trajectory.time, torque.lag)
     return replace(
-        air_gap, largest=torque.largest, time=torque.time, error=torque.error, slipped=turns
-    )
+        air_gap, largest=torque.largest, time=torque.time, error=torque.error, slipped=turns,
+        slips_from=since,
+    )  # fmt: skip
 
 
 def machine_in_time(event: MotorEvent) -> tuple[Motor, MachineInTime]:
@@ -357,13 +360,15 @@ def machine_in_time(event: MotorEvent) -> tuple[Motor, MachineInTime]:
     return motor, MachineInTime(machine, event.supplies, state.flux, state.field_voltage)
 
 
-def _turns(event: MotorEvent, time: Floats, lag: Floats) -> int:
-    """Turns of the rotor against a line with voltage since its last change, in electrical angle."""
+def _slip(event: MotorEvent, time: Floats, lag: Floats) -> tuple[int, float]:
+    """Turns of the rotor against a line with voltage since its last change, in electrical angle, and when half one is done."""
     if event.supplies[-1].forward[0] == 0.0:
-        return 0
-    since = lag[time >= event.last_change]
-    turned = float(since[-1] - since[0]) if len(since) else 0.0
-    return round(abs(turned) / (2.0 * math.pi))
+        return 0, math.inf
+    since = time >= event.last_change
+    turned = np.abs(lag[since] - lag[since][:1])
+    beyond = time[since][turned > math.pi]
+    turns = round(float(turned[-1]) / (2.0 * math.pi)) if len(turned) else 0
+    return turns, float(beyond[0]) if len(beyond) else math.inf
 
 
 def _turning(motion: MachineMotion) -> tuple[Floats, Floats]:

@@ -256,11 +256,15 @@ def _worst_event(case: CaseData, analysis: ModalAnalysis, row: MotorEventRow) ->
         errors += [pair for pair in event.damage_errors if pair[0] == element]
     drawn = worst.of_element[worst.element].row if worst.element else worst.of_motor.row
     # torques of slipping poles change too fast with the instant to be scanned
-    slips = any(e.air_gap and e.air_gap.slipped for e in events.values())
+    slipping = {
+        element
+        for element, instant in worst.of_element.items()
+        if (gap := events[instant.row].air_gap)
+        and any(p.element == element and p.time > gap.slips_from for p in peaks)
+    }
     apart = any(r.contacts for r in responses.values())  # the scan keeps all teeth together
-    bounds = [None if slips or apart else r.left_out for r in responses.values()]
-    if slips or apart:
-        peaks = [replace(p, left_out=None) for p in peaks]
+    peaks = [replace(p, left_out=None) if apart or p.element in slipping else p for p in peaks]
+    bounds = [None if slipping or apart else r.left_out for r in responses.values()]
     error = max((p.relative_error for p in peaks), default=0.0)
     response = replace(
         responses[drawn],
@@ -269,7 +273,7 @@ def _worst_event(case: CaseData, analysis: ModalAnalysis, row: MotorEventRow) ->
         left_out=None if None in bounds else max(b for b in bounds if b is not None),
         met_tolerance=all(r.met_tolerance for r in responses.values())
         and error <= (case.tolerance_peak or DEFAULT_TOLERANCE_PEAK)
-        and not (slips or apart),
+        and not (slipping or apart),
     )
     air_gap = events[worst.of_motor.row].air_gap
     if air_gap is not None:
@@ -278,9 +282,10 @@ def _worst_event(case: CaseData, analysis: ModalAnalysis, row: MotorEventRow) ->
         )
         air_gap = replace(air_gap, error=air_gap.error + missed)
     notes = dict.fromkeys(e.note for e in events.values() if e.note)
-    if slips:
+    if slipping:
+        quoted = ", ".join(f"'{element}'" for element in sorted(slipping))
         notes[
-            f"Event '{name}' slips poles at its worst instant: torques at another one may be larger."
+            f"Event '{name}' slips poles before the largest torque of {quoted}: at another instant it may be larger."
         ] = None
     if apart:
         notes[

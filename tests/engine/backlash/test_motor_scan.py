@@ -140,6 +140,8 @@ def test_a_worst_instant_with_slipping_poles_has_no_bound() -> None:
     """Torques then change too fast with the instant."""
     long = replace(FREE, latest_clearing=0.8)
     (found,) = run(motor(long, effect_choices=TOGETHER)).events
-    assert "slips poles at its worst instant" in found.note
+    assert "slips poles before the largest torque of" in found.note
     assert found.response.left_out is None
-    assert all(p.high is None for p in found.response.peaks)
+    assert any(p.high is None for p in found.response.peaks)
+    (bounded,) = run(motor(FREE, effect_choices=TOGETHER)).events
+    assert all(p.high is not None for p in bounded.response.peaks)
