@@ -352,7 +352,14 @@ def _judged_alone(model: ModalTrain, run: SingleRun) -> JudgedRun:
 
 
 def _without_events(effects: StartEffects) -> StartEffects:
-    return replace(effects, clearances=(), pull_in=False, aborted_start=False, switch_over=False)
+    return replace(
+        effects,
+        clearances=(),
+        pull_in=False,
+        aborted_start=False,
+        switch_over=False,
+        motor_transient=False,
+    )
 
 
 def _with_all_effects(

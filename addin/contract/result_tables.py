@@ -1029,10 +1029,14 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
     ),
     table(
         "AirGapTorque", sheet="Events", caption="Air-gap torque of events of motors",
-        help="Torque of the motor at its own speed in each event of table MotorEvents; negative brakes.",
+        help="Torque of the motor at its own speed in each event of table MotorEvents, and in a start in time; negative "
+        "brakes.",
         row_name=("Event",), changes_shown=("Largest",), of_the_start=True, rank=7, later=True,
         columns=(
-            text("Event", "Name of the event.", trace=named("MotorEvents.Event")),
+            text(
+                "Event", "Name of the event; start: from the closing of the breaker on.",
+                trace=named("MotorEvents.Event"),
+            ),
             number(
                 "Largest", "torque", "Largest torque in magnitude.", f"{AIR_GAP} × S / ω_s; extreme, also between samples",
                 EVENT_METHOD, us="lbf*ft", of_case=EVENT, format=shown.SIGNED, error=ReportedError.EVENTS,

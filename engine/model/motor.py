@@ -137,6 +137,23 @@ def drives_of(motors: Sequence[Motor]) -> tuple[Motor, ...]:
     return (*firsts, *seconds)
 
 
+def without_torque(motor: Motor) -> Motor:
+    """The same without curves: its torque follows from its fluxes.
+
+    Parameters
+    ----------
+    motor : Motor
+        A motor. [SI]
+
+    Returns
+    -------
+    Motor
+        With its voltage and the phase of its rotor. [SI]
+    """
+    nothing = TorqueCurve(np.zeros(1), np.zeros((1, 4)))
+    return replace(motor, average=nothing, pulsating=nothing, parts=None)
+
+
 def motors_of(case: CaseData, train: Train) -> tuple[Motor, ...]:
     """Motors of a case; motor torques scale with the square of the voltage.
 
@@ -389,6 +406,10 @@ def electrical_arrays(
     rise = case.field_time_constant if effects.pull_in else None
     pull_out = case.pull_out_torque if effects.pull_in else None
     cage = case.pull_in_damping if effects.pull_in else None
+    if (
+        effects.motor_transient
+    ):  # the fluxes of motors have all of it, but for the rise of the field
+        shock = decay = pull_out = cage = None
     return (
         at_rest * (shock or 0.0),
         np.full(n, 1.0 / decay if decay else 0.0),

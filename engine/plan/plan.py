@@ -83,8 +83,7 @@ class Plan:
 
         Gears that move laterally do: it alone gives the forces of their bearings.
         """
-        e = self.effects
-        return bool(e.clearances) or e.pull_in or e.aborted_start or e.switch_over or self.lateral
+        return self.effects.need_events or self.lateral
 
 
 #: Effects whose bound is no part of `Plan.left_out`: modes left out are in the error, what a run does not go on

@@ -284,9 +284,26 @@ def _worst_instant(case: CaseData, event: str, instant: WorstInstant | None) -> 
     return {names[name]: getattr(instant.row, name) for name in row.scanned}
 
 
+#: Name of the start among the events of motors.
+START = "start"
+
+
 def _air_gap_torques(results: Results) -> list[Row]:
-    """One an event of a motor; blank where the motor does not carry its running torque."""
-    rows: list[Row] = []
+    """Of each motor of a start in time, then one an event; blank where the motor does not carry its running torque."""
+    in_time = () if results.start is None else results.start.machines
+    rows: list[Row] = [
+        {
+            "event": START
+            if len(in_time) == 1
+            else f"{START}, {results.train.stations[m.station]}",
+            "largest": m.largest,
+            "time": m.time,
+            "closed_form": None,
+            "ratio": None,
+            "error": m.error,
+        }
+        for m in in_time
+    ]
     names = {row.event for row in results.case.motor_events}
     for event in results.events:
         if event.name not in names:

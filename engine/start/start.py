@@ -28,6 +28,7 @@ from engine.model.rigid_runup import RigidRunup, rigid_runup
 from engine.start.event_results import (
     BearingForce,
     ContactRecord,
+    MachineTorque,
     PullIn,
     Repeatability,
 )
@@ -86,6 +87,7 @@ class Start(JudgedRun):
     #: Largest bearing force of each gear that moves laterally. [N]
     bearing_forces: tuple[BearingForce, ...] = ()
     pull_in: PullIn | None = None  #: Field application and what came of it. [SI]
+    machines: tuple[MachineTorque, ...] = ()  #: Of motors in time. [SI]
     #: By element, relative error from the pieces of distributed shafts; part of all errors. [1]
     pieces_error: tuple[tuple[str, float], ...] = ()
     #: Where impacts make runs part however fine the step; None where they stay together. [1]
@@ -317,7 +319,10 @@ def prepared_start(
     longest = LONGEST_START if settings.maximum_time is None else settings.maximum_time
     tabled = max((float(p.time or 0.0) + 1.0 for p in case.torque_time_from_rest), default=0.0)
     maximum = longest if effects.full_length else min(max(run_length(runup), tabled), longest)
-    model = start_model(case, modal, motors, loads, settings.tolerance_peak, maximum, effects)
+    curves = replace(
+        effects, motor_transient=False
+    )  # fluxes are stepped by the loop with events alone
+    model = start_model(case, modal, motors, loads, settings.tolerance_peak, maximum, curves)
     return PreparedStart(model, settings, runup, maximum, longest, synchronous, keeps_history(case))
 
 

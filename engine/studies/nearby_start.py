@@ -267,8 +267,7 @@ def near_start(
         raise InternalError("a start was requested, but the nominal run has none")
     effects = recipe.effects
     start = calculate_start(case, model, replace(effects, clearances=()), None)
-    events = effects.pull_in or effects.aborted_start or effects.switch_over
-    if effects.clearances or events or recipe.start_lateral:
+    if effects.need_events or recipe.start_lateral:
         start = calculate_start(case, model, effects, start)
     return read_start(case, recipe, model, start.outcome, start)
 
