@@ -297,7 +297,11 @@ def planned_start(
         with stage("motor curves at the other speed"):
             otherwise, change = _read_otherwise(stepped, model, plans[-1], start, linear)
         plans[-1] = with_estimate(case, plans[-1], change)
-    elif estimated and plans[-1].effects.electrical_damping:
+    elif (
+        (effects := plans[-1].effects).electrical_damping
+        and not effects.motor_transient
+        and estimated
+    ):
         with stage("shift of frequencies by motors"):
             otherwise, change = _shifted(stepped, model, plans[-1], linear)
         plans[-1] = with_estimate(case, plans[-1], change)
