@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from engine.case.case import Case
+from engine.case.choices import Clearing
 from engine.case.choices import MotorEventKind as Kind
 from engine.case.data import MotorDataRow, MotorEventRow
 from engine.stepping.linear_loop import turning_points
@@ -83,7 +85,9 @@ def induction_reference(
         pressed = np.maximum(twist.T, 0.0) + np.minimum(twist.T + gap, 0.0)
         return (k * np.where(np.isfinite(gap), pressed, twist.T)).T
 
-    def rates(t: float, s: np.ndarray, state: str, shift: float) -> np.ndarray:
+    def rates(
+        t: float, s: np.ndarray, state: str, shift: float, cleared: frozenset[int]
+    ) -> np.ndarray:
         th, v = s[:n], s[n : 2 * n]
         psi = s[2 * n : 2 * n + m] + 1j * s[2 * n + m :]
         through = springs(th[:-1] - th[1:]) + d * (v[:-1] - v[1:])
@@ -99,7 +103,7 @@ def induction_reference(
         else:
             force[0] += torque_of(psi)
             u = np.exp(1j * (omega * t + shift))
-            u = u if state == "whole" else voltage_of(row, omega, t, ())
+            u = u if state == "whole" else voltage_of(row, omega, t, cleared)
             out = -r * (y @ psi)
             out[1:] += 1j * w * psi[1:]
             out[0] += u
@@ -114,21 +118,40 @@ def induction_reference(
     state = np.concatenate([theta, np.zeros(n), psi.real, psi.imag])
     scale = np.concatenate([np.full(n, 1e-3), np.full(n, 0.1), np.ones(2 * m)])
     shift = 0.0
-    for end, name in ((row.clears_after, "open" if opens else "changed"), (LENGTH, "whole")):
+    poles = [(0,), (1,), (2,)] if row.kind == Kind.THREE_PHASE_FAULT else [(1, 2)]
+    cleared, zeros = frozenset[int](), row.clearing == Clearing.ZEROS
+
+    def zero_of(pole: tuple[int, ...]) -> Any:
+        """Of the current of one phase, or of that between two."""
+
+        def passes(t: float, s: np.ndarray, *_: Any) -> float:
+            psi = s[2 * n : 2 * n + m] + 1j * s[2 * n + m :]
+            current = (y @ psi)[0] * np.exp(1j * row.phase)
+            i = np.real(current * np.exp(-2j * math.pi / 3.0 * np.arange(3)))
+            return float(i[pole[0]] - (i[pole[1]] if len(pole) > 1 else 0.0))
+
+        passes.terminal = True  # type: ignore[attr-defined]
+        return passes
+
+    while begin < LENGTH:
+        before = begin < row.clears_after
+        end = row.clears_after if before else LENGTH
+        name = "whole" if not before and not zeros else "open" if opens else "changed"
+        events = [zero_of(pole) for pole in poles] if zeros and not before and poles else None
         t = np.linspace(begin, end, max(int((end - begin) * omega / 0.03), 2))
         solution = solve_ivp(
-            rates,
-            (begin, end),
-            state,
-            "DOP853",
-            t,
-            rtol=rtol,
-            atol=rtol * scale,
-            args=(name, shift),
-        )
+            rates, (begin, end), state, "DOP853", t, rtol=rtol, atol=rtol * scale,
+            args=(name, shift, cleared), events=events, dense_output=True,
+        )  # fmt: skip
         assert solution.success
-        s = solution.y
-        slopes = np.array([rates(a, b, name, shift) for a, b in zip(t, s.T, strict=True)]).T
+        first = next((k for k, found in enumerate(solution.t_events or ()) if len(found)), None)
+        if first is not None:
+            end = float(solution.t_events[first][0])
+            t = np.append(t[t < end], end)
+        s = solution.sol(t)
+        slopes = np.array(
+            [rates(a, b, name, shift, cleared) for a, b in zip(t, s.T, strict=True)]
+        ).T
         twists, growth = s[: n - 1] - s[1:n], slopes[: n - 1] - slopes[1:n]
         loaded = np.isinf(gap) | (twists.T > 0.0) | (twists.T < -gap)
         for i, element in enumerate(case.elements):
@@ -143,6 +166,8 @@ def induction_reference(
             values = np.concatenate([turning_points(t, torque, rate)[1], torque[[0, -1]]])
             air_gap.append(float(np.max(np.abs(values))))
         state, begin = s[:, -1], end
+        if first is not None:
+            cleared |= frozenset(poles.pop(first)) | ({0} if not poles else set())
         if opens and row.angle is not None:
             shift = float(np.angle(1j * psi[0, -1])) - row.angle - omega * end
         if opens and row.residual_voltage is not None:
