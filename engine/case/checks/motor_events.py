@@ -131,19 +131,20 @@ def _motor(case: CaseData, cells: Cells, row: MotorEventRow) -> Iterator[Problem
         yield cells.wrong("Station", row.station, "a station of table MotorData", action)
     else:
         sheet, circuit = sheets[row.station], circuits.get(row.station)
-        field = sheet.xd_transient if circuit is None else circuit.rf
         induction = sheet.kind == MotorKind.INDUCTION and (
             circuit is None or _has_equal_axes(circuit)
         )
+        # half a field, or an equivalent circuit of the wrong Kind, is reported at its cells
+        of_sheet = sheet.xd_transient, sheet.td_0_transient, sheet.td_transient, sheet.r_1
+        windings = of_sheet if circuit is None else (circuit.rf, circuit.xlf)
+        bare = all(value is None for value in windings)
         if induction and row.kind == Kind.OUT_OF_PHASE_CLOSING:
             yield cells.wrong(
                 "Kind", row.kind, "an event of a motor on its line, where Kind in table MotorData is induction",
                 "An induction motor off the line has no voltage to be out of phase. Choose reclosing for one whose "
                 "flux has not yet decayed.",
             )  # fmt: skip
-        elif (
-            field is None and not induction and (circuit or sheet.r_1 is None)
-        ):  # else its Kind is wrong
+        elif bare and not induction:
             yield cells.wrong(
                 "Station",
                 row.station,

@@ -130,3 +130,10 @@ def test_an_induction_motor_by_its_circuit_is_alike_in_both_axes():
     (found,) = problems(FAULT, motors=(sheet,), circuits=(replace(alike, xmq=3.0),))
     assert found.column == "Station"
     assert "alike in both axes" in found.message
+
+
+def test_half_a_field_is_reported_where_it_is_missing():
+    half = replace(SHEET, xd_transient=None)
+    assert [(p.table, p.column) for p in problems(FAULT, motors=(half,))] == [
+        ("MotorData", "Xd transient")
+    ]
