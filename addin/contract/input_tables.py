@@ -426,6 +426,10 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
                 "Whether a fault clears in all phases at once, or in each where the motor's current next passes zero.",
                 blank="at once",
             ),
+            number(
+                "Earliest clearing", "time",
+                "From then on the worst Clears after is looked for: relay and breaker take their time.", blank="0",
+            ),
         ),
     ),
     table(

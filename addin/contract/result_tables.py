@@ -86,7 +86,7 @@ _WORST_INSTANT = tuple(
     for name, dimension, column, more in (
         ("Worst phase", "angle", "Phase", ()),
         ("Worst angle", "angle", "Angle", ()),
-        ("Worst clearing time", "time", "Clears after", ("MotorEvents.Latest clearing",)),
+        ("Worst clearing time", "time", "Clears after", ("MotorEvents.Earliest clearing", "MotorEvents.Latest clearing")),
     )
 )  # fmt: skip
 

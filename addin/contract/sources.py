@@ -251,6 +251,7 @@ EVENT = (
     "MotorEvents.Angle",
     "MotorEvents.Residual voltage",
     "MotorEvents.Clears after",
+    "MotorEvents.Earliest clearing",
     "MotorEvents.Latest clearing",
     "MotorEvents.Clearing",
     "TorqueTime.Torque",

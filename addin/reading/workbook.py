@@ -76,6 +76,7 @@ _OPTIONAL = frozenset(
         "Per life",
         "Event",
         "Clearing",
+        "Earliest clearing",
     }
 )
 

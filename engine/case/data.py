@@ -343,6 +343,8 @@ class MotorEventRow:
     latest_clearing: float | None = None
     per_life: float | None = None  #: Such events in the life of the train; blank = 0. [1]
     clearing: str | None = None  #: ``at once`` (default) or ``zeros of current``.
+    #: From then on a worst `clears_after` is looked for: no breaker opens sooner; blank = 0. [s]
+    earliest_clearing: float | None = None
 
     @property
     def scanned(self) -> tuple[str, ...]:

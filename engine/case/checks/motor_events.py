@@ -19,6 +19,7 @@ from engine.case.checks.problem import (
 from engine.case.choices import Clearing, Scanned
 from engine.case.choices import MotorEventKind as Kind
 from engine.case.data import TABLED_EVENT, CaseData, MotorEventRow, value_of
+from engine.case.defaults import DEFAULT_LATEST_CLEARING
 from engine.errors import Problem
 
 TABLE = "MotorEvents"
@@ -50,6 +51,14 @@ NUMBERS = (
         Allowed(lambda v: 0.0 < v <= LONGEST_SCANNED, f"above 0 and at most {LONGEST_SCANNED:g} s"),
         "s",
         "It counts from the event; milliseconds typed as seconds? Write 300 ms or 0.3 s.",
+    ),
+    Limit(
+        "Earliest clearing",
+        Allowed(
+            lambda v: 0.0 <= v < LONGEST_SCANNED, f"at least 0 and below {LONGEST_SCANNED:g} s"
+        ),
+        "s",
+        "It counts from the event; milliseconds typed as seconds? Write 50 ms or 0.05 s.",
     ),
     PER_LIFE,
 )
@@ -183,12 +192,23 @@ def _columns(cells: Cells, row: MotorEventRow, takes: Takes) -> Iterator[Problem
             )
     for column in SCANNED:
         yield from cells.choice(column, _word(row, column), Scanned, "a number, or worst")
-    if row.latest_clearing is not None and row.clears_after != Scanned.WORST:
-        yield cells.problem(
-            "Latest clearing",
-            row.latest_clearing,
-            "blank where Clears after is not worst",
-            "it has no effect unless Clears after is worst. Type worst there, or clear the cell.",
+    if row.clears_after != Scanned.WORST:
+        for column in ("Earliest clearing", "Latest clearing"):
+            value = value_of(row, column)
+            if value is not None:
+                yield cells.problem(
+                    column,
+                    value,
+                    "blank where Clears after is not worst",
+                    "it has no effect unless Clears after is worst. Type worst there, or clear the cell.",
+                )
+    elif (row.earliest_clearing or 0.0) >= (row.latest_clearing or DEFAULT_LATEST_CLEARING):
+        latest = row.latest_clearing or DEFAULT_LATEST_CLEARING
+        yield cells.wrong(
+            "Earliest clearing",
+            row.earliest_clearing,
+            f"below Latest clearing, {latest:g} s",
+            "The worst Clears after is looked for between the two. Correct one of them.",
         )
     if row.residual_voltage == 0.0 and row.kind in (Kind.RECLOSING, Kind.OUT_OF_PHASE_CLOSING):
         yield cells.wrong(

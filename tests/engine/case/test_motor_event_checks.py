@@ -23,7 +23,7 @@ RIGHT = (
     MotorEventRow("worst", "motor", "line-to-line fault", "worst", clears_after="worst"),
     MotorEventRow("angle", "motor", "out-of-phase closing", angle="worst"),
     replace(FAULT, event="zeros", phase=0.3, clearing="zeros of current"),
-    replace(FAULT, event="late", clears_after="worst", latest_clearing=0.3),
+    replace(FAULT, event="late", clears_after="worst", latest_clearing=0.3, earliest_clearing=0.05),
 )
 
 
@@ -73,6 +73,21 @@ def test_right_events_pass():
             replace(FAULT, clears_after="worst", latest_clearing=300.0),
             "Latest clearing",
             "Write 300 ms or 0.3 s",
+        ),
+        (
+            replace(FAULT, earliest_clearing=0.05),
+            "Earliest clearing",
+            "unless Clears after is worst",
+        ),
+        (
+            replace(FAULT, clears_after="worst", earliest_clearing=50.0),
+            "Earliest clearing",
+            "Write 50 ms or 0.05 s",
+        ),
+        (
+            replace(FAULT, clears_after="worst", earliest_clearing=0.5),
+            "Earliest clearing",
+            "below Latest clearing, 0.5 s",
         ),
         (replace(FAULT, phase=0.5), "Phase", "no effect on a three-phase fault"),
         (replace(FAULT, angle=float("nan")), "Angle", "found nan"),
