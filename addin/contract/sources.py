@@ -254,6 +254,7 @@ EVENT = (
     "MotorEvents.Earliest clearing",
     "MotorEvents.Latest clearing",
     "MotorEvents.Clearing",
+    "MotorEvents.Begins",
     "TorqueTime.Torque",
     "InitialState",
     "Stations.Running load",

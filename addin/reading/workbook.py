@@ -77,6 +77,7 @@ _OPTIONAL = frozenset(
         "Event",
         "Clearing",
         "Earliest clearing",
+        "Begins",
     }
 )
 
