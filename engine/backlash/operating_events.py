@@ -205,6 +205,11 @@ def _event(case: CaseData, analysis: ModalAnalysis, name: str) -> OperatingEvent
             f"Event '{name}' throws the motor out of step (pole pairs slipped within {end:g} s: {air_gap.slipped}). "
             "Its loads keep their torque meanwhile, and no protection trips it."
         )
+    if air_gap and air_gap.stalled is not None:
+        notes.append(
+            f"Event '{name}' stalls the motor: after {end:g} s its slip is {100.0 * air_gap.stalled:.3g} %, where it gives less "
+            "torque than its loads take. They keep their torque meanwhile, and no protection trips it."
+        )
     if dies_out > end:
         over = row is not None and end >= _followed(row) and _falls(response, end)
         if not over:
@@ -454,7 +459,7 @@ def _with_clearances(
     before = [(i, float(net[i])) for i in np.flatnonzero(net).tolist()]
     if motor is not None:
         held = 0.0 if motor.released else motor.held
-        event = EventTorques((), (), before, machine_in_time(motor), held)
+        event = EventTorques((), (), before, machine_in_time(motor), held, 1.0 - motor.slip)
     else:
         event = EventTorques(*_torques(case, train, name), before)
     return run_event_start(case, modal, effects, linear, event)
