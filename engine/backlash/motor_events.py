@@ -265,7 +265,7 @@ def start_event(case: CaseData, train: Train, row: MotorEventRow) -> StartEvent:
     turned = 2.0 * omega * begins
     supplies = tuple(
         replace(s, begins=begins + s.begins, backward=(s.backward[0], s.backward[1] + turned))
-        for s in _supplies(row)
+        for s in _supplies(row, 1.0)  # it takes no residual voltage
     )
     return StartEvent(train.stations.index(str(row.station)), supplies, MOTOR_FOLLOWED)
 
