@@ -297,7 +297,7 @@ SHEETS: tuple[Sheet, ...] = (
         freeze="A8",
         header_rows=7,
         intro="Faults in operation: events of tables EventTorque and MotorEvents (sheet Excitation) upon the train that "
-        "runs at synchronous speed under its running loads. They count as no starts.",
+        "runs under its running loads. They count as no starts.",
     ),
     Sheet(
         "Effects",

@@ -162,7 +162,12 @@ def _motor(case: CaseData, cells: Cells, row: MotorEventRow) -> Iterator[Problem
                 "An induction motor off the line has no voltage to be out of phase. Choose reclosing for one whose "
                 "flux has not yet decayed.",
             )  # fmt: skip
-        elif field is None and not induction and row.in_start is None:
+        elif (
+            field is None
+            and row.in_start is None
+            and not induction
+            and (circuit or sheet.r_1 is None)  # else its Kind is wrong
+        ):
             yield cells.wrong(
                 "Station",
                 row.station,
