@@ -15,6 +15,7 @@ import numpy as np
 
 from engine.arrays import Floats, Mask
 from engine.backlash.current_zeros import clearing_by_phase
+from engine.backlash.event_start import StartEvent
 from engine.backlash.machines import MachineInTime
 from engine.case.choices import Clearing, MotorEventKind
 from engine.case.data import CaseData, MotorEventRow
@@ -240,6 +241,33 @@ def _poles(row: MotorEventRow) -> tuple[float, ...]:
     if row.kind == MotorEventKind.LINE_TO_LINE_FAULT:
         return (first + 0.5 * math.pi,)
     return tuple(first + k * 2.0 * math.pi / 3.0 for k in range(3))
+
+
+def start_event(case: CaseData, train: Train, row: MotorEventRow) -> StartEvent:
+    """A row of `MotorEvents` that begins while the motor starts.
+
+    Parameters
+    ----------
+    case : CaseData
+        Checked. [SI]
+    train : Train
+        Its train. [SI]
+    row : MotorEventRow
+        The event. [pu, rad, s]
+
+    Returns
+    -------
+    StartEvent
+        [s, pu, rad]
+    """
+    begins, omega = row.in_start or 0.0, line_omega(case.ratings.line_frequency or 0.0)
+    # its voltages turn from the event on, those of the start from breaker closing on
+    turned = 2.0 * omega * begins
+    supplies = tuple(
+        replace(s, begins=begins + s.begins, backward=(s.backward[0], s.backward[1] + turned))
+        for s in _supplies(row, 1.0)  # it takes no residual voltage
+    )
+    return StartEvent(train.stations.index(str(row.station)), supplies, MOTOR_FOLLOWED)
 
 
 def number(value: float | str | None) -> float | None:
