@@ -379,9 +379,9 @@ def start_reference(
     }
 
 
-def misses(case: Case, event: Any) -> list[str]:
+def misses(case: Case, event: Any, truth: Callable[[Case], Any] = reference) -> list[str]:
     """What lies outside its stated error, and by how much."""
-    peaks, air_gap = reference(case)
+    peaks, air_gap = truth(case)
     out = []
     for p in event.response.peaks:
         most, least = peaks[p.element]

@@ -132,6 +132,7 @@ class EventTorques:
     #: A motor in time, and the phase of its pulsation in the loop at t = 0. [pu, rad]
     machine: tuple[Motor, MachineInTime] | None = None
     held: float = 0.0  #: Torque that the motor gives before the event. [N m]
+    speed: float = 1.0  #: Of the train before the event, over synchronous speed. [1]
 
 
 @dataclass(frozen=True)
@@ -509,10 +510,11 @@ def _prescribed(
     step = linear.step * 2.0 ** (linear.halvings + 1)
     arrays = machine_arrays(case, motors, (), torques, stations)
     if event.machine is not None:
-        # the train stands still where it runs with the line: the phase changes by its vibration alone
-        arrays["motors"] = (*arrays["motors"][:5], 0.0, arrays["motors"][6])
+        # the train stands still where it runs as before the event: the phase changes by its slip and its vibration
+        line = event.machine[1].machine.line_omega
+        arrays["motors"] = (*arrays["motors"][:5], (1.0 - event.speed) * line, arrays["motors"][6])
         arrays["machines"] = (event.machine[1],)
-        arrays["frame"] = event.machine[1].machine.line_omega
+        arrays["frame"] = event.speed * line
     model = EventModel(
         pieces=pieces,
         **arrays,

@@ -20,7 +20,7 @@ from engine.case.data import CaseData, MotorEventRow
 from engine.case.defaults import DEFAULT_LATEST_CLEARING, DEFAULT_TOLERANCE_PEAK
 from engine.model.excitation import transmitted_torque
 from engine.model.modal_train import ModalTrain
-from engine.start.machine_motion import Balance, MachineMotion, machine_motion, stretch_of
+from engine.start.machine_motion import MachineMotion, machine_motion, stretch_of
 from engine.start.prescribed import first_step
 from engine.start.time_response import ModalSystem, modal_system
 from engine.stepping.linear_loop import turning_points
@@ -274,7 +274,7 @@ class _Scan:
         Clearing times are multiples of that share of their spacing from the earliest on.
         """
         event = motor_event(self.case, self.modal.train, self.row_of(turn, times[-1]))
-        system, machine, balance = self.system, event.machine, Balance(event.held)
+        system, machine, balance = self.system, event.machine, event.balance
         before, state = event.beginning(system)
         if not self.spacing[1]:
             end = min(event.last_change + MOTOR_FOLLOWED, self.case.maximum_time or math.inf)

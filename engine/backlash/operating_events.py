@@ -216,6 +216,11 @@ def _event(case: CaseData, analysis: ModalAnalysis, name: str) -> OperatingEvent
             f"Event '{name}' throws the motor out of step (pole pairs slipped within {end:g} s: {air_gap.slipped}). "
             "Its loads keep their torque meanwhile, and no protection trips it."
         )
+    if air_gap and air_gap.stalled is not None:
+        notes.append(
+            f"Event '{name}' stalls the motor: after {end:g} s its slip is {100.0 * air_gap.stalled:.3g} %, where it gives less "
+            "torque than its loads take. They keep their torque meanwhile, and no protection trips it."
+        )
     if dies_out > end:
         over = row is not None and end >= _followed(row) and _falls(response, end)
         if not over:
@@ -277,7 +282,7 @@ def _event_in_start(case: CaseData, analysis: ModalAnalysis, row: MotorEventRow)
         response,
         () if starts is None else starts.shafts,
         errors,
-        AirGapTorque(torque.largest, torque.time, torque.error, None, 0, math.inf),
+        AirGapTorque(torque.largest, torque.time, torque.error, None, 0, math.inf, None),
         _history(
             response,
             torque.torque,
@@ -484,7 +489,7 @@ def _apart(
     before = [(i, float(net[i])) for i in np.flatnonzero(net).tolist()]
     if motor is not None:
         held = 0.0 if motor.released else motor.held
-        return effects, EventTorques((), (), before, machine_in_time(motor), held)
+        return effects, EventTorques((), (), before, machine_in_time(motor), held, 1.0 - motor.slip)
     return effects, EventTorques(*_torques(case, train, name), before)
 
 

@@ -16,9 +16,9 @@ from engine.case.checks.problem import (
     has_possible_ratings,
     suggestion,
 )
-from engine.case.choices import Begins, Clearing, InitialState, Scanned
+from engine.case.choices import Begins, Clearing, InitialState, MotorKind, Scanned
 from engine.case.choices import MotorEventKind as Kind
-from engine.case.data import TABLED_EVENT, CaseData, MotorEventRow, value_of
+from engine.case.data import TABLED_EVENT, CaseData, MotorCircuitRow, MotorEventRow, value_of
 from engine.case.defaults import DEFAULT_LATEST_CLEARING, LONGEST_START
 from engine.case.effects.motor_transient import MOTOR_TRANSIENT, has_only_motors_from_data
 from engine.errors import Problem
@@ -132,12 +132,12 @@ def check_motor_events(case: CaseData) -> Iterator[Problem]:
             yield SCALARS.blank(
                 "LineFrequency",
                 "given where MotorEvents is",
-                "Type two of LineFrequency, Poles and SynchronousSpeed: the motor runs in step.",
+                "Type two of LineFrequency, Poles and SynchronousSpeed: they give the motor's pole pairs.",
             )
 
 
 def _motor(case: CaseData, cells: Cells, row: MotorEventRow) -> Iterator[Problem]:
-    """An event happens to a motor with data and a field."""
+    """An event happens to a motor with data, and with a field or the cages of an induction motor."""
     sheets = {m.station: m for m in case.motor_data if m.station}
     circuits = {c.station: c for c in case.motor_circuit}
     if row.station is None:
@@ -151,15 +151,38 @@ def _motor(case: CaseData, cells: Cells, row: MotorEventRow) -> Iterator[Problem
         )
         yield cells.wrong("Station", row.station, "a station of table MotorData", action)
     else:
-        circuit = circuits.get(row.station)
-        field = sheets[row.station].xd_transient if circuit is None else circuit.rf
-        if field is None and row.in_start is None:
+        sheet, circuit = sheets[row.station], circuits.get(row.station)
+        field = sheet.xd_transient if circuit is None else circuit.rf
+        induction = sheet.kind == MotorKind.INDUCTION and (
+            circuit is None or _has_equal_axes(circuit)
+        )
+        if induction and row.kind == Kind.OUT_OF_PHASE_CLOSING:
+            yield cells.wrong(
+                "Kind", row.kind, "an event of a motor on its line, where Kind in table MotorData is induction",
+                "An induction motor off the line has no voltage to be out of phase. Choose reclosing for one whose "
+                "flux has not yet decayed.",
+            )  # fmt: skip
+        elif (
+            field is None
+            and row.in_start is None
+            and not induction
+            and (circuit or sheet.r_1 is None)  # else its Kind is wrong
+        ):
             yield cells.wrong(
                 "Station",
                 row.station,
-                "a motor with a field winding, which keeps it in step",
-                "Type Xd transient in its row of table MotorData, or Rf and Xlf in MotorCircuit.",
+                "a motor with a field winding, which keeps it in step, or an induction motor, alike in both axes",
+                "Type Xd transient in its row of table MotorData, or Rf and Xlf in MotorCircuit; of an induction motor "
+                "choose Kind induction in table MotorData, and type R1, X1, Xm, R2 and X2 there, or the same windings "
+                "in both axes in MotorCircuit.",
             )
+
+
+def _has_equal_axes(circuit: MotorCircuitRow) -> bool:
+    """Whether a motor without a field turns steadily under any load: its torque pulsates otherwise."""
+    of_d = circuit.xmd, circuit.rkd, circuit.xlkd, circuit.rkd_2, circuit.xlkd_2
+    of_q = circuit.xmq, circuit.rkq, circuit.xlkq, circuit.rkq_2, circuit.xlkq_2
+    return circuit.rf is None and not circuit.xc and of_d == of_q
 
 
 def _clearing(cells: Cells, row: MotorEventRow) -> Iterator[Problem]:

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from engine.case.checks.find_problems import find_problems
-from engine.case.data import EventTorqueRow, MotorEventRow, MotorTorqueRow
+from engine.case.data import EventTorqueRow, MotorCircuitRow, MotorEventRow, MotorTorqueRow
 from tests.engine.case.test_motor_checks import BY_CIRCUIT, CIRCUIT, INDUCTION, SHEET, case, places
 
 FAULT = MotorEventRow("fault", "motor", "three-phase fault", clears_after=0.1)
@@ -170,3 +170,20 @@ def test_a_motor_without_a_field_does_not_run_in_step():
 def test_the_speed_must_be_known():
     found = problems(FAULT, poles=None, line_frequency=None)
     assert "LineFrequency" in {p.column for p in found}
+
+
+def test_an_induction_motor_is_not_closed_out_of_phase():
+    events = [e for e in RIGHT if e.kind != "out-of-phase closing"]
+    assert problems(*events, motors=(INDUCTION,)) == []
+    (found,) = problems(RIGHT[2], motors=(INDUCTION,))
+    assert (found.table, found.row, found.column) == ("MotorEvents", 1, "Kind")
+    assert "has no voltage to be out of phase. Choose reclosing" in found.message
+
+
+def test_an_induction_motor_by_its_circuit_is_alike_in_both_axes():
+    sheet = replace(BY_CIRCUIT, kind="induction", discharge_resistance=None)
+    alike = MotorCircuitRow("motor", 0.01, 0.1, 4.0, 4.0, rkd=0.01, xlkd=0.1, rkq=0.01, xlkq=0.1)
+    assert problems(FAULT, motors=(sheet,), circuits=(alike,)) == []
+    (found,) = problems(FAULT, motors=(sheet,), circuits=(replace(alike, xmq=3.0),))
+    assert found.column == "Station"
+    assert "alike in both axes" in found.message
