@@ -391,8 +391,8 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
     ),
     table(
         "MotorEvents", sheet="Excitation", caption="Events of a motor (optional)",
-        help="Faults and switching of a motor of table MotorData in operation; its torque follows from its fluxes and "
-        "its motion.",
+        help="Faults and switching of a motor of table MotorData in operation, or while it starts; its torque follows from "
+        "its fluxes and its motion.",
         rows=12, row_name=("Event",), later=True,
         columns=(
             text("Event", "Name of the event."),

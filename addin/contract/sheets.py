@@ -198,7 +198,7 @@ SHEETS: tuple[Sheet, ...] = (
     Sheet(
         "Excitation",
         "input",
-        {"A": 1.5, "B": 30, "C": 14, "D": 22, "E": 13, "F": 22, "G": 14, "H:J": 18},
+        {"A": 1.5, "B": 30, "C": 14, "D": 22, "E": 13, "F": 22, "G": 14, "H:K": 18, "L:M": 12},
         {"Excitations": "B5", "EventTorque": "B24", "MotorEvents": "B49"},
         intro="Excitations in continuous operation. Leave the table blank for the defaults: 1× and "
               "2× of every shaft speed, 1× and 2× line frequency. Below: torques of faults in operation.",
@@ -297,7 +297,7 @@ SHEETS: tuple[Sheet, ...] = (
         freeze="A8",
         header_rows=7,
         intro="Faults in operation: events of tables EventTorque and MotorEvents (sheet Excitation) upon the train that "
-        "runs under its running loads. They count as no starts.",
+        "runs under its running loads, or starts. They count as no starts.",
     ),
     Sheet(
         "Effects",

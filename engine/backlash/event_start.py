@@ -315,9 +315,14 @@ def run_event_start(
 
 
 def one_run(
-    case: CaseData, modal: ModalTrain, effects: StartEffects, linear: Start, step: float
+    case: CaseData,
+    modal: ModalTrain,
+    effects: StartEffects,
+    linear: Start,
+    step: float | None,
+    event: EventTorques | None = None,
 ) -> EventSimulation:
-    """One simulation of a start with events, without any estimate of its error.
+    """One simulation of a start with events, or of an event in operation, without any estimate of its error.
 
     Parameters
     ----------
@@ -329,8 +334,10 @@ def one_run(
         What is simulated. [flags]
     linear : Start
         The linear start. [SI]
-    step : float
-        Longest step. [s]
+    step : float or None
+        Longest step; None = that of the first, coarsest run. [s]
+    event : EventTorques, optional
+        The event in operation. [N m]
 
     Returns
     -------
@@ -338,8 +345,8 @@ def one_run(
         The run. [SI]
     """
     tolerance = case.tolerance_peak or DEFAULT_TOLERANCE_PEAK
-    setup = _set_up(case, modal, effects, linear, tolerance)
-    return _simulated(setup, step, tolerance, MOST_ALONE)
+    setup = _set_up(case, modal, effects, linear, tolerance, event)
+    return _simulated(setup, step or setup.step, tolerance, MOST_ALONE)
 
 
 def run_again(

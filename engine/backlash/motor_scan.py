@@ -2,13 +2,13 @@
 
 Each combination is one event as it would be calculated alone, with longer steps and followed for a shorter time. Until it
 clears it is the same for all clearing times, so that one run to the latest one branches off at each of them. Whatever
-is found is calculated again as an event of its own.
+is found is calculated again as an event of its own. Where teeth separate each combination is simulated by itself.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 
@@ -36,6 +36,8 @@ FOLLOWED = 0.5
 TOLERANCE = 0.02
 #: Steps are so much longer than those of an event; their error is of fourth order. [1]
 LONGER = 2.0
+#: Where teeth separate each combination is a simulation by itself (30 ms of the example motor): at most so many. [count]
+MOST_APART = 240
 #: Around a worst one the spacing is halved until what another one may have is less than this share of the tolerance of
 #: peaks, at most so often. [1, count]
 SHARE_OF_TOLERANCE, MOST_HALVINGS = 0.25, 4
@@ -52,8 +54,8 @@ class WorstInstant:
     row: MotorEventRow  #: The event with numbers in the place of words. [rad, s]
     largest: float  #: That torque, as the scan has it. [N m]
     #: What that torque may be larger at another one: its change when the spacing was halved last, or the top of a
-    #: parabola through three of them, relative. [1]
-    error: float
+    #: parabola through three of them, relative; None: not known, as teeth separate. [1]
+    error: float | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,17 +108,44 @@ def worst_instants(case: CaseData, modal: ModalTrain, row: MotorEventRow) -> Wor
             if error <= SHARE_OF_TOLERANCE * tolerance:
                 break
         found.append(WorstInstant(scan.row_of(*place), beside[place], error))
-    names = modal.train.elements
-    largest_of = int(np.argmax(sizes[..., :-1].max(axis=(0, 1)))) if names else -1
-    over_time = sizes.max(axis=0) if scan.spacing[1] else sizes[0, :0]
-    return WorstInstants(
-        dict(zip(names, found[:-1], strict=True)),
-        found[-1],
-        np.array(times if scan.spacing[1] else (), dtype=float),
-        over_time[:, -1],
-        names[largest_of] if names else "",
-        over_time[:, largest_of],
-    )
+    return scan.result(found, times, sizes)
+
+
+def worst_instants_apart(
+    case: CaseData,
+    modal: ModalTrain,
+    row: MotorEventRow,
+    largest: Callable[[MotorEventRow], Floats],
+) -> WorstInstants:
+    """The worst of some combinations where teeth separate. Torques then jump with the instant: none is looked for between.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+    modal : ModalTrain
+        Its train. [SI]
+    row : MotorEventRow
+        An event with a word in the place of a number. [rad, s]
+    largest : callable
+        Largest torque of each element and of the motor in one combination, with teeth that separate. [N m]
+
+    Returns
+    -------
+    WorstInstants
+        [mixed]
+    """
+    scan = _Scan.of(case, modal, row)
+    turns, times = scan.turns, scan.times
+    fewer = np.linspace(0, len(times) - 1, min(len(times), max(MOST_APART // len(turns), 1)))
+    times = tuple(times[int(i)] for i in fewer)
+    rows = [[scan.row_of(turn, time) for time in times] for turn in turns]
+    sizes = np.stack([[largest(one) for one in of_turn] for of_turn in rows])
+    found = []
+    for k, at in enumerate(sizes.reshape(-1, sizes.shape[-1]).argmax(axis=0).tolist()):
+        i, j = divmod(at, len(times))
+        found.append(WorstInstant(rows[i][j], float(sizes[i, j, k]), None))
+    return scan.result(found, times, sizes)
 
 
 def any_instant(row: MotorEventRow) -> MotorEventRow:
@@ -198,6 +227,22 @@ class _Scan:
         first = 0 if earliest else 1
         times = (earliest + k / count * (latest - earliest) for k in range(first, count + 1))
         return tuple(min(time, latest) for time in times)
+
+    def result(
+        self, found: Sequence[WorstInstant], times: Sequence[float | None], sizes: Floats
+    ) -> WorstInstants:
+        """What was found for each element and the motor; sizes by angle, time and element."""
+        names, looked_for = self.modal.train.elements, bool(self.spacing[1])
+        largest_of = int(np.argmax(sizes[..., :-1].max(axis=(0, 1)))) if names else -1
+        over_time = sizes.max(axis=0) if looked_for else sizes[0, :0]
+        return WorstInstants(
+            dict(zip(names, found[:-1], strict=True)),
+            found[-1],
+            np.array(times if looked_for else (), dtype=float),
+            over_time[:, -1],
+            names[largest_of] if names else "",
+            over_time[:, largest_of],
+        )
 
     def row_of(self, turn: float | None, time: float | None) -> MotorEventRow:
         """One combination as an event of its own."""

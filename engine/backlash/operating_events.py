@@ -21,7 +21,7 @@ from functools import partial
 import numpy as np
 
 from engine.arrays import Floats
-from engine.backlash.event_start import EventTorques, clearances_of, run_event_start
+from engine.backlash.event_start import EventTorques, clearances_of, one_run, run_event_start
 from engine.backlash.motor_events import (
     MOTOR_FOLLOWED,
     AirGapTorque,
@@ -35,10 +35,21 @@ from engine.backlash.motor_events import (
     start_event,
     with_teeth_apart,
 )
-from engine.backlash.motor_scan import WorstInstants, any_instant, worst_instants
+from engine.backlash.motor_scan import (
+    FOLLOWED,
+    WorstInstants,
+    any_instant,
+    worst_instants,
+    worst_instants_apart,
+)
 from engine.case.choices import ContactLaw, EffectChoice, ElementKind, TorqueBase
 from engine.case.data import CaseData, EventTorqueRow, MotorEventRow
-from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, LONGEST_START, NOTABLE_REVERSAL
+from engine.case.defaults import (
+    DEFAULT_LATEST_CLEARING,
+    DEFAULT_TOLERANCE_PEAK,
+    LONGEST_START,
+    NOTABLE_REVERSAL,
+)
 from engine.case.effect import StartEffects
 from engine.case.effects import choice_of
 from engine.case.result_words import Outcome
@@ -289,10 +300,20 @@ def _worst_event(case: CaseData, analysis: ModalAnalysis, row: MotorEventRow) ->
         return OperatingEvent(name, None, note=f"Event '{name}' is not calculated: {words}.")
     worst = worst_instants(case, modal, row)
     plain = CaseData(**vars(case))
-    events = {
-        instant.row: _event(replace(plain, motor_events=(instant.row,)), analysis, name)
-        for instant in (*worst.of_element.values(), worst.of_motor)
-    }
+
+    def alone(worst: WorstInstants) -> Iterator[tuple[MotorEventRow, OperatingEvent]]:
+        rows = dict.fromkeys(i.row for i in (*worst.of_element.values(), worst.of_motor))
+        for one in rows:
+            yield one, _event(replace(plain, motor_events=(one,)), analysis, name)
+
+    events: dict[MotorEventRow, OperatingEvent] = {}
+    apart = False
+    for one, event in alone(worst):
+        events[one] = event
+        if event.response is not None and event.response.contacts:  # all teeth were together
+            worst, apart = _worst_apart(case, modal, row, event.response), True
+            events = dict(alone(worst))
+            break
     if lost := next((e for e in events.values() if e.response is None), None):
         return lost
     responses = {instant: e.response for instant, e in events.items() if e.response is not None}
@@ -301,7 +322,9 @@ def _worst_event(case: CaseData, analysis: ModalAnalysis, row: MotorEventRow) ->
         event, response = events[instant.row], responses[instant.row]
         for peak in response.peaks:
             if peak.element == element:
-                missed = instant.error * peak.size + abs(peak.size - instant.largest)
+                missed = 0.0  # of teeth that separate no run at a longer step tells
+                if instant.error is not None:
+                    missed = instant.error * peak.size + abs(peak.size - instant.largest)
                 peaks.append(peak.with_error(missed))
         shafts += [s for s in event.shafts if s.element == element]
         errors += [pair for pair in event.damage_errors if pair[0] == element]
@@ -313,7 +336,6 @@ def _worst_event(case: CaseData, analysis: ModalAnalysis, row: MotorEventRow) ->
         if (gap := events[instant.row].air_gap)
         and any(p.element == element and p.time > gap.slips_from for p in peaks)
     }
-    apart = any(r.contacts for r in responses.values())  # the scan keeps all teeth together
     peaks = [replace(p, left_out=None) if apart or p.element in slipping else p for p in peaks]
     bounds = [None if slipping or apart else r.left_out for r in responses.values()]
     error = max((p.relative_error for p in peaks), default=0.0)
@@ -327,7 +349,7 @@ def _worst_event(case: CaseData, analysis: ModalAnalysis, row: MotorEventRow) ->
         and not (slipping or apart),
     )
     air_gap = events[worst.of_motor.row].air_gap
-    if air_gap is not None:
+    if air_gap is not None and worst.of_motor.error is not None:
         missed = worst.of_motor.error + abs(abs(air_gap.largest) - worst.of_motor.largest) / (
             abs(air_gap.largest) or 1.0
         )
@@ -340,7 +362,7 @@ def _worst_event(case: CaseData, analysis: ModalAnalysis, row: MotorEventRow) ->
         ] = None
     if apart:
         notes[
-            f"Event '{name}' separates teeth at its worst instant, which was looked for with all teeth together: torques at "
+            f"Event '{name}' separates teeth: it was simulated so at some instants, of which the worst is shown; torques at "
             "another one may be larger."
         ] = None
     return OperatingEvent(
@@ -447,6 +469,14 @@ def _with_clearances(
     case: CaseData, modal: ModalTrain, name: str, linear: Start, motor: MotorEvent | None
 ) -> Start:
     """The response with teeth that separate, from the drive flanks on which the running train has them."""
+    effects, event = _apart(case, modal, name, motor)
+    return run_event_start(case, modal, effects, linear, event)
+
+
+def _apart(
+    case: CaseData, modal: ModalTrain, name: str, motor: MotorEvent | None
+) -> tuple[StartEffects, EventTorques]:
+    """What an event with teeth that separate is simulated with."""
     train = modal.train
     effects = StartEffects(
         clearances=tuple(train.elements[f.element] for f in clearances_of(train)),
@@ -459,10 +489,30 @@ def _with_clearances(
     before = [(i, float(net[i])) for i in np.flatnonzero(net).tolist()]
     if motor is not None:
         held = 0.0 if motor.released else motor.held
-        event = EventTorques((), (), before, machine_in_time(motor), held, 1.0 - motor.slip)
-    else:
-        event = EventTorques(*_torques(case, train, name), before)
-    return run_event_start(case, modal, effects, linear, event)
+        return effects, EventTorques((), (), before, machine_in_time(motor), held, 1.0 - motor.slip)
+    return effects, EventTorques(*_torques(case, train, name), before)
+
+
+def _worst_apart(
+    case: CaseData, modal: ModalTrain, row: MotorEventRow, response: Start
+) -> WorstInstants:
+    """The worst instants with teeth that separate; `response` is the event at one of them."""
+    train, latest = modal.train, row.latest_clearing or DEFAULT_LATEST_CLEARING
+    last = latest if "clears_after" in row.scanned else number(row.clears_after) or 0.0
+    end = min(last + FOLLOWED, response.outcome.time)
+    scale = replace(response, outcome=replace(response.outcome, time=end))
+
+    def largest(instant: MotorEventRow) -> Floats:
+        effects, event = _apart(case, modal, str(row.event), motor_event(case, train, instant))
+        run = one_run(case, modal, effects, scale, None, event)
+        sizes = np.zeros(len(train.elements) + 1)
+        for element, (_, torque) in zip(run.trajectory.output_element, run.turning, strict=True):
+            if element >= 0:  # a bearing is no element
+                sizes[element] = max(sizes[element], float(np.max(np.abs(torque))))
+        sizes[-1] = float(np.max(np.abs(run.events.air_gap_extremes[0, :, 0])))
+        return sizes
+
+    return worst_instants_apart(case, modal, row, largest)
 
 
 # --- torques ----------------------------------------------------------------------------------------

@@ -14,8 +14,8 @@ from engine.case.data import EffectChoiceRow, MotorEventRow, StationRow
 from engine.model.modal_train import ModalTrain
 from engine.results.tables import result_tables
 from engine.run import run
-from tests.engine.results.test_motor_events import BASE, CIRCUIT, FAULT, event, motor
-from tests.engine.results.test_operating_events import rows, train
+from tests.engine.results.test_motor_events import BASE, CIRCUIT, FAULT, SHEET, event, motor
+from tests.engine.results.test_operating_events import rows, train, with_backlash
 from tests.trains import RATED
 
 TOGETHER = (EffectChoiceRow("backlash", "off"),)
@@ -141,6 +141,32 @@ def test_what_is_drawn_is_the_largest_torque_at_each_clearing_time():
     assert worst.torque[20] == pytest.approx(peak.size, rel=5e-3)
     (largest,) = (p for p in found.response.peaks if p.element == worst.element)
     assert largest.size == max(p.size for p in found.response.peaks)
+
+
+def test_where_teeth_separate_the_instants_are_simulated_so():
+    """Each as an event of its own, whose peaks no other of them exceeds."""
+    loose = with_backlash(
+        event_torque=(), motor_torque=(), motor_data=(SHEET,), motor_circuit=(CIRCUIT,),
+        motor_events=(replace(FREE, latest_clearing=0.05),),
+    )  # fmt: skip
+    (found,) = run(loose).events
+    shown, worst = {p.element: p for p in found.response.peaks}, found.worst
+    assert len(worst.clearing) == 24
+    assert found.response.left_out is None
+    for i in (0, 7, 13, 22):
+        row = replace(FAULT, clears_after=float(worst.clearing[i]))
+        (alone,) = run(replace(loose, motor_events=(row,))).events
+        assert alone.response.contacts[0].impacts > 0
+        peaks = {p.element: p for p in alone.response.peaks}
+        for name, peak in peaks.items():
+            assert peak.size <= shown[name].size * 1.01 + peak.error
+        assert worst.torque[i] == pytest.approx(peaks[worst.element].size, rel=2e-2)
+        assert worst.air_gap[i] == pytest.approx(abs(alone.air_gap.largest), rel=2e-2)
+    own = worst.of_element["Mesh"].row
+    (alone,) = run(replace(loose, motor_events=(own,))).events
+    (mesh,) = (p for p in alone.response.peaks if p.element == "Mesh")
+    assert mesh.maximum == shown["Mesh"].maximum
+    assert mesh.relative_error == shown["Mesh"].relative_error
 
 
 def test_a_motor_that_cannot_carry_its_load_is_not_scanned():

@@ -132,7 +132,7 @@ def test_teeth_that_separate_meet_again(kind):
     ("fields", "note", "calculated"),
     [
         ({"clears_after": 0.1, "clearing": "zeros of current"}, "zeros of current are not located", False),
-        ({"clears_after": "worst", "latest_clearing": 0.2}, "another one may be larger", True),
+        ({"clears_after": "worst", "latest_clearing": 0.02}, "another one may be larger", True),
     ],
 )  # fmt: skip
 def test_what_is_not_known_with_teeth_apart_is_said(fields, note, calculated):
