@@ -404,6 +404,7 @@ class _Simulation:
         elif reached == "switch":
             self.switched += 1
             self._connect()
+            self.machines.switch_over(self.phase)
             self.clock.fresh = 2
         elif reached == "field" and self.script.field_angle is not None:
             self._waits_for_angle = True

@@ -9,18 +9,24 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from engine.case.choices import TorqueFollows
 from engine.case.data import EffectChoiceRow, MotorDataRow, MotorTorqueRow, SupplyRow
 from engine.model.build_train import build_train
 from engine.model.motor import motors_of
 from engine.motor.curves import operational_reactances, slip_curves
 from engine.motor.from_case import motor_curves, motors_from_data
+from engine.plan.evidence import CLOSING_GAIN
 from engine.run import run
+from engine.start.peaks import change_of_peaks
+from tests.machine_reference import start_case
 from tests.trains import geared
 from tests.validation.test_start_from_motor_data import SHEET, between, case_from_data
+from tests.validation.test_start_in_time import INERTIA, STIFFNESS, Reference, reactances
 
 SLIP = np.array([1.0, 0.8, 0.5, 0.49, 0.3, 0.05, 0.01])
 #: Short-circuit power of ten times the motor's, half a per cent of it resistance.
 LINE = SupplyRow("Motor", 22.0e6, 8.0)
+LINE_OMEGA = 2.0 * np.pi * 60.0
 
 
 def supplied(row, **fields):
@@ -138,7 +144,10 @@ def test_the_step_at_the_switch_over_is_in_the_start(kind):
     case = supplied(
         SupplyRow("Motor", 22.0e6, 8.0, kind, 0.8, 0.6),
         damping_ratio=None, load_torque=(), end_speed=170.0, tolerance_peak=1e-5,
-        torque_follows="mean speed", effect_choices=(EffectChoiceRow("electrical damping", "off"),),
+        torque_follows="mean speed",
+        effect_choices=tuple(
+            EffectChoiceRow(name, "off") for name in ("electrical damping", "motor transient")
+        ),
     )  # fmt: skip
     results = run(case)
     assert results.plans[-1].events
@@ -198,3 +207,79 @@ def test_the_step_at_the_switch_over_is_in_the_start(kind):
         )
     # the largest torque comes after the step, so that the test is of it
     assert int(np.argmax(np.abs(twist))) > len(twists[0])
+
+
+class TwoNetworks(Reference):
+    """Machine and line with the currents of all windings as state, on three discs: nothing of them jumps."""
+
+    def connect(self, circuit, voltage, resistance, reactance):
+        self.x, self.r = reactances(circuit)
+        self.line = np.zeros(5)
+        self.line[[0, 3]] = reactance
+        self.r = self.r + np.array([resistance, 0.0, 0.0, resistance, 0.0])
+        self.inverse = np.linalg.inv(self.x + np.diag(self.line))
+        self.size = voltage
+
+    def rate(self, t, state):
+        angle, speed, i = state[:3], state[3:6], state[6:]
+        psi = self.x @ i
+        twist = STIFFNESS * (angle[:-1] - angle[1:])
+        force = np.array([self.torque(i) - twist[0], twist[0] - twist[1], twist[1]])
+        ahead, w = LINE_OMEGA * t - self.axis - 2.0 * angle[0], 2.0 * speed[0] / LINE_OMEGA
+        drop = -self.r * i
+        drop[0] += self.size * math.cos(ahead) + w * (psi[3] + self.line[3] * i[3])
+        drop[3] += self.size * math.sin(ahead) - w * (psi[0] + self.line[0] * i[0])
+        return np.concatenate([speed, force / INERTIA, LINE_OMEGA * (self.inverse @ drop)])
+
+    def torque(self, i):
+        psi = self.x @ i
+        return self.base * (psi[0] * i[3] - psi[3] * i[0])
+
+
+@pytest.mark.parametrize("kind", ["direct", "autotransformer", "reactor"])
+def test_a_start_in_time_on_a_line_that_gives_way(kind):
+    """Beside DOP853: torques before and after the switch-over, its shock in them, at the time that ours has."""
+    row = SupplyRow("Motor", 22.0e6, 8.0, kind, 0.8, 0.6)
+    if kind == "direct":
+        row = replace(row, tap=None, switch_over_speed=None)
+    case = supplied(
+        row, damping_ratio=None, load_torque=(), end_speed=170.0, tolerance_peak=1e-5,
+        effect_choices=(EffectChoiceRow("motor transient", "on"),),
+    )  # fmt: skip
+    found = run(case).start
+    reference = TwoNetworks(case)
+    (motor,) = motors_from_data(case)
+    sources = [stage.connection.source for stage in motor.stages]
+    at = 0.6 * LINE_OMEGA / 2.0
+    ends = [found.outcome.time]
+    if kind != "direct":
+        ends.insert(0, float(np.interp(at, found.trajectory.mean_speed, found.trajectory.time)))
+    extremes, state, begin, torques = [], np.zeros(11), 0.0, []
+    for source, end in zip(sources, ends, strict=True):
+        reference.connect(motor.starting, source.voltage, source.resistance, source.reactance)
+        part, torque, state = reference.run(begin, end, state)
+        extremes.append(part)
+        begin = end
+        torques.append(np.max(np.abs(torque)))
+    assert INERTIA @ state[3:6] / INERTIA.sum() == pytest.approx(170.0, rel=1e-5)
+    whole = np.array(extremes)
+    most, least = whole[:, 0, 0].max(), whole[:, 0, 1].min()
+    peak = found.peaks[0]
+    assert (peak.maximum, peak.minimum) == pytest.approx((most, least), rel=3e-5)
+    (machine,) = found.machines
+    assert abs(machine.largest) == pytest.approx(max(torques), rel=1e-3)
+
+
+@pytest.mark.parametrize("seed", [15, 18, 21])
+def test_what_a_switch_over_brings_is_within_its_bound(seed):
+    """Forced off, the start lacks the shock, and its peaks change by no more than the bound on sheet Effects."""
+    case = replace(start_case(seed), torque_follows=TorqueFollows.MEAN_SPEED)
+    power = case.motor_data[0].apparent_power
+    kind = ("autotransformer", "reactor")[seed % 2]
+    case = replace(case, supply=(SupplyRow("M0", 20.0 * power, 8.0, kind, 0.6, 0.4),))
+    off, on = (
+        run(replace(case, effect_choices=(EffectChoiceRow("motor transient", choice),)))
+        for choice in ("off", "on")
+    )
+    number = on.plans[-1].decision("motor transient").deciding_number
+    assert change_of_peaks(off.start.peaks, on.start.peaks) <= CLOSING_GAIN * number
