@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -99,17 +99,27 @@ class Machines:
                 self._machines[k] = replace(m, field_voltage=voltage)
                 self._become(k, circuit)
 
-    def switch_over(self, phase: Floats) -> None:
-        """Each motor to its next source; the currents of its windings go on."""
+    def switch_over(self, time: float, opened: Mapping[int, float], phase: Floats) -> None:
+        """Each motor to its next source; the currents of its windings go on unless it is off the line first.
+
+        `opened` says how long which motors are. [s]
+        """
         for k, waiting in enumerate(self._over):
             to = waiting.pop(0)
+            if k in opened:
+                self._connect(k, Supply(time, is_open=True), phase)
             self._machines[k] = replace(self._machines[k], excited=to.excited)
             is_excited = self._is_excited and to.excited is not None
             self._become(k, to.excited[0] if is_excited and to.excited else to.circuit)
-            self._connect(k, Supply(0.0, (to.voltage, 0.0)), phase)
+            supply = Supply(time + opened.get(k, 0.0), (to.voltage, 0.0))
+            if k in opened:
+                self._waiting[k].append(supply)
+            else:
+                self._connect(k, supply, phase)
 
     def trip(self, phase: Floats) -> None:
-        """The breakers of all motors open."""
+        """The breakers of all motors open for good."""
+        self._waiting = [[] for _ in self._machines]
         for k in range(len(self._machines)):
             self._connect(k, Supply(0.0, is_open=True), phase)
 
@@ -118,7 +128,7 @@ class Machines:
         m = self._machines[k]
         flux = with_same_currents(m.machine.circuit, circuit, self._flux(k))
         self._machines[k] = replace(m, machine=replace(m.machine, circuit=circuit), flux=flux)
-        self._put(k, flux, is_open=False)
+        self._put(k, flux, is_open=not self._arrays["stator"][k])
 
     def _flux(self, k: int) -> Floats:
         return np.asarray(self._arrays["flux"][k, : self._arrays["n_flux"][k]].copy())

@@ -19,11 +19,12 @@ from engine.case.data import CaseData
 from engine.model.modal_train import ModalTrain
 from engine.model.motor import Motor
 from engine.motor.circuit import Circuit
-from engine.motor.from_case import motors_without_curve
+from engine.motor.from_case import Stage, motors_without_curve
 from engine.motor.two_axis import (
     FluxSystem,
     air_gap_torque,
     flux_system,
+    opened,
     torque_rate,
     with_same_currents,
 )
@@ -33,7 +34,8 @@ from engine.stepping.linear_loop import drive_modes, prescribed_struct
 
 #: Phase of the line per step, and phase after which what is left is no peak any more: 1 s at 60 Hz. [rad]
 STEP, LENGTH = 0.15, 380.0
-#: Angles of the rotor tried at a switch-over, over half a turn: the torque has double its frequency. [count]
+#: Angles of the rotor tried at a switch-over, over half a turn: the torque has double its frequency; over a turn where a
+#: residual voltage is left. [count]
 ANGLES = 8
 
 
@@ -42,7 +44,7 @@ def closing_torque(
     line_omega: float,
     angle: float,
     n: int,
-    before: tuple[Circuit, float] | None = None,
+    flux: Floats | None = None,
     slip: float = 1.0,
 ) -> tuple[Floats, Floats]:
     """Torque of a motor at one speed from the closing of its breaker on, less that of its curves at that slip.
@@ -57,8 +59,8 @@ def closing_torque(
         Of the line ahead of axis d at closing. [rad]
     n : int
         Steps, each of `STEP`. [count]
-    before : tuple of (Circuit, float), optional
-        The motor with what it was connected to so far, and the voltage of that; default nothing. [pu]
+    flux : ndarray, shape (n_flux,), optional
+        Fluxes at closing; default none. [pu]
     slip : float
         Slip all the time. [1]
 
@@ -75,12 +77,8 @@ def closing_torque(
     turning = np.outer(real, c) - np.outer(imag, s)
     turning_slope = -turns * (np.outer(real, s) + np.outer(imag, c))
     left, power = -turning[:, :1], matrix_exponential(STEP / line_omega * system.rate)
-    if before is not None:
-        source, voltage = before
-        so_far = flux_system(source, line_omega, 1.0 - slip, 0.0, is_open=False)
-        real, imag = _turning(so_far, turns)
-        flux = voltage * (c[0] * real - s[0] * imag)
-        left = left + with_same_currents(source, circuit, flux)[:, None]
+    if flux is not None:
+        left = left + flux[:, None]
     while left.shape[1] <= n:  # twice as many of what dies out
         left = np.concatenate([left, product(power, left)], axis=1)
         power = product(power, power)
@@ -98,6 +96,24 @@ def _turning(system: FluxSystem, turns: float) -> tuple[Floats, Floats]:
     pushed = np.concatenate([system.voltage[:, :1], -system.voltage[:, 1:]])
     real, imag = solve(matrix, pushed).reshape(2, size)
     return real, imag
+
+
+def _left_by(old: Stage, new: Stage, line_omega: float, angle: float) -> Floats:
+    """Fluxes at a switch-over from those that turned with the source before; `angle` is the line's ahead of axis d then.
+
+    Where the stator has been open between, the fluxes of the rotor have decayed meanwhile. The speed then is not known well
+    enough to tell where the line is at the end: as at the beginning, and a turn of angles shows the worst.
+    """
+    slip, source = 1.0 - old.connection.until, old.connection.source
+    system = flux_system(old.circuit, line_omega, 1.0 - slip, 0.0, is_open=False)
+    real, imag = _turning(system, slip * line_omega)
+    wait = new.connection.open_time
+    begin = 0.0 if wait else angle
+    flux = np.asarray(source.voltage * (cos(begin) * real - sin(begin) * imag))
+    if wait:
+        still = flux_system(old.circuit, line_omega, 1.0 - slip, 0.0, is_open=True)
+        flux = product(matrix_exponential(wait * still.rate), opened(old.circuit, flux))
+    return with_same_currents(old.circuit, new.circuit, flux)
 
 
 def closing_torques(case: CaseData, modal: ModalTrain, motors: Sequence[Motor]) -> Floats:
@@ -135,12 +151,11 @@ def closing_torques(case: CaseData, modal: ModalTrain, motors: Sequence[Motor]) 
         torque, rate = closing_torque(first.circuit, line_omega, angle, n)
         closing[:, k] = _cubics(square(first.connection.source.voltage) * base, torque, h * rate)
         for old, new in pairwise(sheet.stages):
-            over = new.connection.source.voltage
-            before = old.circuit, old.connection.source.voltage / over
+            over, slip = new.connection.source.voltage, 1.0 - old.connection.until
             for turn in range(ANGLES):
-                torque, rate = closing_torque(
-                    new.circuit, line_omega, math.pi / ANGLES * turn, n, before, 1.0 - old.connection.until
-                )  # fmt: skip
+                angle = (2.0 if new.connection.open_time else 1.0) * math.pi / ANGLES * turn
+                flux = _left_by(old, new, line_omega, angle) / over
+                torque, rate = closing_torque(new.circuit, line_omega, angle, n, flux, slip)
                 alone = np.zeros_like(closing)
                 alone[:, k] = _cubics(square(over) * base, torque, h * rate)
                 switching.append(alone)

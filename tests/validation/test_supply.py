@@ -209,6 +209,10 @@ def test_the_step_at_the_switch_over_is_in_the_start(kind):
     assert int(np.argmax(np.abs(twist))) > len(twists[0])
 
 
+#: Windings of the rotor among those of both axes.
+ROTOR = np.array([1, 2, 4])
+
+
 class TwoNetworks(Reference):
     """Machine and line with the currents of all windings as state, on three discs: nothing of them jumps."""
 
@@ -218,7 +222,15 @@ class TwoNetworks(Reference):
         self.line[[0, 3]] = reactance
         self.r = self.r + np.array([resistance, 0.0, 0.0, resistance, 0.0])
         self.inverse = np.linalg.inv(self.x + np.diag(self.line))
-        self.size = voltage
+        self.size, self.is_open = voltage, False
+
+    def open(self, state):
+        """The state just after the stator is open: the fluxes of the rotor stay."""
+        self.is_open = True
+        after, psi = state.copy(), self.x @ state[6:]
+        after[[6, 9]] = 0.0
+        after[6 + ROTOR] = np.linalg.solve(self.x[np.ix_(ROTOR, ROTOR)], psi[ROTOR])
+        return after
 
     def rate(self, t, state):
         angle, speed, i = state[:3], state[3:6], state[6:]
@@ -229,54 +241,84 @@ class TwoNetworks(Reference):
         drop = -self.r * i
         drop[0] += self.size * math.cos(ahead) + w * (psi[3] + self.line[3] * i[3])
         drop[3] += self.size * math.sin(ahead) - w * (psi[0] + self.line[0] * i[0])
-        return np.concatenate([speed, force / INERTIA, LINE_OMEGA * (self.inverse @ drop)])
+        change = self.inverse @ drop
+        if self.is_open:
+            change = np.zeros(5)
+            change[ROTOR] = np.linalg.solve(self.x[np.ix_(ROTOR, ROTOR)], drop[ROTOR])
+        return np.concatenate([speed, force / INERTIA, LINE_OMEGA * change])
 
     def torque(self, i):
         psi = self.x @ i
         return self.base * (psi[0] * i[3] - psi[3] * i[0])
 
 
-@pytest.mark.parametrize("kind", ["direct", "autotransformer", "reactor"])
-def test_a_start_in_time_on_a_line_that_gives_way(kind):
+@pytest.mark.parametrize(
+    ("kind", "open_time"),
+    [("direct", None), ("autotransformer", None), ("reactor", None), ("autotransformer", 0.06), ("reactor", 0.2)],
+)  # fmt: skip
+def test_a_start_in_time_on_a_line_that_gives_way(kind, open_time):
     """Beside DOP853: torques before and after the switch-over, its shock in them, at the time that ours has."""
-    row = SupplyRow("Motor", 22.0e6, 8.0, kind, 0.8, 0.6)
+    row = SupplyRow("Motor", 22.0e6, 8.0, kind, 0.8, 0.3, open_time)
     if kind == "direct":
         row = replace(row, tap=None, switch_over_speed=None)
     case = supplied(
-        row, damping_ratio=None, load_torque=(), end_speed=170.0, tolerance_peak=1e-5,
+        row, damping_ratio=None, load_torque=(), end_speed=80.0, tolerance_peak=1e-5,
         effect_choices=(EffectChoiceRow("motor transient", "on"),),
     )  # fmt: skip
     found = run(case).start
     reference = TwoNetworks(case)
     (motor,) = motors_from_data(case)
-    sources = [stage.connection.source for stage in motor.stages]
-    at = 0.6 * LINE_OMEGA / 2.0
-    ends = [found.outcome.time]
-    if kind != "direct":
-        ends.insert(0, float(np.interp(at, found.trajectory.mean_speed, found.trajectory.time)))
-    extremes, state, begin, torques = [], np.zeros(11), 0.0, []
-    for source, end in zip(sources, ends, strict=True):
-        reference.connect(motor.starting, source.voltage, source.resistance, source.reactance)
+    extremes, torques, state, begin = [], [], np.zeros(11), 0.0
+
+    def follow(end):
+        nonlocal begin, state
         part, torque, state = reference.run(begin, end, state)
-        extremes.append(part)
-        begin = end
+        extremes.append(part[0])
         torques.append(np.max(np.abs(torque)))
-    assert INERTIA @ state[3:6] / INERTIA.sum() == pytest.approx(170.0, rel=1e-5)
-    whole = np.array(extremes)
-    most, least = whole[:, 0, 0].max(), whole[:, 0, 1].min()
+        begin = end
+
+    for stage in motor.stages:
+        source = stage.connection.source
+        reference.connect(motor.starting, source.voltage, source.resistance, source.reactance)
+        if stage is motor.stages[-1]:
+            follow(found.outcome.time)
+            continue
+        reaches = found.trajectory.mean_speed >= 0.3 * LINE_OMEGA / 2.0 * (1.0 - 1e-12)
+        follow(float(found.trajectory.time[np.argmax(reaches)]))
+        if open_time:
+            state = reference.open(state)
+            follow(begin + open_time)
+            assert torques[-1] == 0.0
+    assert INERTIA @ state[3:6] / INERTIA.sum() == pytest.approx(80.0, rel=1e-5)
     peak = found.peaks[0]
+    most, least = (f(part[k] for part in extremes) for k, f in enumerate((max, min)))
     assert (peak.maximum, peak.minimum) == pytest.approx((most, least), rel=3e-5)
     (machine,) = found.machines
     assert abs(machine.largest) == pytest.approx(max(torques), rel=1e-3)
 
 
-@pytest.mark.parametrize("seed", [15, 18, 21])
-def test_what_a_switch_over_brings_is_within_its_bound(seed):
+def test_curves_have_no_torque_while_the_motor_is_off_the_line():
+    """Without load the mean speed stays what it was at the switch-over, and rises again after it."""
+    case = supplied(
+        SupplyRow("Motor", 22.0e6, 8.0, "reactor", 0.8, 0.6, 0.2),
+        damping_ratio=None, load_torque=(), end_speed=170.0,
+        effect_choices=(EffectChoiceRow("motor transient", "off"),),
+    )  # fmt: skip
+    path, at = run(case).start.trajectory, 0.6 * LINE_OMEGA / 2.0
+    begin = float(path.time[np.argmax(path.mean_speed >= at * (1.0 - 1e-12))])
+    off = (path.time > begin) & (path.time < begin + 0.2)
+    assert np.max(np.abs(path.mean_speed[off] - at)) < 1e-9 * at
+    after = path.time > begin + 0.25
+    assert np.min(path.mean_speed[after]) > 1.001 * at
+
+
+@pytest.mark.parametrize(("seed", "open_time"), [(15, None), (18, None), (21, None), (4, 0.08)])
+def test_what_a_switch_over_brings_is_within_its_bound(seed, open_time):
     """Forced off, the start lacks the shock, and its peaks change by no more than the bound on sheet Effects."""
     case = replace(start_case(seed), torque_follows=TorqueFollows.MEAN_SPEED)
     power = case.motor_data[0].apparent_power
     kind = ("autotransformer", "reactor")[seed % 2]
-    case = replace(case, supply=(SupplyRow("M0", 20.0 * power, 8.0, kind, 0.6, 0.4),))
+    case = replace(case, supply=(SupplyRow("M0", 20.0 * power, 8.0, kind, 0.6, 0.4, open_time),))
     off, on = (
         run(replace(case, effect_choices=(EffectChoiceRow("motor transient", choice),)))
         for choice in ("off", "on")
