@@ -339,7 +339,11 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
             ),
             number(
                 "Switch-over speed", "speed fraction",
-                "Speed at which the motor is put on the line, without interruption.",
+                "Speed at which the motor is put on the line.",
+            ),
+            number(
+                "Open time", "time", "How long the motor is off the line at the switch-over (open transition).",
+                blank="no interruption",
             ),
         ),
     ),

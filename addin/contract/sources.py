@@ -183,6 +183,7 @@ MOTOR = (
     "Supply.Starting",
     "Supply.Tap",
     "Supply.Switch-over speed",
+    "Supply.Open time",
     "LoadTorque.Speed",
     "LoadTorque.Torque",
     "RatedPower",
@@ -191,7 +192,14 @@ MOTOR = (
 )
 SUPPLY = tuple(
     f"Supply.{column}"
-    for column in ("Short-circuit power", "X/R", "Starting", "Tap", "Switch-over speed")
+    for column in (
+        "Short-circuit power",
+        "X/R",
+        "Starting",
+        "Tap",
+        "Switch-over speed",
+        "Open time",
+    )
 )
 MOTOR_DATA = (
     *(

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from engine.arrays import Floats, Ints
+from engine.arrays import Floats, Ints, Mask
 from engine.backlash.contact_systems import ContactSystems
 from engine.backlash.machines import MachineInTime, Machines
 from engine.errors import ModelError
@@ -80,6 +80,8 @@ class EventSchedule:
     switch_speeds: tuple[
         float, ...
     ] = ()  #: Mean speeds at which motors are switched over, rising. [rad/s]
+    #: At each of them the motors that are off the line first, and how long. [index, s]
+    open_times: tuple[Mapping[int, float], ...] = ()
     look_every: float = math.inf  #: How often `settled` is asked. [s]
     stops: tuple[float, ...] = ()  #: Times at which a step is made to end. [s]
     keep_state: bool = False  #: True: positions and velocities in the common basis are kept, too.
@@ -292,6 +294,7 @@ class _Simulation:
             "phase": np.empty((ROWS, len(model.phase))),
             "air_gap": np.empty((ROWS, len(model.machines), 2)),
         }
+        self._closes: list[tuple[float, Mask]] = []  #: When drives are on the line again.
         self.machines = Machines(model.machines, model.frame)
         self.machines.switch(0.0, self.phase)
         if script.keep_state:
@@ -348,7 +351,7 @@ class _Simulation:
         is_settled, reached = False, False
         while self.work <= self.most_work:
             self._await()
-            change = self.machines.next_change
+            change = min([self.machines.next_change, *(time for time, _ in self._closes)])
             reason = self._advance(min(end, look, change))
             t = self.clock.time
             if reason == events.NEW_PIECE:
@@ -368,6 +371,9 @@ class _Simulation:
                 self.clock.fresh = 2  # a row at the same time begins what follows
                 if t >= change * (1.0 - 1e-14):
                     self.machines.switch(change, self.phase)
+                    for time, drives in self._closes:
+                        self.electrical[8][drives & (time <= change)] = 1.0
+                    self._closes = [c for c in self._closes if c[0] > change]
                 if t >= end * (1.0 - 1e-14):
                     break
                 if t >= look * (1.0 - 1e-14):
@@ -423,11 +429,19 @@ class _Simulation:
         if reached == "trip":
             self.trip_time = t
             self.electrical[8][:] = 0.0
+            self._closes = []
             self.machines.trip(self.phase)
             self.clock.fresh = 2
         elif reached == "switch":
+            opened = self.script.open_times[self.switched]
             self.switched += 1
             self._connect()
+            self.machines.switch_over(t, opened, self.phase)
+            force = self.model.motors[0]  # the parts of a pulsation act where their motor does
+            for motor, length in opened.items():
+                drives = force == force[motor]
+                self.electrical[8][drives] = 0.0
+                self._closes.append((t + length, drives))
             self.clock.fresh = 2
         elif reached == "field" and self.script.field_angle is not None:
             self._waits_for_angle = True

@@ -581,6 +581,10 @@ def _script(
         coast_end=COAST_END * synchronous,
         coast_time=COAST_TIME,
         switch_speeds=case.switch_over_speeds if effects.switch_over else (),
+        open_times=tuple(
+            {case.motor_stations.index(name): time for name, time in opened.items()}
+            for opened in case.open_times
+        ),
         look_every=LOOK_EVERY,
         keep_all=keeps_history(case),
     )

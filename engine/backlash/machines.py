@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -15,10 +15,21 @@ from engine.case.effect import StartEffects
 from engine.model.motor import Motor
 from engine.model.train import Train
 from engine.motor.circuit import Circuit, line_omega, starting_circuit
-from engine.motor.from_case import motors_without_curve
-from engine.motor.two_axis import MachineState, flux_system, number_of_fluxes, with_closed_field
+from engine.motor.from_case import MotorFromData, motors_without_curve
+from engine.motor.supply import Source
+from engine.motor.two_axis import MachineState, flux_system, number_of_fluxes, with_same_currents
 from engine.start.machine_motion import Machine, Supply, switched
 from engine.stepping.library import struct
+
+
+@dataclass(frozen=True)
+class Connected:
+    """A motor behind a source, its impedance part of the stator's."""
+
+    circuit: Circuit  #: As it starts. [pu]
+    voltage: float  #: Of the source. [pu]
+    #: Circuit once the field is applied, and the voltage of the field then; None: no field is applied. [pu]
+    excited: tuple[Circuit, float] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,6 +45,7 @@ class MachineInTime:
     voltage: int = -1  #: Curve of the line's voltage against speed; -1: always 1. [index]
     #: Circuit once the field is applied, and the voltage of the field then; None: no field is applied. [pu]
     excited: tuple[Circuit, float] | None = None
+    switched: tuple[Connected, ...] = ()  #: What it is switched over to, one after the other. [pu]
 
     def scaled(self, factor: float) -> MachineInTime:
         """The same with so many times the torque. [1]"""
@@ -47,6 +59,8 @@ class Machines:
     def __init__(self, machines: Sequence[MachineInTime], frame: float) -> None:
         self._machines = list(machines)
         self._waiting = [list(m.supplies) for m in machines]
+        self._over = [list(m.switched) for m in machines]
+        self._is_excited = False
         n = len(machines)
         excited = [m.excited[0] if m.excited else m.machine.circuit for m in machines]
         most = max(map(number_of_fluxes, excited), default=1)
@@ -78,23 +92,43 @@ class Machines:
 
     def apply_field(self) -> None:
         """The discharge resistor is taken out of each field, and the exciter put in."""
+        self._is_excited = True
         for k, m in enumerate(self._machines):
-            if m.excited is None:
-                continue
-            circuit, voltage = m.excited
-            flux = with_closed_field(m.machine.circuit, circuit, self._flux(k))
-            self._machines[k] = replace(
-                m, machine=replace(m.machine, circuit=circuit), field_voltage=voltage, flux=flux
-            )
-            self._put(k, flux, is_open=False)
+            if m.excited is not None:
+                circuit, voltage = m.excited
+                self._machines[k] = replace(m, field_voltage=voltage)
+                self._become(k, circuit)
+
+    def switch_over(self, time: float, opened: Mapping[int, float], phase: Floats) -> None:
+        """Each motor to its next source; the currents of its windings go on unless it is off the line first.
+
+        `opened` says how long which motors are. [s]
+        """
+        for k, waiting in enumerate(self._over):
+            to = waiting.pop(0)
+            if k in opened:
+                self._connect(k, Supply(time, is_open=True), phase)
+            self._machines[k] = replace(self._machines[k], excited=to.excited)
+            is_excited = self._is_excited and to.excited is not None
+            self._become(k, to.excited[0] if is_excited and to.excited else to.circuit)
+            supply = Supply(time + opened.get(k, 0.0), (to.voltage, 0.0))
+            if k in opened:
+                self._waiting[k].append(supply)
+            else:
+                self._connect(k, supply, phase)
 
     def trip(self, phase: Floats) -> None:
-        """The breakers of all motors open."""
-        self._waiting = [
-            [] for _ in self._machines
-        ]  # what happens to the line reaches none any more
+        """The breakers of all motors open for good; what happens to the line reaches none any more."""
+        self._waiting = [[] for _ in self._machines]
         for k in range(len(self._machines)):
             self._connect(k, Supply(0.0, is_open=True), phase)
+
+    def _become(self, k: int, circuit: Circuit) -> None:
+        """Another circuit from now on."""
+        m = self._machines[k]
+        flux = with_same_currents(m.machine.circuit, circuit, self._flux(k))
+        self._machines[k] = replace(m, machine=replace(m.machine, circuit=circuit), flux=flux)
+        self._put(k, flux, is_open=not self._arrays["stator"][k])
 
     def _flux(self, k: int) -> Floats:
         return np.asarray(self._arrays["flux"][k, : self._arrays["n_flux"][k]].copy())
@@ -146,32 +180,54 @@ def machines_of_start(
     """
     data = motors_without_curve(case)
     omega = line_omega(case.ratings.line_frequency or 0.0)
-    supplied = [m for m in motors if m.supply is not None]
+    supplied = [m for m in motors if m.line_voltage is not None]
+    untils = {stage.connection.until for sheet in data.values() for stage in sheet.stages}
+    above = 0.0, *sorted(untils - {math.inf})
     machines = []
     for motor in motors:
         sheet = data[train.stations[motor.station]]
-        machine = Machine(sheet.starting, sheet.torque_base, sheet.synchronous_speed, omega)
-        factor = 1.0 if sheet.sheet.start_factor is None else sheet.sheet.start_factor
-        running, excited = starting_circuit(sheet.circuit, factor=factor), None
-        if effects.pull_in and running.field is not None:
-            # PullOutTorque = E V / Xd at rated voltage, E = Xmd if
-            xd = running.stator_leakage + running.magnetising_d
-            emf = (case.pull_out_torque or 0.0) / sheet.torque_base * xd
-            excited = running, running.field.resistance * emf / running.magnetising_d
+        first, *others = (_connected(case, motor, sheet, effects, speed) for speed in above)
         voltage = -1
-        if motor.supply is not None:
-            voltage = (
-                n_curves - len(supplied) + next(i for i, m in enumerate(supplied) if m is motor)
-            )
+        if motor.line_voltage is not None:
+            voltage = n_curves - len(supplied)
+            voltage += next(i for i, m in enumerate(supplied) if m is motor)
         machines.append(
             MachineInTime(
-                machine,
-                (Supply(0.0, (math.sqrt(motor.scale), 0.0)),),
-                np.zeros(number_of_fluxes(sheet.starting)),
+                Machine(first.circuit, sheet.torque_base, sheet.synchronous_speed, omega),
+                (Supply(0.0, (first.voltage, 0.0)),),
+                np.zeros(number_of_fluxes(first.circuit)),
                 # half the phase is the angle of the line ahead of axis q
                 ahead=0.5 * math.pi,
                 voltage=voltage,
-                excited=excited,
+                excited=first.excited,
+                switched=tuple(others),
             )
         )
     return tuple(machines)
+
+
+def _connected(
+    case: CaseData, motor: Motor, sheet: MotorFromData, effects: StartEffects, above: float
+) -> Connected:
+    """What a motor is connected to from a fraction of synchronous speed on."""
+    factor = 1.0 if sheet.sheet.start_factor is None else sheet.sheet.start_factor
+    running = starting_circuit(sheet.circuit, factor=factor)
+    source = next(s for s in sheet.stages if s.connection.until > above).connection.source
+    return Connected(
+        source.before(sheet.starting),
+        math.sqrt(motor.scale) * source.voltage,
+        _excited(case, running, source, sheet.torque_base) if effects.pull_in else None,
+    )
+
+
+def _excited(
+    case: CaseData, running: Circuit, source: Source, torque_base: float
+) -> tuple[Circuit, float] | None:
+    """The circuit with its field applied, and the voltage of the field."""
+    if running.field is None:
+        return None
+    # PullOutTorque = E V / Xd at rated voltage, E = Xmd if
+    xd = running.stator_leakage + running.magnetising_d
+    emf = (case.pull_out_torque or 0.0) / torque_base * xd
+    voltage = running.field.resistance * emf / running.magnetising_d
+    return source.before(running), voltage

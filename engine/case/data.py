@@ -190,6 +190,7 @@ class SupplyRow:
     tap: float | None = None
     #: Fraction of synchronous speed at which the motor is put on the line. [1]
     switch_over_speed: float | None = None
+    open_time: float | None = None  #: How long it is off the line then; blank = not at all. [s]
 
 
 @dataclass(frozen=True)
@@ -567,6 +568,19 @@ class CaseData:
         synchronous = self.ratings.synchronous_speed or 0.0
         shares = {row.switch_over_speed for row in self.supply if row.switch_over_speed}
         return tuple(share * synchronous for share in sorted(shares))
+
+    @property
+    def open_times(self) -> tuple[dict[str, float], ...]:
+        """At each of these speeds the stations whose motor is off the line first, and how long. [s]"""
+        shares = {row.switch_over_speed for row in self.supply if row.switch_over_speed}
+        return tuple(
+            {
+                str(row.station): row.open_time
+                for row in self.supply
+                if row.open_time and row.switch_over_speed == share
+            }
+            for share in sorted(shares)
+        )
 
     @property
     def looks_for_worst_phase(self) -> bool:

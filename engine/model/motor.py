@@ -61,9 +61,16 @@ class Motor:
     scale: float = 1.0  #: Voltage of the start, over that of the curves, squared. [1]
     #: Voltage that the line leaves it, against the fraction of synchronous speed; None = all of it. [1]
     supply: TorqueCurve | None = None
+    #: Whether that is what its own current leaves it behind an impedance, and not the line's own voltage. [flag]
+    is_behind_impedance: bool = False
     #: Where it is switched over: fraction of synchronous speed up to which, and the motor until then; the last
     #: one without end. Its own curves go over from one to the next within `SMOOTHED`. [1]
     stages: tuple[tuple[float, Motor], ...] = ()
+
+    @property
+    def line_voltage(self) -> TorqueCurve | None:
+        """Voltage of the line itself against the fraction of synchronous speed; None = always all of it. [1]"""
+        return None if self.is_behind_impedance else self.supply
 
     def above(self, fraction: float) -> Motor:
         """The motor on the connection that it has from a speed on.
@@ -262,7 +269,8 @@ def _stages_of_data(sheet: MotorFromData, place: _Place) -> list[tuple[float, Mo
         pulsating = torque_curve(sine.knots, hypot(sine.cubic[:, 0], cosine.cubic[:, 0]))
         motor = place.motor(average, pulsating, phase, (sine, cosine))
         if any(s.connection.source != STIFF for s in sheet.stages):
-            motor = replace(motor, supply=_terminal_voltage(sheet, stage))
+            voltage = _terminal_voltage(sheet, stage)
+            motor = replace(motor, supply=voltage, is_behind_impedance=True)
         stages.append((stage.connection.until, motor))
     return stages
 

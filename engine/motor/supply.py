@@ -68,6 +68,7 @@ class Connection:
 
     until: float  #: Fraction of synchronous speed; infinite = to the end. [1]
     source: Source  #: [pu]
+    open_time: float = 0.0  #: How long the motor is off the line before. [s]
 
 
 def connections_of(
@@ -101,7 +102,9 @@ def connections_of(
     else:  # seen through its ratio
         square = row.tap * row.tap
         first = Source(row.tap, square * line.resistance, square * line.reactance)
-    return Connection(row.switch_over_speed, first), through
+    return Connection(row.switch_over_speed, first), replace(
+        through, open_time=row.open_time or 0.0
+    )
 
 
 def _line(row: SupplyRow, base_power: float) -> Source:

@@ -85,15 +85,15 @@ def number_of_fluxes(circuit: Circuit) -> int:
     return 2 + sum(map(len, _windings(circuit)))
 
 
-def with_closed_field(circuit: Circuit, closed: Circuit, flux: Floats) -> Floats:
-    """Fluxes as those of a circuit whose field is closed: currents stay, one that was open has none.
+def with_same_currents(circuit: Circuit, other: Circuit, flux: Floats) -> Floats:
+    """Fluxes just after a circuit has become another: currents stay; a field that was open has none.
 
     Parameters
     ----------
     circuit : Circuit
         The motor so far. [pu]
-    closed : Circuit
-        The same with a field. [pu]
+    other : Circuit
+        The same with its field closed, or another impedance before its stator. [pu]
     flux : ndarray, shape (n,)
         Fluxes so far. [pu]
 
@@ -102,10 +102,13 @@ def with_closed_field(circuit: Circuit, closed: Circuit, flux: Floats) -> Floats
     ndarray
         [pu]
     """
-    if circuit.field is not None:
+    before, after = _reactances(circuit), _reactances(other)
+    if before.shape == after.shape and np.array_equal(before, after):
         return flux
-    current = solve(_reactances(circuit), flux[:, None])[:, 0]
-    return np.asarray(product(_reactances(closed), np.insert(current, 1, 0.0)))
+    current = solve(before, flux[:, None])[:, 0]
+    if len(after) > len(before):
+        current = np.insert(current, 1, 0.0)
+    return np.asarray(product(after, current))
 
 
 def flux_system(

@@ -314,8 +314,14 @@ def machine_arrays(
     """
     column = {station: i for i, station in enumerate(stations)}
     whole = motors
-    voltages = [m.supply for m in motors if m.supply is not None and effects.motor_transient]
-    motors = drives_of([without_torque(m) for m in motors] if effects.motor_transient else motors)
+
+    def drives(share: float | None = None) -> tuple[Motor, ...]:
+        connected = [m if share is None else m.above(share) for m in whole]
+        return drives_of(
+            list(map(without_torque, connected)) if effects.motor_transient else connected
+        )
+
+    motors = drives()
     n = len(motors)
     curves = [curve for m in motors for curve in (m.average, m.pulsating)]
     with_field = np.arange(0, 2 * n, 2)
@@ -323,17 +329,17 @@ def machine_arrays(
         with_field = np.arange(2 * n, 3 * n)
         curves += [through_synchronism(m.average) for m in motors]
     of_loads = np.arange(len(curves), len(curves) + len(loads))
-    curves += [d.torque for d in loads] + voltages
+    curves += [d.torque for d in loads]
     switched = []
     shares = [until for m in whole for until, _ in m.stages if until < math.inf]
     for share in (0.0, *sorted(set(shares))) if shares else ():
         first = len(curves)
-        curves += [
-            c for m in drives_of([m.above(share) for m in whole]) for c in (m.average, m.pulsating)
-        ]
+        curves += [c for m in drives(share) for c in (m.average, m.pulsating)]
         switched.append(
             (np.arange(first, first + 2 * n, 2), np.arange(first + 1, first + 2 * n, 2))
         )
+    if effects.motor_transient:
+        curves += [m.line_voltage for m in whole if m.line_voltage is not None]
     longest = max((len(c.knots) for c in curves), default=1)
     knots = np.zeros((len(curves), longest))
     cubics = np.zeros((len(curves), longest, 4))

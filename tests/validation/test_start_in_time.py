@@ -88,8 +88,7 @@ class Reference:
         angle, speed, psi = state[:3], state[3:6], state[6:]
         i = self.y @ psi
         twist = STIFFNESS * (angle[:-1] - angle[1:])
-        torque = self.base * (psi[0] * i[3] - psi[3] * i[0])
-        force = np.array([torque - twist[0], twist[0] - twist[1], twist[1]])
+        force = np.array([self.torque(psi) - twist[0], twist[0] - twist[1], twist[1]])
         line = LINE * t - self.axis - PAIRS * angle[0]
         mean = INERTIA @ speed / INERTIA.sum()
         v, w = self.voltage(PAIRS * mean / LINE), PAIRS * speed[0] / LINE
@@ -111,8 +110,11 @@ class Reference:
             torque, change = (STIFFNESS[k] * (a[k] - a[k + 1]) for a in (path, slope))
             values = np.append(turning_points(t, torque, change)[1], torque[[0, -1]])
             extremes.append((values.max(), values.min()))
-        psi, i = path[6:], self.y @ path[6:]
-        return extremes, self.base * (psi[0] * i[3] - psi[3] * i[0]), path[:, -1]
+        return extremes, self.torque(path[6:]), path[:, -1]
+
+    def torque(self, psi):
+        i = self.y @ psi
+        return self.base * (psi[0] * i[3] - psi[3] * i[0])
 
 
 @pytest.mark.parametrize("reduced", [False, True])

@@ -9,18 +9,24 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from engine.case.choices import TorqueFollows
 from engine.case.data import EffectChoiceRow, MotorDataRow, MotorTorqueRow, SupplyRow
 from engine.model.build_train import build_train
 from engine.model.motor import motors_of
 from engine.motor.curves import operational_reactances, slip_curves
 from engine.motor.from_case import motor_curves, motors_from_data
+from engine.plan.evidence import CLOSING_GAIN
 from engine.run import run
+from engine.start.peaks import change_of_peaks
+from tests.machine_reference import start_case
 from tests.trains import geared
 from tests.validation.test_start_from_motor_data import SHEET, between, case_from_data
+from tests.validation.test_start_in_time import INERTIA, STIFFNESS, Reference, reactances
 
 SLIP = np.array([1.0, 0.8, 0.5, 0.49, 0.3, 0.05, 0.01])
 #: Short-circuit power of ten times the motor's, half a per cent of it resistance.
 LINE = SupplyRow("Motor", 22.0e6, 8.0)
+LINE_OMEGA = 2.0 * np.pi * 60.0
 
 
 def supplied(row, **fields):
@@ -138,7 +144,10 @@ def test_the_step_at_the_switch_over_is_in_the_start(kind):
     case = supplied(
         SupplyRow("Motor", 22.0e6, 8.0, kind, 0.8, 0.6),
         damping_ratio=None, load_torque=(), end_speed=170.0, tolerance_peak=1e-5,
-        torque_follows="mean speed", effect_choices=(EffectChoiceRow("electrical damping", "off"),),
+        torque_follows="mean speed",
+        effect_choices=tuple(
+            EffectChoiceRow(name, "off") for name in ("electrical damping", "motor transient")
+        ),
     )  # fmt: skip
     results = run(case)
     assert results.plans[-1].events
@@ -198,3 +207,121 @@ def test_the_step_at_the_switch_over_is_in_the_start(kind):
         )
     # the largest torque comes after the step, so that the test is of it
     assert int(np.argmax(np.abs(twist))) > len(twists[0])
+
+
+#: Windings of the rotor among those of both axes.
+ROTOR = np.array([1, 2, 4])
+
+
+class TwoNetworks(Reference):
+    """Machine and line with the currents of all windings as state, on three discs: nothing of them jumps."""
+
+    def connect(self, circuit, voltage, resistance, reactance):
+        self.x, self.r = reactances(circuit)
+        self.line = np.zeros(5)
+        self.line[[0, 3]] = reactance
+        self.r = self.r + np.array([resistance, 0.0, 0.0, resistance, 0.0])
+        self.inverse = np.linalg.inv(self.x + np.diag(self.line))
+        self.size, self.is_open = voltage, False
+
+    def open(self, state):
+        """The state just after the stator is open: the fluxes of the rotor stay."""
+        self.is_open = True
+        after, psi = state.copy(), self.x @ state[6:]
+        after[[6, 9]] = 0.0
+        after[6 + ROTOR] = np.linalg.solve(self.x[np.ix_(ROTOR, ROTOR)], psi[ROTOR])
+        return after
+
+    def rate(self, t, state):
+        angle, speed, i = state[:3], state[3:6], state[6:]
+        psi = self.x @ i
+        twist = STIFFNESS * (angle[:-1] - angle[1:])
+        force = np.array([self.torque(i) - twist[0], twist[0] - twist[1], twist[1]])
+        ahead, w = LINE_OMEGA * t - self.axis - 2.0 * angle[0], 2.0 * speed[0] / LINE_OMEGA
+        drop = -self.r * i
+        drop[0] += self.size * math.cos(ahead) + w * (psi[3] + self.line[3] * i[3])
+        drop[3] += self.size * math.sin(ahead) - w * (psi[0] + self.line[0] * i[0])
+        change = self.inverse @ drop
+        if self.is_open:
+            change = np.zeros(5)
+            change[ROTOR] = np.linalg.solve(self.x[np.ix_(ROTOR, ROTOR)], drop[ROTOR])
+        return np.concatenate([speed, force / INERTIA, LINE_OMEGA * change])
+
+    def torque(self, i):
+        psi = self.x @ i
+        return self.base * (psi[0] * i[3] - psi[3] * i[0])
+
+
+@pytest.mark.parametrize(
+    ("kind", "open_time"),
+    [("direct", None), ("autotransformer", None), ("reactor", None), ("autotransformer", 0.06), ("reactor", 0.2)],
+)  # fmt: skip
+def test_a_start_in_time_on_a_line_that_gives_way(kind, open_time):
+    """Beside DOP853: torques before and after the switch-over, its shock in them, at the time that ours has."""
+    row = SupplyRow("Motor", 22.0e6, 8.0, kind, 0.8, 0.3, open_time)
+    if kind == "direct":
+        row = replace(row, tap=None, switch_over_speed=None)
+    case = supplied(
+        row, damping_ratio=None, load_torque=(), end_speed=80.0, tolerance_peak=1e-5,
+        effect_choices=(EffectChoiceRow("motor transient", "on"),),
+    )  # fmt: skip
+    found = run(case).start
+    reference = TwoNetworks(case)
+    (motor,) = motors_from_data(case)
+    extremes, torques, state, begin = [], [], np.zeros(11), 0.0
+
+    def follow(end):
+        nonlocal begin, state
+        part, torque, state = reference.run(begin, end, state)
+        extremes.append(part[0])
+        torques.append(np.max(np.abs(torque)))
+        begin = end
+
+    for stage in motor.stages:
+        source = stage.connection.source
+        reference.connect(motor.starting, source.voltage, source.resistance, source.reactance)
+        if stage is motor.stages[-1]:
+            follow(found.outcome.time)
+            continue
+        reaches = found.trajectory.mean_speed >= 0.3 * LINE_OMEGA / 2.0 * (1.0 - 1e-12)
+        follow(float(found.trajectory.time[np.argmax(reaches)]))
+        if open_time:
+            state = reference.open(state)
+            follow(begin + open_time)
+            assert torques[-1] == 0.0
+    assert INERTIA @ state[3:6] / INERTIA.sum() == pytest.approx(80.0, rel=1e-5)
+    peak = found.peaks[0]
+    most, least = (f(part[k] for part in extremes) for k, f in enumerate((max, min)))
+    assert (peak.maximum, peak.minimum) == pytest.approx((most, least), rel=3e-5)
+    (machine,) = found.machines
+    assert abs(machine.largest) == pytest.approx(max(torques), rel=1e-3)
+
+
+def test_curves_have_no_torque_while_the_motor_is_off_the_line():
+    """Without load the mean speed stays what it was at the switch-over, and rises again after it."""
+    case = supplied(
+        SupplyRow("Motor", 22.0e6, 8.0, "reactor", 0.8, 0.6, 0.2),
+        damping_ratio=None, load_torque=(), end_speed=170.0,
+        effect_choices=(EffectChoiceRow("motor transient", "off"),),
+    )  # fmt: skip
+    path, at = run(case).start.trajectory, 0.6 * LINE_OMEGA / 2.0
+    begin = float(path.time[np.argmax(path.mean_speed >= at * (1.0 - 1e-12))])
+    off = (path.time > begin) & (path.time < begin + 0.2)
+    assert np.max(np.abs(path.mean_speed[off] - at)) < 1e-9 * at
+    after = path.time > begin + 0.25
+    assert np.min(path.mean_speed[after]) > 1.001 * at
+
+
+@pytest.mark.parametrize(("seed", "open_time"), [(15, None), (18, None), (21, None), (4, 0.08)])
+def test_what_a_switch_over_brings_is_within_its_bound(seed, open_time):
+    """Forced off, the start lacks the shock, and its peaks change by no more than the bound on sheet Effects."""
+    case = replace(start_case(seed), torque_follows=TorqueFollows.MEAN_SPEED)
+    power = case.motor_data[0].apparent_power
+    kind = ("autotransformer", "reactor")[seed % 2]
+    case = replace(case, supply=(SupplyRow("M0", 20.0 * power, 8.0, kind, 0.6, 0.4, open_time),))
+    off, on = (
+        run(replace(case, effect_choices=(EffectChoiceRow("motor transient", choice),)))
+        for choice in ("off", "on")
+    )
+    number = on.plans[-1].decision("motor transient").deciding_number
+    assert change_of_peaks(off.start.peaks, on.start.peaks) <= CLOSING_GAIN * number

@@ -231,6 +231,11 @@ def _begins(case: CaseData, cells: Cells, row: MotorEventRow, takes: Takes) -> I
             "Begins", row.begins, "blank or running without the fluxes of every motor in the start",
             f"It needs {MOTOR_TRANSIENT.inputs.cells}. Fill and clear these, or clear the cell.",
         )  # fmt: skip
+    elif case.supply:
+        yield cells.wrong(
+            "Begins", row.begins, "blank or running where table Supply has rows",
+            "What happens to the line while a starter is in it is not simulated: clear the cell, or the rows of Supply.",
+        )  # fmt: skip
     elif case.looks_for_worst_phase:
         yield cells.wrong(
             "Begins", row.begins, "blank or running where PulsationPhase is worst",

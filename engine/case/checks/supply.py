@@ -21,6 +21,8 @@ from engine.errors import Problem
 TABLE = "Supply"
 #: Reactance over resistance of lines is 1 (cables) to 50 (at a power station's bus); above, something else was typed. [1]
 LARGEST_RATIO = 200.0
+#: Open transitions take some cycles of the line; above, milliseconds were typed as seconds. [s]
+LONGEST_OPEN = 10.0
 NUMBERS = (
     Limit("Short-circuit power", POSITIVE, "V A", "It is in kVA or MVA, not a current in kA."),
     Limit(
@@ -40,6 +42,13 @@ NUMBERS = (
         ),
         "",
         "Write 90 % or the speed in rpm.",
+    ),
+    Limit(
+        "Open time",
+        Allowed(lambda v: 0.001 <= v <= LONGEST_OPEN, f"between 0.001 s and {LONGEST_OPEN:g} s"),
+        "s",
+        "It is how long the motor is off the line: 0.05 s to 1 s. Write 80 ms or 0.08 s; blank where the line takes over "
+        "without interruption.",
     ),
 )
 
@@ -95,9 +104,9 @@ def _starter(cells: Cells, row: SupplyRow) -> Iterator[Problem]:
     if row.starting not in (None, *Starting):
         return  # reported already
     reduced = row.starting in (Starting.AUTOTRANSFORMER, Starting.REACTOR)
-    for column in ("Tap", "Switch-over speed"):
+    for column in ("Tap", "Switch-over speed", "Open time"):
         value = value_of(row, column)
-        if reduced and value is None:
+        if reduced and value is None and column != "Open time":
             yield cells.blank(
                 column, f"given for Starting {row.starting}", "Type it from the starter's data."
             )

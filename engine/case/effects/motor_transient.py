@@ -5,13 +5,9 @@ from engine.case.effect import Effect, EffectInputs
 
 
 def has_only_motors_from_data(case: CaseData) -> bool:
-    """Whether the torque of every motor follows from its data sheet, on a stiff line: no curve is typed.
-
-    Fluxes behind an impedance that is switched while the motor starts are not simulated yet.
-    """
+    """Whether the torque of every motor follows from its data sheet: no curve is typed."""
     sheets = {row.station for row in case.motor_data} - {p.station for p in case.motor_torque}
-    given = bool(case.motor_stations) and not case.supply
-    return given and all(name in sheets for name in case.motor_stations)
+    return bool(case.motor_stations) and all(name in sheets for name in case.motor_stations)
 
 
 MOTOR_TRANSIENT = Effect(
@@ -19,15 +15,15 @@ MOTOR_TRANSIENT = Effect(
     "torque of the motor from its fluxes in time, from breaker closing on, in place of its curves",
     order=35,
     number=(
-        "Largest torque that closing adds to an element beyond the curves, exact with the rotor at rest, divided by "
-        "the largest torque of that element; on above tolerance / 2, and where electrical damping changes a peak by "
+        "Largest torque that closing or a switch-over adds to an element beyond the curves, exact at one speed, divided "
+        "by the largest torque of that element; on above tolerance / 2, and where electrical damping changes a peak by "
         "more than itself"
     ),
     bound="2 × the number",
-    called_for_by="MotorData of every motor, none with rows in MotorTorque or Supply",
+    called_for_by="MotorData of every motor, none with rows in MotorTorque",
     flag="motor_transient",
     inputs=EffectInputs(
-        "a row of every motor in table MotorData, and none in MotorTorque and Supply",
+        "a row of every motor in table MotorData, and none in MotorTorque",
         "are not so",
         has_only_motors_from_data,
     ),

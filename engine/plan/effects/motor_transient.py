@@ -1,4 +1,4 @@
-"""How much torque does the closing of the breaker bring beyond the curves?"""
+"""How much torque do the closing of the breaker and a switch-over bring beyond the curves?"""
 
 from engine.case.data import CaseData
 from engine.plan.decision import Finding, percent
@@ -6,15 +6,16 @@ from engine.plan.evidence import CLOSING_GAIN, LARGEST_SMALL_SIGNAL, Evidence
 
 
 def finding(case: CaseData, e: Evidence, modelled: tuple[str, ...]) -> Finding:
-    """The torque that closing adds to an element, over its largest."""
+    """The torque that closing or a switch-over adds to an element, over its largest."""
     share = e.closing_share
     if share is None:
-        why = "The torque of a motor is typed, a motor has a row in Supply, or there is no motor: its fluxes are unknown."
+        why = "The torque of a motor is typed, or there is no motor: its fluxes are unknown."
         return Finding.impossible(why, None)
     limit, bound = e.tolerance / CLOSING_GAIN, CLOSING_GAIN * share
     wanted = share > limit
+    what = "Closing or a switch-over adds" if case.switch_over_speeds else "Closing adds"
     why = (
-        f"Closing adds at most {percent(share)} of its largest torque to an element, "
+        f"{what} at most {percent(share)} of its largest torque to an element, "
         f"{'above' if wanted else 'at most'} the limit {percent(limit)}."
     )
     if not wanted and e.electrical and e.electrical.number > LARGEST_SMALL_SIGNAL:

@@ -26,6 +26,7 @@ def found(data: CaseData) -> list[tuple[str, str]]:
     [
         {},
         {"starting": "reactor"},
+        {"open_time": 0.08},
         {"starting": "direct", "tap": None, "switch_over_speed": None},
         {"short_circuit_power": None, "x_r": None},
     ],
@@ -47,6 +48,8 @@ def test_right_input(changes: dict[str, object]) -> None:
         ({"tap": None}, "Tap", "given for Starting autotransformer"),
         ({"switch_over_speed": 90.0}, "Switch-over speed", "Write 90 %"),
         ({"switch_over_speed": None}, "Switch-over speed", "given for Starting autotransformer"),
+        ({"open_time": 80.0}, "Open time", "Write 80 ms or 0.08 s"),
+        ({"starting": "direct", "tap": None, "switch_over_speed": None, "open_time": 0.08}, "Open time", "clear the cell"),
         ({"starting": "direct", "switch_over_speed": None}, "Tap", "Choose autotransformer or reactor"),
     ],
 )  # fmt: skip
