@@ -10,7 +10,7 @@ is calculated as in the nominal run, with its own refinement.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -35,7 +35,7 @@ from engine.run import calculate_start
 from engine.start.outcome import StartOutcome
 from engine.start.peaks import sections_of
 from engine.start.settings import has_start
-from engine.start.start import PreparedStart, Start, prepared_start
+from engine.start.start import PreparedStart, Start, prepared_start, starts_to_their_ends
 from engine.start.start_fatigue import COUNTED_STARTS, DAMAGE_SHARE, judged_shafts, sn_curve_of
 from engine.start.trajectory import SingleRun
 
@@ -252,17 +252,81 @@ def near_start(
     ModelError
         If the changed train cannot start.
     """
-    case = CaseData(**vars(case) | {"keep_history": None})
-    model = near.model
-    if recipe.start_lateral != bool(model.train.bodies):
-        model = _model(case, recipe, recipe.start_lateral)
-    if recipe.start == LINEAR:
-        prepared = prepared_start(case, model, recipe.effects)
-        if recipe.held is not None:
-            prepared = _held(prepared, recipe.held)
-        step = refined * min(recipe.step, prepared.model.largest_step)
-        prepared, run = prepared.to_its_end(step, histories=False)
-        return read_start(case, recipe, model, prepared.outcome(run), run)
+    return calculated(near_starts(recipe, [(case, near, refined)])[0])
+
+
+def calculated(start: NearStart | ModelError) -> NearStart:
+    """A start of `near_starts`, if there is one.
+
+    Parameters
+    ----------
+    start : NearStart or ModelError
+        The start, or why there is none. [SI]
+
+    Returns
+    -------
+    NearStart
+        The start. [SI]
+
+    Raises
+    ------
+    ModelError
+        If there is none.
+    """
+    if isinstance(start, ModelError):
+        raise start
+    return start
+
+
+def near_starts(
+    recipe: NearbyStartPlan, trains: Sequence[tuple[CaseData, NearTrain, float]]
+) -> list[NearStart | ModelError]:
+    """Starts of trains near to the planned one; linear ones run side by side in the lanes of one loop.
+
+    Parameters
+    ----------
+    recipe : NearbyStartPlan
+        What the nominal run decided; its start is not ``none``. [mixed]
+    trains : sequence of tuple
+        Case, modes, and share of the usual step that a linear start takes, as for `near_start`. [SI, SI, 1]
+
+    Returns
+    -------
+    list of NearStart or ModelError
+        Of each what `near_start` gives; or why it cannot start. [SI]
+    """
+    answers: dict[int, NearStart | ModelError] = {}
+    prepared: dict[int, tuple[CaseData, ModalTrain, PreparedStart, float]] = {}
+    for i, (stated, near, refined) in enumerate(trains):
+        case, model = CaseData(**vars(stated) | {"keep_history": None}), near.model
+        try:
+            if recipe.start_lateral != bool(model.train.bodies):
+                model = _model(case, recipe, recipe.start_lateral)
+            if recipe.start == LINEAR:
+                start = _prepared(case, recipe, model)
+                step = refined * min(recipe.step, start.model.largest_step)
+                prepared[i] = case, model, start, step
+            else:
+                answers[i] = _planned_start(case, recipe, model)
+        except ModelError as error:
+            answers[i] = error
+    ends = starts_to_their_ends([(start, step) for *_, start, step in prepared.values()])
+    for (i, (case, model, *_)), (start, run) in zip(prepared.items(), ends, strict=True):
+        try:
+            answers[i] = read_start(case, recipe, model, start.outcome(run), run)
+        except ModelError as error:
+            answers[i] = error
+    return [answers[i] for i in range(len(trains))]
+
+
+def _prepared(case: CaseData, recipe: NearbyStartPlan, model: ModalTrain) -> PreparedStart:
+    """A linear start ready to be simulated."""
+    prepared = prepared_start(case, model, recipe.effects)
+    return prepared if recipe.held is None else _held(prepared, recipe.held)
+
+
+def _planned_start(case: CaseData, recipe: NearbyStartPlan, model: ModalTrain) -> NearStart:
+    """A start calculated like the nominal one."""
     if recipe.start != PLANNED:
         raise InternalError("a start was requested, but the nominal run has none")
     effects = recipe.effects

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from engine.arrays import Floats
+from engine.case.data import CaseData
 from engine.errors import ModelError
-from engine.start.side_by_side import side_by_side
 from engine.start.start_fatigue import judged_shafts
-from engine.studies.nearby_start import LINEAR, NearStart, near_start, near_train
+from engine.studies.nearby_start import LINEAR, NearTrain, calculated, near_starts, near_train
 from engine.studies.sensitivities.plan import NARROW, WHOLE, WIDE, DerivativeUnit
 from engine.studies.variation import Change, varied_case
 
@@ -57,16 +57,16 @@ def differences(unit: DerivativeUnit) -> Differences:
     n, judged = len(unit.case.elements), len(judged_shafts(unit.case))
     quantity, name = unit.parameter
 
-    def changed(run: tuple[float, float]) -> NearStart:
-        share, steps = run
+    def changed(share: float, steps: float) -> tuple[CaseData, NearTrain, float]:
         case = varied_case(unit.case, [Change(quantity, name, 1.0 + share)])
-        return near_start(case, unit.recipe, near_train(case, unit.recipe), steps)
+        return case, near_train(case, unit.recipe), steps
 
     runs = [(share, 1.0) for share in (-WHOLE, -WIDE, -NARROW, 0.0, NARROW, WIDE, WHOLE)]
     if unit.recipe.start == LINEAR:
         runs += [(-NARROW, 2.0), (NARROW, 2.0)]
     try:
-        answers = side_by_side(changed, runs)
+        found = near_starts(unit.recipe, [changed(*run) for run in runs])
+        answers = [calculated(start) for start in found]
     except ModelError as error:
         e, j = np.zeros((2, n)), np.zeros((2, judged))
         return Differences(unit.index, e[0], e[1], j[0], j[1], e, j, e[0], j[0], str(error))

@@ -23,7 +23,6 @@ from engine.numerics.sample_statistics import FEWEST_SAMPLES
 from engine.results.results import Results
 from engine.run import planned_start, run
 from engine.start.pieces import analysis_for_start
-from engine.start.side_by_side import side_by_side
 from engine.start.start_fatigue import judged_shafts
 from engine.studies.nearby_start import (
     LINEAR,
@@ -31,7 +30,10 @@ from engine.studies.nearby_start import (
     PLANNED,
     NearbyStartPlan,
     NearStart,
+    NearTrain,
+    calculated,
     near_start,
+    near_starts,
     near_train,
     read_start,
     recipe_of,
@@ -287,38 +289,54 @@ def evaluate(unit: Unit) -> Evaluated:
         starts=np.full((n, judged), math.inf),
         by_step=np.zeros((n, 2)),
     )
-    words = side_by_side(lambda i: _evaluate_sample(unit, i, evaluated), range(n))
-    outcomes = Counter(word for word, trouble in words if word and not trouble)
-    troubles = tuple(trouble for _, trouble in words if trouble)
-    return replace(evaluated, outcomes=tuple(outcomes.items()), troubles=troubles)
-
-
-def _evaluate_sample(unit: Unit, i: int, evaluated: Evaluated) -> tuple[str, str]:
-    """Answers of one sample, written into its row; how its start ended, and why there are none."""
-    recipe, values = unit.recipe, unit.values[i]
-    case = varied_case(unit.case, changes_of(unit.factors, values))
-    word = ""
-    try:
-        near = near_train(case, recipe)
-        evaluated.frequency[i], evaluated.margin[i] = near.frequency, near.margin
-        if recipe.start != NO_START:
-            start = near_start(case, recipe, near)
-            if recipe.start == LINEAR and (unit.first + i) % CHECKED_EVERY == 0:
-                evaluated.by_step[i] = _change(near_start(case, recipe, near, 0.5), start)
-                evaluated.checked[i] = start.counted
-            if start.reversed and unit.replan:
-                own = planned_start(case, analysis_for_start(case), estimated=False)
-                start = read_start(case, recipe, own.model, own.start.outcome, own.start)
-            evaluated.counted[i] = start.counted
-            evaluated.reversed[i] = bool(start.reversed)
-            evaluated.sensitive[i] = start.sensitive
-            evaluated.torque[i] = start.largest
-            evaluated.starts[i] = start.starts
-            word = start.outcome.outcome
+    cases = [varied_case(unit.case, changes_of(unit.factors, values)) for values in unit.values]
+    trains: dict[int, NearTrain] = {}
+    troubles: dict[int, str] = {}
+    for i, case in enumerate(cases):
+        try:
+            trains[i] = near_train(case, recipe)
+        except ModelError as error:
+            troubles[i] = str(error)
+    outcomes = Counter[str]()
+    if recipe.start != NO_START:
+        together = near_starts(recipe, [(cases[i], near, 1.0) for i, near in trains.items()])
+        for (i, near), start in zip(trains.items(), together, strict=True):
+            try:
+                outcomes[_read_start(unit, i, evaluated, cases[i], near, calculated(start))] += 1
+            except ModelError as error:
+                troubles[i] = str(error)
+    for i in sorted(trains.keys() - troubles.keys()):
+        evaluated.frequency[i], evaluated.margin[i] = trains[i].frequency, trains[i].margin
         evaluated.known[i] = True
-    except ModelError as error:
-        return word, str(error)
-    return word, ""
+    return replace(
+        evaluated,
+        outcomes=tuple(outcomes.items()),
+        troubles=tuple(troubles[i] for i in sorted(troubles)),
+    )
+
+
+def _read_start(
+    unit: Unit,
+    i: int,
+    evaluated: Evaluated,
+    case: CaseData,
+    near: NearTrain,
+    start: NearStart,
+) -> str:
+    """Answers of the start of one sample, written into its row; how it ended."""
+    recipe = unit.recipe
+    if recipe.start == LINEAR and (unit.first + i) % CHECKED_EVERY == 0:
+        evaluated.by_step[i] = _change(near_start(case, recipe, near, 0.5), start)
+        evaluated.checked[i] = start.counted
+    if start.reversed and unit.replan:
+        own = planned_start(case, analysis_for_start(case), estimated=False)
+        start = read_start(case, recipe, own.model, own.start.outcome, own.start)
+    evaluated.counted[i] = start.counted
+    evaluated.reversed[i] = bool(start.reversed)
+    evaluated.sensitive[i] = start.sensitive
+    evaluated.torque[i] = start.largest
+    evaluated.starts[i] = start.starts
+    return start.outcome.outcome
 
 
 def _change(fine: NearStart, coarse: NearStart) -> tuple[float, float]:
