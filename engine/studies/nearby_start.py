@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 
@@ -28,7 +29,8 @@ from engine.model.build_train import build_train
 from engine.model.excitation import excitations_of, operating_range
 from engine.model.links import has_clearance
 from engine.model.modal_train import ModalTrain
-from engine.model.modes import modes_of
+from engine.model.modes import modes_of_trains
+from engine.model.train import Train
 from engine.operation.margins import nearest_frequency
 from engine.results.results import Results
 from engine.run import calculate_start
@@ -40,6 +42,7 @@ from engine.start.start_fatigue import COUNTED_STARTS, DAMAGE_SHARE, judged_shaf
 from engine.start.trajectory import SingleRun
 
 Turning = tuple[Floats, Floats]
+Answer = TypeVar("Answer")
 
 #: How the start of a near train is calculated.
 LINEAR, PLANNED, NO_START = "linear", "planned", "none"
@@ -194,6 +197,29 @@ def _wanted_modes(case: CaseData, results: Results) -> int:
     return min(len(elastic), MOST_MODES, max(FEWEST_MODES, reached))
 
 
+def calculated(answer: Answer | ModelError) -> Answer:
+    """One of the answers for several trains, if there is one.
+
+    Parameters
+    ----------
+    answer : any or ModelError
+        The answer, or why there is none. [SI]
+
+    Returns
+    -------
+    any
+        The answer. [SI]
+
+    Raises
+    ------
+    ModelError
+        If there is none.
+    """
+    if isinstance(answer, ModelError):
+        raise answer
+    return answer
+
+
 def near_train(case: CaseData, recipe: NearbyStartPlan) -> NearTrain:
     """Modes and margins of a train near to the planned one.
 
@@ -208,8 +234,37 @@ def near_train(case: CaseData, recipe: NearbyStartPlan) -> NearTrain:
     -------
     NearTrain
         With an unchanged case the numbers of the nominal run, bit for bit. [SI]
+
+    Raises
+    ------
+    ModelError
+        If it is no train.
     """
-    model = _model(case, recipe, recipe.lateral)
+    return calculated(near_trains([case], recipe)[0])
+
+
+def near_trains(cases: Sequence[CaseData], recipe: NearbyStartPlan) -> list[NearTrain | ModelError]:
+    """Modes and margins of trains near to the planned one; the modes are calculated together.
+
+    Parameters
+    ----------
+    cases : sequence of CaseData
+        The cases, changed. [SI]
+    recipe : NearbyStartPlan
+        What the nominal run decided. [mixed]
+
+    Returns
+    -------
+    list of NearTrain or ModelError
+        Of each what `near_train` gives; or why it is no train. [SI]
+    """
+    answers: list[NearTrain | ModelError] = []
+    for case, model in zip(cases, _models(cases, recipe, recipe.lateral), strict=True):
+        answers.append(model if isinstance(model, ModelError) else _near_train(case, recipe, model))
+    return answers
+
+
+def _near_train(case: CaseData, recipe: NearbyStartPlan, model: ModalTrain) -> NearTrain:
     excitations = {x.name: x for x in excitations_of(case, model.train)}
     speeds, elastic = operating_range(case), model.modes.elastic_frequency
     margins = np.zeros(len(recipe.margins))
@@ -220,10 +275,23 @@ def near_train(case: CaseData, recipe: NearbyStartPlan) -> NearTrain:
     return NearTrain(model, elastic[: recipe.n_modes], margins)
 
 
-def _model(case: CaseData, recipe: NearbyStartPlan, lateral: bool) -> ModalTrain:
-    train = build_train(case, dict(recipe.segments), lateral=lateral)
-    modes = modes_of(train)
-    return ModalTrain.of(case, train, modes)
+def _models(
+    cases: Sequence[CaseData], recipe: NearbyStartPlan, lateral: bool
+) -> list[ModalTrain | ModelError]:
+    """Trains with their modes and damping, or why one is no train."""
+    trains = [_train(case, recipe, lateral) for case in cases]
+    modes = iter(modes_of_trains([train for train in trains if isinstance(train, Train)]))
+    return [
+        ModalTrain.of(case, train, next(modes)) if isinstance(train, Train) else train
+        for case, train in zip(cases, trains, strict=True)
+    ]
+
+
+def _train(case: CaseData, recipe: NearbyStartPlan, lateral: bool) -> Train | ModelError:
+    try:
+        return build_train(case, dict(recipe.segments), lateral=lateral)
+    except ModelError as error:
+        return error
 
 
 def near_start(
@@ -255,31 +323,8 @@ def near_start(
     return calculated(near_starts(recipe, [(case, near, refined)])[0])
 
 
-def calculated(start: NearStart | ModelError) -> NearStart:
-    """A start of `near_starts`, if there is one.
-
-    Parameters
-    ----------
-    start : NearStart or ModelError
-        The start, or why there is none. [SI]
-
-    Returns
-    -------
-    NearStart
-        The start. [SI]
-
-    Raises
-    ------
-    ModelError
-        If there is none.
-    """
-    if isinstance(start, ModelError):
-        raise start
-    return start
-
-
 def near_starts(
-    recipe: NearbyStartPlan, trains: Sequence[tuple[CaseData, NearTrain, float]]
+    recipe: NearbyStartPlan, trains: Sequence[tuple[CaseData, NearTrain | ModelError, float]]
 ) -> list[NearStart | ModelError]:
     """Starts of trains near to the planned one; linear ones run side by side in the lanes of one loop.
 
@@ -288,7 +333,7 @@ def near_starts(
     recipe : NearbyStartPlan
         What the nominal run decided; its start is not ``none``. [mixed]
     trains : sequence of tuple
-        Case, modes, and share of the usual step that a linear start takes, as for `near_start`. [SI, SI, 1]
+        Case, modes (or why it is no train), and share of the usual step that a linear start takes. [SI, SI, 1]
 
     Returns
     -------
@@ -298,10 +343,11 @@ def near_starts(
     answers: dict[int, NearStart | ModelError] = {}
     prepared: dict[int, tuple[CaseData, ModalTrain, PreparedStart, float]] = {}
     for i, (stated, near, refined) in enumerate(trains):
-        case, model = CaseData(**vars(stated) | {"keep_history": None}), near.model
+        case = CaseData(**vars(stated) | {"keep_history": None})
         try:
+            model = calculated(near).model
             if recipe.start_lateral != bool(model.train.bodies):
-                model = _model(case, recipe, recipe.start_lateral)
+                model = calculated(_models([case], recipe, recipe.start_lateral)[0])
             if recipe.start == LINEAR:
                 start = _prepared(case, recipe, model)
                 step = refined * min(recipe.step, start.model.largest_step)

@@ -34,7 +34,7 @@ from engine.studies.nearby_start import (
     calculated,
     near_start,
     near_starts,
-    near_train,
+    near_trains,
     read_start,
     recipe_of,
 )
@@ -58,6 +58,9 @@ _NEGLIGIBLE = 1e-3
 #: Arrays of `Evaluated`, one row per sample: yes or no, and numbers.
 MASKS = ("known", "counted", "reversed", "sensitive", "checked")
 NUMBERS = ("frequency", "margin", "torque", "starts", "by_step")
+#: Values of the mode shapes of all samples that are calculated together, at most: 8 MB, and some ten times that with what follows
+#: from them. [count]
+MOST_MODE_VALUES = 1_000_000
 #: Samples of one unit of work, of starts without events; one with events takes a second and more.
 UNIT_SIZE = 50
 
@@ -289,54 +292,56 @@ def evaluate(unit: Unit) -> Evaluated:
         starts=np.full((n, judged), math.inf),
         by_step=np.zeros((n, 2)),
     )
-    cases = [varied_case(unit.case, changes_of(unit.factors, values)) for values in unit.values]
-    trains: dict[int, NearTrain] = {}
-    troubles: dict[int, str] = {}
-    for i, case in enumerate(cases):
-        try:
-            trains[i] = near_train(case, recipe)
-        except ModelError as error:
-            troubles[i] = str(error)
-    outcomes = Counter[str]()
-    if recipe.start != NO_START:
-        together = near_starts(recipe, [(cases[i], near, 1.0) for i, near in trains.items()])
-        for (i, near), start in zip(trains.items(), together, strict=True):
+    outcomes, troubles = Counter[str](), []
+    for first in range(0, n, at_once := _samples_at_once(unit)):
+        values = unit.values[first : first + at_once]
+        cases = [varied_case(unit.case, changes_of(unit.factors, row)) for row in values]
+        trains = near_trains(cases, recipe)
+        starts: Sequence[NearStart | ModelError | None] = [None] * len(cases)
+        if recipe.start != NO_START:
+            starts = near_starts(recipe, [(c, t, 1.0) for c, t in zip(cases, trains, strict=True)])
+        for i, sample in enumerate(zip(cases, trains, starts, strict=True), first):
             try:
-                outcomes[_read_start(unit, i, evaluated, cases[i], near, calculated(start))] += 1
+                outcomes.update(_write_sample(unit, i, evaluated, *sample))
             except ModelError as error:
-                troubles[i] = str(error)
-    for i in sorted(trains.keys() - troubles.keys()):
-        evaluated.frequency[i], evaluated.margin[i] = trains[i].frequency, trains[i].margin
-        evaluated.known[i] = True
-    return replace(
-        evaluated,
-        outcomes=tuple(outcomes.items()),
-        troubles=tuple(troubles[i] for i in sorted(troubles)),
-    )
+                troubles.append(str(error))
+    return replace(evaluated, outcomes=tuple(outcomes.items()), troubles=tuple(troubles))
 
 
-def _read_start(
+def _samples_at_once(unit: Unit) -> int:
+    """How many samples are calculated together: fewer where the modes of each take much memory."""
+    size = len(unit.case.stations) + sum(count for _, count in unit.recipe.segments)
+    return max(1, MOST_MODE_VALUES // (size * size))
+
+
+def _write_sample(
     unit: Unit,
     i: int,
     evaluated: Evaluated,
     case: CaseData,
-    near: NearTrain,
-    start: NearStart,
-) -> str:
-    """Answers of the start of one sample, written into its row; how it ended."""
-    recipe = unit.recipe
-    if recipe.start == LINEAR and (unit.first + i) % CHECKED_EVERY == 0:
-        evaluated.by_step[i] = _change(near_start(case, recipe, near, 0.5), start)
-        evaluated.checked[i] = start.counted
-    if start.reversed and unit.replan:
-        own = planned_start(case, analysis_for_start(case), estimated=False)
-        start = read_start(case, recipe, own.model, own.start.outcome, own.start)
-    evaluated.counted[i] = start.counted
-    evaluated.reversed[i] = bool(start.reversed)
-    evaluated.sensitive[i] = start.sensitive
-    evaluated.torque[i] = start.largest
-    evaluated.starts[i] = start.starts
-    return start.outcome.outcome
+    train: NearTrain | ModelError,
+    start: NearStart | ModelError | None,
+) -> list[str]:
+    """Answers of one sample, written into its row; how its start ended, if it has one."""
+    recipe, near = unit.recipe, calculated(train)
+    evaluated.frequency[i], evaluated.margin[i] = near.frequency, near.margin
+    words: list[str] = []
+    if start is not None:
+        start = calculated(start)
+        if recipe.start == LINEAR and (unit.first + i) % CHECKED_EVERY == 0:
+            evaluated.by_step[i] = _change(near_start(case, recipe, near, 0.5), start)
+            evaluated.checked[i] = start.counted
+        if start.reversed and unit.replan:
+            own = planned_start(case, analysis_for_start(case), estimated=False)
+            start = read_start(case, recipe, own.model, own.start.outcome, own.start)
+        evaluated.counted[i] = start.counted
+        evaluated.reversed[i] = bool(start.reversed)
+        evaluated.sensitive[i] = start.sensitive
+        evaluated.torque[i] = start.largest
+        evaluated.starts[i] = start.starts
+        words = [start.outcome.outcome]
+    evaluated.known[i] = True
+    return words
 
 
 def _change(fine: NearStart, coarse: NearStart) -> tuple[float, float]:
