@@ -435,7 +435,7 @@ def read_start(
         sections = sections_of(run)
         turning = {e: run.turning[widest] for e, (_, _, widest) in sections.items()}
         for e, (high, low, _) in sections.items():
-            maximum[e], minimum[e] = run.turning[high][1].max(), run.turning[low][1].min()
+            maximum[e], minimum[e] = run.extremes[0, high], run.extremes[1, low]
     reversed_ = tuple(
         name
         for name, high, low in zip(names, maximum, minimum, strict=True)
