@@ -364,7 +364,9 @@ def modal_damping(case: CaseData, train: Train, modes: Modes) -> ModalDamping:
     physical = modal_damping_matrix(train, modes)
     loss = train.element_loss_factor
     safe = np.where(modes.omega > 0.0, modes.omega, 1.0)
-    structural = np.where(modes.omega > 0.0, stated + 0.5 * product(loss, modes.strain_share), 0.0)
+    # without loss factors nobody needs the shares of energy yet
+    hysteretic = 0.5 * product(loss, modes.strain_share) if np.any(loss) else 0.0
+    structural = np.where(modes.omega > 0.0, stated + hysteretic, 0.0)
     own = physical.diagonal().copy()
     ratio = np.where(modes.omega > 0.0, structural + 0.5 * own / safe, 0.0)
     rate = np.where(modes.omega > 0.0, 2.0 * ratio * modes.omega, own)

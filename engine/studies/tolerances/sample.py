@@ -58,8 +58,10 @@ _NEGLIGIBLE = 1e-3
 #: Arrays of `Evaluated`, one row per sample: yes or no, and numbers.
 MASKS = ("known", "counted", "reversed", "sensitive", "checked")
 NUMBERS = ("frequency", "margin", "torque", "starts", "by_step")
-#: Values of the mode shapes of all samples that are calculated together, at most: 8 MB, and some ten times that with what follows
-#: from them. [count]
+#: Samples that are calculated together: enough to fill the lanes of the loop and to share the cost of a call; more
+#: only keep more objects alive (docs/floors.md). [count]
+TOGETHER = 16
+#: Values of their mode shapes at most: 8 MB, and some ten times that with what follows from them. [count]
 MOST_MODE_VALUES = 1_000_000
 #: Samples of one unit of work, of starts without events; one with events takes a second and more.
 UNIT_SIZE = 50
@@ -311,7 +313,7 @@ def evaluate(unit: Unit) -> Evaluated:
 def _samples_at_once(unit: Unit) -> int:
     """How many samples are calculated together: fewer where the modes of each take much memory."""
     size = len(unit.case.stations) + sum(count for _, count in unit.recipe.segments)
-    return max(1, MOST_MODE_VALUES // (size * size))
+    return min(TOGETHER, max(1, MOST_MODE_VALUES // (size * size)))
 
 
 def _write_sample(
