@@ -80,8 +80,7 @@ def build_train(
     if n_dof < len(ratio):
         incidence = np.zeros((len(a.rows), n_dof))
         np.add.at(incidence, (row, dof[node]), factor * scale[node])
-    dof_inertia = np.zeros(n_dof)
-    np.add.at(dof_inertia, dof, inertia * scale**2)
+    dof_inertia = np.bincount(dof, inertia * scale**2, minlength=n_dof)
     if np.any(dof_inertia <= 0.0):
         massless = int(np.flatnonzero(dof == int(np.argmin(dof_inertia)))[0])
         raise ModelError(f"Station '{case.stations[massless].station}' has no inertia.")

@@ -8,6 +8,7 @@ the ones the topology says. `engine.numerics.singular_values` finds them, each t
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -154,42 +155,84 @@ def modes_of(train: Train) -> Modes:
     InternalError
         If the singular values contradict the number of rigid modes of the topology.
     """
-    parts = _components(train)
-    found = [_modes_of_part(train, *part) for part in parts]
-    omega, shape, torque, _ = found[0]
-    if len(parts) > 1:
-        omega = np.concatenate([part[0] for part in found])
-        order = np.argsort(omega, kind="stable")
-        omega = omega[order]
-        shape = np.concatenate([part[1] for part in found], axis=1)[:, order]
-        torque = np.concatenate([part[2] for part in found], axis=1)[:, order]
+    return modes_of_trains([train])[0]
+
+
+def modes_of_trains(trains: Sequence[Train]) -> list[Modes]:
+    """Natural modes of trains; those of one structure are calculated together, each with the bits that it has alone.
+
+    Parameters
+    ----------
+    trains : sequence of Train
+        The trains. [SI]
+
+    Returns
+    -------
+    list of Modes
+        All modes of each. [SI]
+
+    Raises
+    ------
+    InternalError
+        If the singular values contradict the number of rigid modes of the topology.
+    """
+    if len(trains) == 1:  # without a copy of its incidence matrix, which may be large
+        return list(_modes_of_alike(trains))
+    alike: dict[object, list[int]] = {}
+    for i, train in enumerate(trains):
+        springs = (train.stiffness > 0.0).tobytes()
+        form = train.incidence.shape, train.incidence.tobytes(), springs, train.dof_ratio.tobytes()
+        alike.setdefault(form, []).append(i)
+    modes: dict[int, Modes] = {}
+    for places in alike.values():
+        modes |= zip(places, _modes_of_alike([trains[i] for i in places]), strict=True)
+    return [modes[i] for i in range(len(trains))]
+
+
+def _modes_of_alike(trains: Sequence[Train]) -> Iterator[Modes]:
+    """Modes of trains with the same incidence matrix and springs in the same rows."""
+    parts = _components(trains[0])
+    found = [_modes_of_part(trains, *part) for part in parts]
     n_rigid = sum(not grounded for *_, grounded in parts)
-    algorithm = next((used for *_, used in reversed(found) if used != "svd"), "svd")
-    return Modes(train, omega, n_rigid, shape, torque, algorithm)
+    for i, train in enumerate(trains):
+        omega, shape, torque = (array[i] for array in found[0][:3])
+        if len(parts) > 1:
+            omega = np.concatenate([part[0][i] for part in found])
+            order = np.argsort(omega, kind="stable")
+            omega = omega[order]
+            shape = np.concatenate([part[1][i] for part in found], axis=1)[:, order]
+            torque = np.concatenate([part[2][i] for part in found], axis=1)[:, order]
+        words = [part[3][i] for part in found]
+        algorithm = next((used for used in reversed(words) if used != "svd"), "svd")
+        yield Modes(train, omega, n_rigid, shape, torque, algorithm)
 
 
 def _modes_of_part(
-    train: Train, dofs: Ints, rows: Ints, grounded: bool
-) -> tuple[Floats, Floats, Floats, str]:
-    """Angular frequencies of a part, shapes and row torques over the whole train, and the algorithm."""
+    trains: Sequence[Train], dofs: Ints, rows: Ints, grounded: bool
+) -> tuple[Floats, Floats, Floats, tuple[str, ...]]:
+    """Angular frequencies of a part of each train, shapes and row torques over the whole of it, and the algorithm."""
+    first, many = trains[0], len(trains)
     n, n_rows, count = len(dofs), len(rows), len(dofs) - (0 if grounded else 1)
-    whole = n == train.n_dof and n_rows == train.n_rows
-    incidence = train.incidence if whole else train.incidence[np.ix_(rows, dofs)]
-    root_k, root_mass = np.sqrt(train.stiffness[rows]), np.sqrt(train.inertia[dofs])
-    used = "svd"
-    torque, omega, shape = np.zeros((n_rows, n)), np.zeros(n), np.zeros((n, n))
+    whole = n == first.n_dof and n_rows == first.n_rows
+    incidence = first.incidence if whole else first.incidence[np.ix_(rows, dofs)]
+    inertia = np.stack([train.inertia[dofs] for train in trains])
+    root_k = np.sqrt(np.stack([train.stiffness[rows] for train in trains]))
+    root_mass = np.sqrt(inertia)
+    used: tuple[str, ...] = ("svd",) * many
+    torque, omega, shape = np.zeros((many, n_rows, n)), np.zeros((many, n)), np.zeros((many, n, n))
     if count:
         torque, omega, shape, used = singular_triplets(root_k, incidence, root_mass, count)
-    torque *= root_k[:, None]  # in place: of a long train each is large
-    torque *= omega
-    shape /= root_mass[:, None]
+    torque *= root_k[:, :, None]  # in place: of a long train each is large
+    torque *= omega[:, None, :]
+    shape /= root_mass[:, :, None]
     if not grounded:
-        ratio = train.dof_ratio[dofs]
-        shape[:, 0] = ratio / math.sqrt(float(np.sum(train.inertia[dofs] * ratio**2)))
+        ratio = first.dof_ratio[dofs]
+        mass = np.sum(inertia * ratio**2, axis=1)
+        shape[:, :, 0] = ratio / np.sqrt(mass)[:, None]
     if whole:
         return omega, shape, torque, used
-    shapes, torques = np.zeros((train.n_dof, n)), np.zeros((train.n_rows, n))
-    shapes[dofs], torques[rows] = shape, torque
+    shapes, torques = np.zeros((many, first.n_dof, n)), np.zeros((many, first.n_rows, n))
+    shapes[:, dofs], torques[:, rows] = shape, torque
     return omega, shapes, torques, used
 
 
@@ -321,7 +364,9 @@ def modal_damping(case: CaseData, train: Train, modes: Modes) -> ModalDamping:
     physical = modal_damping_matrix(train, modes)
     loss = train.element_loss_factor
     safe = np.where(modes.omega > 0.0, modes.omega, 1.0)
-    structural = np.where(modes.omega > 0.0, stated + 0.5 * product(loss, modes.strain_share), 0.0)
+    # without loss factors nobody needs the shares of energy yet
+    hysteretic = 0.5 * product(loss, modes.strain_share) if np.any(loss) else 0.0
+    structural = np.where(modes.omega > 0.0, stated + hysteretic, 0.0)
     own = physical.diagonal().copy()
     ratio = np.where(modes.omega > 0.0, structural + 0.5 * own / safe, 0.0)
     rate = np.where(modes.omega > 0.0, 2.0 * ratio * modes.omega, own)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -58,6 +59,14 @@ class RigidRunup:
         return float(interp(speed, self.speed, self.net)) / self.inertia
 
 
+@lru_cache(maxsize=4)
+def _speeds(end_speed: float) -> Floats:
+    """Speed grid; all starts of a study share it."""
+    speed = np.linspace(0.0, end_speed, N_GRID)
+    speed.flags.writeable = False
+    return speed
+
+
 def rigid_runup(
     train: Train,
     motors: Sequence[Motor],
@@ -91,7 +100,7 @@ def rigid_runup(
     RigidRunup
         Torques, equilibrium and time against speed. [SI]
     """
-    speed = np.linspace(0.0, end_speed, N_GRID)
+    speed = _speeds(end_speed)
     ratio = train.speed_ratio
     average, pulsating, load = np.zeros(N_GRID), np.zeros(N_GRID), np.zeros(N_GRID)
     for m in motors:

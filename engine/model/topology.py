@@ -108,7 +108,9 @@ def rigid_meshes(rigid: list[tuple[int, int, int]], ratio: Floats) -> tuple[Rigi
     tuple of RigidMesh
         One a rigid mesh. [indices]
     """
-    most = 1 + max((element for element, _, _ in rigid), default=0)
+    if not rigid:
+        return ()
+    most = 1 + max(element for element, _, _ in rigid)
     sides = driven_side(tuple(rigid), len(ratio), most)
     return tuple(
         RigidMesh(element, tuple(np.flatnonzero(sides[element]).tolist()), float(ratio[a]))

@@ -184,9 +184,9 @@ class Train:
     @property
     def ground_damping(self) -> Floats:
         """Damping to ground of each degree of freedom, shape (n_dof,). [N m s/rad]"""
-        damping = np.zeros(self.n_dof)
-        np.add.at(damping, self.node_dof, self.node_damping * self.node_scale**2)
-        return damping
+        return np.bincount(
+            self.node_dof, self.node_damping * self.node_scale**2, minlength=self.n_dof
+        )
 
     def node_matrix(self) -> Floats:
         """Node angles from degrees of freedom.

@@ -398,6 +398,10 @@ class ComplexSystems:
         return x
 
 
+#: Of `svd`.
+NOT_CONVERGED = "the Jacobi SVD did not converge"
+
+
 def svd(a: Floats) -> tuple[Floats, Floats, Floats]:
     """Singular value decomposition by one-sided Jacobi rotations, values falling.
 
@@ -406,16 +410,16 @@ def svd(a: Floats) -> tuple[Floats, Floats, Floats]:
 
     Parameters
     ----------
-    a : ndarray, shape (m, n)
-        Matrix. [any]
+    a : ndarray, shape (m, n) or (count, m, n)
+        A matrix, or several: each has the bits that it has alone. [any]
 
     Returns
     -------
-    left : ndarray, shape (m, min(m, n))
+    left : ndarray, shape (m, min(m, n)) or (count, m, min(m, n))
         Left singular vectors. [1]
-    sigma : ndarray, shape (min(m, n),)
+    sigma : ndarray, shape (min(m, n),) or (count, min(m, n))
         Singular values. [any]
-    right : ndarray, shape (n, min(m, n))
+    right : ndarray, shape (n, min(m, n)) or (count, n, min(m, n))
         Right singular vectors. [1]
 
     Raises
@@ -428,25 +432,31 @@ def svd(a: Floats) -> tuple[Floats, Floats, Floats]:
     Demmel & Veselić, "Jacobi's method is more accurate than QR", SIAM J. Matrix Anal. Appl. 13 (1992) 1204-1245;
     Drmač & Veselić, "New fast and accurate Jacobi SVD algorithm I", SIAM J. Matrix Anal. Appl. 29 (2008) 1322-1342.
     """
-    wide = a.shape[0] < a.shape[1]
-    tall = a.T if wide else a
-    m, n = tall.shape
-    size = np.max(np.abs(tall), axis=1, initial=0.0)
-    unit = math.ldexp(1.0, math.frexp(float(np.max(size, initial=0.0)))[1])  # no square overflows
-    rows = np.argsort(-size, kind="stable")
-    columns = np.ascontiguousarray((tall[rows] / unit).T)
-    left, sigma, right = np.empty((n, m)), np.empty(n), np.empty((n, n))
+    matrices = a if a.ndim == 3 else a[None]
+    wide = matrices.shape[1] < matrices.shape[2]
+    tall = matrices.transpose(0, 2, 1) if wide else matrices
+    count, m, n = tall.shape
+    own = np.arange(count)[:, None]
+    size = np.max(np.abs(tall), axis=2, initial=0.0)
+    unit = np.ldexp(1.0, np.frexp(np.max(size, axis=1, initial=0.0))[1])  # no square overflows
+    rows = np.argsort(-size, axis=1, kind="stable")
+    columns = np.ascontiguousarray((tall[own, rows] / unit[:, None, None]).transpose(0, 2, 1))
+    left, sigma, right = np.empty((count, n, m)), np.empty((count, n)), np.empty((count, n, n))
     order, room = np.empty(n, dtype=np.int64), np.empty(2 * n * (n + 1))
-    converged = library.jacobi_svd(
-        m, n, *map(address, (columns, left, sigma, right)), address(order, "int64_t"), address(room)
-    )
-    if not converged or not np.all(np.isfinite(sigma)):
-        raise InternalError("the Jacobi SVD did not converge")
-    falling = np.argsort(-sigma, kind="stable")
-    u = np.empty((m, n))
-    u[rows] = left[falling].T
-    v = np.ascontiguousarray(right[falling].T)
-    return (v, sigma[falling] * unit, u) if wide else (u, sigma[falling] * unit, v)
+    for parts in zip(columns, left, sigma, right, strict=True):
+        if not library.jacobi_svd(
+            m, n, *map(address, parts), address(order, "int64_t"), address(room)
+        ):
+            raise InternalError(NOT_CONVERGED)
+    if not np.all(np.isfinite(sigma)):
+        raise InternalError(NOT_CONVERGED)
+    falling = np.argsort(-sigma, axis=1, kind="stable")
+    u = np.empty((count, m, n))
+    u[own, rows] = left[own, falling].transpose(0, 2, 1)
+    v = np.ascontiguousarray(right[own, falling].transpose(0, 2, 1))
+    sigma = sigma[own, falling] * unit[:, None]
+    triplets = (v, sigma, u) if wide else (u, sigma, v)
+    return triplets if a.ndim == 3 else (triplets[0][0], triplets[1][0], triplets[2][0])
 
 
 def right_basis(a: Floats, rank: int) -> tuple[Floats, Floats]:

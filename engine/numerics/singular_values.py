@@ -30,8 +30,9 @@ from engine.errors import InternalError
 from engine.numerics.same_bits import square, svd
 from engine.stepping.library import address, ffi, library
 
-#: Left vectors, values, right vectors, algorithm.
-Triplets = tuple[Floats, Floats, Floats, str]
+#: Left vectors, values, right vectors, algorithm: of one train, and of several.
+Triplet = tuple[Floats, Floats, Floats, str]
+Triplets = tuple[Floats, Floats, Floats, tuple[str, ...]]
 
 #: From this many degrees of freedom on LAPACK calculates. Its results depend on the processor, in the last digits.
 LARGE = 400
@@ -52,62 +53,87 @@ TINY, EPS = float(np.finfo(float).tiny), float(np.finfo(float).eps)
 
 
 def singular_triplets(root_k: Floats, B: Floats, root_mass: Floats, count: int) -> Triplets:
-    """Singular triplets of D = √k · B · 1/√m, rising, each value to its own rounding.
+    """Singular triplets of D = √k · B · 1/√m of each of some trains, rising, each value to its own rounding.
+
+    A train has the same bits alone.
 
     Parameters
     ----------
-    root_k : ndarray, shape (n_rows,)
+    root_k : ndarray, shape (n_trains, n_rows)
         √k, positive. [√(N m/rad)]
     B : ndarray, shape (n_rows, n_columns)
-        Incidence matrix. [1]
-    root_mass : ndarray, shape (n_columns,)
+        Incidence matrix of all of them. [1]
+    root_mass : ndarray, shape (n_trains, n_columns)
         √m. [√(kg m²)]
     count : int
         Number of singular values that are not zero, known from the topology. [count]
 
     Returns
     -------
-    left : ndarray, shape (n_rows, n_columns)
+    left : ndarray, shape (n_trains, n_rows, n_columns)
         Left singular vectors; zero where the value is. [1]
-    sigma : ndarray, shape (n_columns,)
+    sigma : ndarray, shape (n_trains, n_columns)
         Singular values; those that are zero come first. [rad/s]
-    right : ndarray, shape (n_columns, n_columns)
+    right : ndarray, shape (n_trains, n_columns, n_columns)
         Right singular vectors; zero where the value is. [1]
-    algorithm : str
-        ``svd``, ``jacobi`` or ``chain``. [word]
+    algorithm : tuple of str
+        ``svd``, ``jacobi`` or ``chain`` of each. [word]
 
     Raises
     ------
     InternalError
         If fewer than `count` values differ from zero.
     """
-    large = max(B.shape) >= LARGE
-    if large and (triplets := _chain(root_k, B, root_mass, count)) is not None:
+    if max(B.shape) >= LARGE:
+        found = [_large(k, B, m, count) for k, m in zip(root_k, root_mass, strict=True)]
+        left, values, right, words = zip(*found, strict=True)
+        if len(found) == 1:  # without copies: each is large
+            return left[0][None], values[0][None], right[0][None], words
+        return np.stack(left), np.stack(values), np.stack(right), words
+    D = root_k[:, :, None] * B / root_mass[:, None, :]
+    u, sigma, v = _rising(*svd(D), count)
+    _correct(D, sigma[:, -count:])
+    return u, sigma, v, ("jacobi",) * len(D)
+
+
+def _large(root_k: Floats, B: Floats, root_mass: Floats, count: int) -> Triplet:
+    """Of one train with many degrees of freedom."""
+    if (triplets := _chain(root_k, B, root_mass, count)) is not None:
         return triplets
     D = root_k[:, None] * B / root_mass
-    if large and (triplets := _plain(D, count)) is not None:
+    if (triplets := _plain(D, count)) is not None:
         return triplets
-    u, sigma, v = _rising(*(_lapack_jacobi(D) if large else svd(D)), count)
-    elastic = sigma[-count:]
-    if not (np.all(np.isfinite(elastic)) and elastic[0] > 0.0):
-        raise InternalError(
-            f"expected {count} elastic modes, the smallest singular value is {elastic[0]:.3g}"
-        )
-    if elastic[-1] > CONFIDENT_SPAN * elastic[0] and (tree := _leaves_first(D)) is not None:
-        sigma[-count:] = _corrected(tree, elastic)
+    u, sigma, v = _rising(*_lapack_jacobi(D), count)
+    _correct(D[None], sigma[None, -count:])
     return u, sigma, v, "jacobi"
+
+
+def _correct(D: Floats, elastic: Floats) -> None:
+    """Correct singular values of the Jacobi SVD, all that are not zero, where the counts contradict them."""
+    least = float(np.min(elastic[:, 0]))
+    if not (np.all(np.isfinite(elastic)) and least > 0.0):
+        raise InternalError(
+            f"expected {elastic.shape[1]} elastic modes, the smallest singular value is {least:.3g}"
+        )
+    for i in np.flatnonzero(elastic[:, -1] > CONFIDENT_SPAN * elastic[:, 0]):
+        if (tree := _leaves_first(D[i])) is not None:
+            elastic[i] = _corrected(tree, elastic[i])
 
 
 def _rising(u: Floats, sigma: Floats, v: Floats, count: int) -> tuple[Floats, Floats, Floats]:
     """Triplets in falling order, in rising order; those behind the `count` largest become zero."""
-    n = len(v)
-    left, values, right = np.zeros((len(u), n)), np.zeros(n), np.zeros((n, n))
+    n = v.shape[-2]
+    left, values, right = (
+        np.zeros((*u.shape[:-1], n)),
+        np.zeros((*sigma.shape[:-1], n)),
+        np.zeros((*v.shape[:-1], n)),
+    )
     for to, of in ((left, u), (values, sigma), (right, v)):
         to[..., n - count :] = of[..., :count][..., ::-1]
     return left, values, right
 
 
-def _plain(D: Floats, count: int) -> Triplets | None:
+def _plain(D: Floats, count: int) -> Triplet | None:
     """The plain SVD; None where it may have lost digits."""
     u, sigma, vt = np.linalg.svd(D, full_matrices=False)
     loss, smallest = EPS * max(D.shape) * sigma[0], sigma[count - 1]
@@ -250,7 +276,7 @@ def _count_below(tree: list[_Hanging], values: Floats) -> Ints:
 # --- unbranched trains ----------------------------------------------------------------------------
 
 
-def _chain(root_k: Floats, B: Floats, root_mass: Floats, count: int) -> Triplets | None:
+def _chain(root_k: Floats, B: Floats, root_mass: Floats, count: int) -> Triplet | None:
     """Triplets where D is bidiagonal in any order of rows and columns; None if it is not.
 
     Also None where two values are so close that their vectors, each found alone, would not be

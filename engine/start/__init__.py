@@ -20,8 +20,8 @@ module            responsibility
 `start_model`     a start in arrays: as few modes as the tolerance allows, forces, dampers and
                   curves
 `outcome`         how a start ended: the word, and the sentence with its numbers
-`simulation`      one simulation of a start at one step, and what is read out of it
-`side_by_side`    many calculations in turn, whose starts run side by side in the lanes of one loop
+`simulation`      simulations of starts, each at one step, side by side in the lanes of one loop; and
+                  what is read out of them
 `start`           the start: average and pulsating torque against the loads, from rest to the end
                   speed
 `lowest_torque`   the lowest torque of each element, by how much it may be lower, and what may be

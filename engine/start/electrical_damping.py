@@ -81,10 +81,12 @@ class Swings:
         ndarray, shape (n_swings, n_levels, n_modes)
             Re K φ. [N m s/√(kg m²)]
         """
-        levels = len(LEVELS) if len(self.motor) else 0
+        if not len(self.motor):
+            return np.zeros((0, 0, len(omega)))
+        levels = len(LEVELS)
         torque = np.zeros((len(self.motor), levels, len(omega)))
         elastic = np.flatnonzero(omega > 0.0)
-        frequency = np.repeat(omega[elastic] / self.line_omega, levels) if levels else np.zeros(0)
+        frequency = np.repeat(omega[elastic] / self.line_omega, levels)
         slip = np.tile(1.0 - LEVELS, len(elastic))
         for row, force, circuits in zip(torque, self.force, self.machines, strict=True):
             for circuit, scale in circuits:

@@ -152,21 +152,17 @@ def sections_of(run: SingleRun) -> dict[int, tuple[int, int, int]]:
         Element → three outputs, of an undivided element the same; in the order of elements. [index]
     """
     found: dict[int, tuple[int, int, int]] = {}
-    extremes = [(float(value.max()), float(value.min())) for _, value in run.turning]
+    highest, lowest = run.extremes.tolist()
     for i, element in enumerate(run.trajectory.output_element.tolist()):
         if element < 0:  # a bearing is no element
             continue
         high, low, wide = found.get(element, (i, i, i))
         found[element] = (
-            i if extremes[i][0] > extremes[high][0] else high,
-            i if extremes[i][1] < extremes[low][1] else low,
-            i if _range(extremes[i]) > _range(extremes[wide]) else wide,
+            i if highest[i] > highest[high] else high,
+            i if lowest[i] < lowest[low] else low,
+            i if highest[i] - lowest[i] > highest[wide] - lowest[wide] else wide,
         )
     return dict(sorted(found.items()))
-
-
-def _range(extremes: tuple[float, float]) -> float:
-    return extremes[0] - extremes[1]
 
 
 def _difference(
@@ -337,7 +333,7 @@ def judge_run(
     peaks = []
     for (element, i), own, scale, left_out in zip(judged, relative, floor, bound, strict=True):
         high, low, _ = sections[element]
-        highest, lowest = float(turning[high][1].max()), float(turning[low][1].min())
+        highest, lowest = float(fine.extremes[0, high]), float(fine.extremes[1, low])
         when, value = turning[high if highest >= -lowest else low]
         time = float(when[int(np.argmax(np.abs(value)))])
         peaks.append(

@@ -276,8 +276,8 @@ def form_of(simulation: Simulation) -> tuple[Any, ...]:
     )  # fmt: skip
 
 
-def turning_of_starts(simulations: Sequence[Simulation]) -> list[SingleRun | InternalError]:
-    """Turning points of starts of one form, side by side; each has the same bits alone.
+def turning_of_starts(simulations: Sequence[Simulation]) -> list[SingleRun]:
+    """Turning points of starts, those of one form side by side; each has the same bits alone.
 
     As many as the loop has lanes go at a time, those of about as many steps together: a lane that has ended waits for
     the others.
@@ -285,34 +285,41 @@ def turning_of_starts(simulations: Sequence[Simulation]) -> list[SingleRun | Int
     Parameters
     ----------
     simulations : sequence of Simulation
-        One or more with the same `form_of`. [SI]
+        Starts. [SI]
 
     Returns
     -------
-    list of SingleRun or InternalError
-        Of each, without histories of its torques; or why there is none. [SI]
+    list of SingleRun
+        Of each, without histories of its torques. [SI]
+
+    Raises
+    ------
+    InternalError
+        If one diverges.
     """
-    order = sorted(
-        range(len(simulations)), key=lambda i: simulations[i].maximum_time / simulations[i].step
-    )
-    found: dict[int, SingleRun | InternalError] = {}
-    for first in range(0, len(order), kernels.LANES):
-        some = order[first : first + kernels.LANES]
-        lanes = 1 if len(some) == 1 else kernels.LANES
-        loop = _Loop([simulations[i] for i in some], lanes, histories=False)
-        at_rest = loop.ends["last"].copy()
-        while loop.advance():
-            loop.make_room()
-        found.update((i, _single_run(loop, lane, at_rest)) for lane, i in enumerate(some))
+    forms: dict[object, list[int]] = {}
+    for i, simulation in enumerate(simulations):
+        forms.setdefault(form_of(simulation), []).append(i)
+    found: dict[int, SingleRun] = {}
+    for alike in forms.values():
+        alike.sort(key=lambda i: simulations[i].maximum_time / simulations[i].step)
+        for first in range(0, len(alike), kernels.LANES):
+            some = alike[first : first + kernels.LANES]
+            lanes = 1 if len(some) == 1 else kernels.LANES
+            loop = _Loop([simulations[i] for i in some], lanes, histories=False)
+            at_rest = loop.ends["last"].copy()
+            while loop.advance():
+                loop.make_room()
+            found.update((i, _single_run(loop, lane, at_rest)) for lane, i in enumerate(some))
     return [found[i] for i in range(len(simulations))]
 
 
-def _single_run(loop: _Loop, lane: int, first: Floats) -> SingleRun | InternalError:
+def _single_run(loop: _Loop, lane: int, first: Floats) -> SingleRun:
     """What one lane left; `first`: its torques at rest."""
     simulation = loop.simulations[lane]
     time, speed = (loop.rows[n][: loop.done[lane], lane].copy() for n in ("time", "speed"))
     if not np.all(np.isfinite(loop.ends["last"][:, lane])):
-        return InternalError(_diverged(simulation.step, time[-1]))
+        raise InternalError(_diverged(simulation.step, time[-1]))
     none = np.empty((0, 0))
     reached = bool(loop.reason[lane] == kernels.SPEED)
     element = simulation.model.outputs.element

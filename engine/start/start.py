@@ -10,7 +10,7 @@ output, a cubic between samples, so a peak between two samples is not missed.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -35,8 +35,7 @@ from engine.start.event_results import (
 from engine.start.outcome import StartOutcome, outcome_of, run_length, start_settled
 from engine.start.peaks import ElementPeak, JudgedRun, judge_run, largest_relative_error
 from engine.start.settings import PLAIN_START, StartSettings, keeps_history, settings_of
-from engine.start.side_by_side import turning_of_start
-from engine.start.simulation import Simulation, start_with_histories
+from engine.start.simulation import Simulation, start_with_histories, turning_of_starts
 from engine.start.start_model import (
     COARSEST_FIRST,
     FINEST_FIRST,
@@ -230,27 +229,36 @@ class PreparedStart:
     synchronous: float  #: Synchronous speed of the reference shaft. [rad/s]
     keep_all: bool  #: Whether every sample is kept, however much memory that takes.
 
-    def at(self, step: float, *, histories: bool = True) -> SingleRun:
-        """Simulate at one step.
+    def at(self, step: float) -> SingleRun:
+        """Simulate at one step, with histories.
 
         Parameters
         ----------
         step : float
             Largest step. [s]
-        histories : bool, optional
-            False: turning points are all that is wanted; starts that are asked for together
-            (`engine.start.side_by_side`) then run in the lanes of one loop. [flag]
 
         Returns
         -------
         SingleRun
             From rest to the end. [SI]
         """
+        return start_with_histories(self.simulation(step), keep_all=self.keep_all)
+
+    def simulation(self, step: float) -> Simulation:
+        """What is simulated at one step.
+
+        Parameters
+        ----------
+        step : float
+            Largest step. [s]
+
+        Returns
+        -------
+        Simulation
+            The start, until its end speed or the time to simulate. [SI]
+        """
         method, target = self.settings.method, self.settings.end_speed
-        simulation = Simulation(self.model, step, method, target, self.maximum_time)
-        if not histories:
-            return turning_of_start(simulation)
-        return start_with_histories(simulation, keep_all=self.keep_all)
+        return Simulation(self.model, step, method, target, self.maximum_time)
 
     def to_its_end(self, step: float, *, histories: bool = True) -> tuple[PreparedStart, SingleRun]:
         """Simulate at one step, prolonged until the start has ended or settled.
@@ -260,7 +268,7 @@ class PreparedStart:
         step : float
             Largest step. [s]
         histories : bool, optional
-            As for `at`. [flag]
+            False: turning points are all that is wanted. [flag]
 
         Returns
         -------
@@ -269,22 +277,77 @@ class PreparedStart:
         run : SingleRun
             From rest to the end. [SI]
         """
-        prepared, run = self, self.at(step, histories=histories)
-        for _ in range(MAX_PROLONGATIONS):
-            if (
-                run.trajectory.reached
-                or prepared.maximum_time >= self.longest
-                or start_settled(self.runup, run.trajectory, run.end, self.synchronous)
-            ):
-                break
-            maximum = min(2.0 * prepared.maximum_time, self.longest)
-            prepared = replace(prepared, maximum_time=maximum)
-            run = prepared.at(step, histories=histories)
-        return prepared, run
+        return starts_to_their_ends([(self, step)], histories=histories)[0]
+
+    def prolonged(self, run: SingleRun) -> PreparedStart | None:
+        """The start with more time to simulate.
+
+        Parameters
+        ----------
+        run : SingleRun
+            What it is after the present time. [SI]
+
+        Returns
+        -------
+        PreparedStart or None
+            None where it has ended or settled, or no more time is allowed. [SI]
+        """
+        if (
+            run.trajectory.reached
+            or self.maximum_time >= self.longest
+            or start_settled(self.runup, run.trajectory, run.end, self.synchronous)
+        ):
+            return None
+        return replace(self, maximum_time=min(2.0 * self.maximum_time, self.longest))
 
     def outcome(self, run: SingleRun) -> StartOutcome:
         """How a simulation of this start ended."""
         return outcome_of(self.runup, self.settings, run.trajectory, run.end, self.synchronous)
+
+
+def starts_to_their_ends(
+    starts: Sequence[tuple[PreparedStart, float]], *, histories: bool = False
+) -> list[tuple[PreparedStart, SingleRun]]:
+    """Starts simulated each at its step, prolonged until it has ended or settled.
+
+    Without histories those of one form run side by side in the lanes of one loop; each has the same bits alone.
+
+    Parameters
+    ----------
+    starts : sequence of tuple
+        Starts and their largest steps. [SI, s]
+    histories : bool, optional
+        False: turning points are all that is wanted. [flag]
+
+    Returns
+    -------
+    list of tuple
+        Each with the time that was needed, and from rest to its end. [SI]
+
+    Raises
+    ------
+    InternalError
+        If one diverges.
+    """
+    ends: dict[int, tuple[PreparedStart, SingleRun]] = {}
+    waiting = {i: prepared for i, (prepared, _) in enumerate(starts)}
+    for _ in range(MAX_PROLONGATIONS + 1):
+        runs = _simulated([(p, starts[i][1]) for i, p in waiting.items()], histories=histories)
+        ends |= zip(waiting, zip(waiting.values(), runs, strict=True), strict=True)
+        longer = {i: ends[i][0].prolonged(ends[i][1]) for i in waiting}
+        waiting = {i: prepared for i, prepared in longer.items() if prepared is not None}
+        if not waiting:
+            break
+    return [ends[i] for i in range(len(starts))]
+
+
+def _simulated(
+    starts: Sequence[tuple[PreparedStart, float]], *, histories: bool
+) -> Sequence[SingleRun]:
+    """Starts at their steps; an error of one is raised."""
+    if histories:
+        return [prepared.at(step) for prepared, step in starts]
+    return turning_of_starts([prepared.simulation(step) for prepared, step in starts])
 
 
 def prepared_start(

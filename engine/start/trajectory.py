@@ -9,6 +9,7 @@ pictures and for interpolation, so that memory does not grow with the number of 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Self
 
 import numpy as np
@@ -247,6 +248,14 @@ class SingleRun:
         """
         turning = turning_of(trajectory, end)
         return cls(replace(trajectory, turning=None), end, turning)
+
+    @cached_property
+    def extremes(self) -> Floats:
+        """Highest and lowest torque of every output, shape (2, n_outputs). [N m]"""
+        values = [value for _, value in self.turning]
+        begins = np.concatenate([[0], np.cumsum([len(value) for value in values[:-1]], dtype=int)])
+        joined = np.concatenate(values)
+        return np.stack([of.reduceat(joined, begins) for of in (np.maximum, np.minimum)])
 
     def without_history(self) -> Self:
         """With the turning points alone: the history is most of the memory."""

@@ -10,8 +10,9 @@ is calculated as in the nominal run, with its own refinement.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 
@@ -28,18 +29,20 @@ from engine.model.build_train import build_train
 from engine.model.excitation import excitations_of, operating_range
 from engine.model.links import has_clearance
 from engine.model.modal_train import ModalTrain
-from engine.model.modes import modes_of
+from engine.model.modes import modes_of_trains
+from engine.model.train import Train
 from engine.operation.margins import nearest_frequency
 from engine.results.results import Results
 from engine.run import calculate_start
 from engine.start.outcome import StartOutcome
 from engine.start.peaks import sections_of
 from engine.start.settings import has_start
-from engine.start.start import PreparedStart, Start, prepared_start
+from engine.start.start import PreparedStart, Start, prepared_start, starts_to_their_ends
 from engine.start.start_fatigue import COUNTED_STARTS, DAMAGE_SHARE, judged_shafts, sn_curve_of
 from engine.start.trajectory import SingleRun
 
 Turning = tuple[Floats, Floats]
+Answer = TypeVar("Answer")
 
 #: How the start of a near train is calculated.
 LINEAR, PLANNED, NO_START = "linear", "planned", "none"
@@ -194,6 +197,29 @@ def _wanted_modes(case: CaseData, results: Results) -> int:
     return min(len(elastic), MOST_MODES, max(FEWEST_MODES, reached))
 
 
+def calculated(answer: Answer | ModelError) -> Answer:
+    """One of the answers for several trains, if there is one.
+
+    Parameters
+    ----------
+    answer : any or ModelError
+        The answer, or why there is none. [SI]
+
+    Returns
+    -------
+    any
+        The answer. [SI]
+
+    Raises
+    ------
+    ModelError
+        If there is none.
+    """
+    if isinstance(answer, ModelError):
+        raise answer
+    return answer
+
+
 def near_train(case: CaseData, recipe: NearbyStartPlan) -> NearTrain:
     """Modes and margins of a train near to the planned one.
 
@@ -208,8 +234,37 @@ def near_train(case: CaseData, recipe: NearbyStartPlan) -> NearTrain:
     -------
     NearTrain
         With an unchanged case the numbers of the nominal run, bit for bit. [SI]
+
+    Raises
+    ------
+    ModelError
+        If it is no train.
     """
-    model = _model(case, recipe, recipe.lateral)
+    return calculated(near_trains([case], recipe)[0])
+
+
+def near_trains(cases: Sequence[CaseData], recipe: NearbyStartPlan) -> list[NearTrain | ModelError]:
+    """Modes and margins of trains near to the planned one; the modes are calculated together.
+
+    Parameters
+    ----------
+    cases : sequence of CaseData
+        The cases, changed. [SI]
+    recipe : NearbyStartPlan
+        What the nominal run decided. [mixed]
+
+    Returns
+    -------
+    list of NearTrain or ModelError
+        Of each what `near_train` gives; or why it is no train. [SI]
+    """
+    answers: list[NearTrain | ModelError] = []
+    for case, model in zip(cases, _models(cases, recipe, recipe.lateral), strict=True):
+        answers.append(model if isinstance(model, ModelError) else _near_train(case, recipe, model))
+    return answers
+
+
+def _near_train(case: CaseData, recipe: NearbyStartPlan, model: ModalTrain) -> NearTrain:
     excitations = {x.name: x for x in excitations_of(case, model.train)}
     speeds, elastic = operating_range(case), model.modes.elastic_frequency
     margins = np.zeros(len(recipe.margins))
@@ -220,10 +275,23 @@ def near_train(case: CaseData, recipe: NearbyStartPlan) -> NearTrain:
     return NearTrain(model, elastic[: recipe.n_modes], margins)
 
 
-def _model(case: CaseData, recipe: NearbyStartPlan, lateral: bool) -> ModalTrain:
-    train = build_train(case, dict(recipe.segments), lateral=lateral)
-    modes = modes_of(train)
-    return ModalTrain.of(case, train, modes)
+def _models(
+    cases: Sequence[CaseData], recipe: NearbyStartPlan, lateral: bool
+) -> list[ModalTrain | ModelError]:
+    """Trains with their modes and damping, or why one is no train."""
+    trains = [_train(case, recipe, lateral) for case in cases]
+    modes = iter(modes_of_trains([train for train in trains if isinstance(train, Train)]))
+    return [
+        ModalTrain.of(case, train, next(modes)) if isinstance(train, Train) else train
+        for case, train in zip(cases, trains, strict=True)
+    ]
+
+
+def _train(case: CaseData, recipe: NearbyStartPlan, lateral: bool) -> Train | ModelError:
+    try:
+        return build_train(case, dict(recipe.segments), lateral=lateral)
+    except ModelError as error:
+        return error
 
 
 def near_start(
@@ -252,17 +320,59 @@ def near_start(
     ModelError
         If the changed train cannot start.
     """
-    case = CaseData(**vars(case) | {"keep_history": None})
-    model = near.model
-    if recipe.start_lateral != bool(model.train.bodies):
-        model = _model(case, recipe, recipe.start_lateral)
-    if recipe.start == LINEAR:
-        prepared = prepared_start(case, model, recipe.effects)
-        if recipe.held is not None:
-            prepared = _held(prepared, recipe.held)
-        step = refined * min(recipe.step, prepared.model.largest_step)
-        prepared, run = prepared.to_its_end(step, histories=False)
-        return read_start(case, recipe, model, prepared.outcome(run), run)
+    return calculated(near_starts(recipe, [(case, near, refined)])[0])
+
+
+def near_starts(
+    recipe: NearbyStartPlan, trains: Sequence[tuple[CaseData, NearTrain | ModelError, float]]
+) -> list[NearStart | ModelError]:
+    """Starts of trains near to the planned one; linear ones run side by side in the lanes of one loop.
+
+    Parameters
+    ----------
+    recipe : NearbyStartPlan
+        What the nominal run decided; its start is not ``none``. [mixed]
+    trains : sequence of tuple
+        Case, modes (or why it is no train), and share of the usual step that a linear start takes. [SI, SI, 1]
+
+    Returns
+    -------
+    list of NearStart or ModelError
+        Of each what `near_start` gives; or why it cannot start. [SI]
+    """
+    answers: dict[int, NearStart | ModelError] = {}
+    prepared: dict[int, tuple[CaseData, ModalTrain, PreparedStart, float]] = {}
+    for i, (stated, near, refined) in enumerate(trains):
+        case = CaseData(**vars(stated) | {"keep_history": None})
+        try:
+            model = calculated(near).model
+            if recipe.start_lateral != bool(model.train.bodies):
+                model = calculated(_models([case], recipe, recipe.start_lateral)[0])
+            if recipe.start == LINEAR:
+                start = _prepared(case, recipe, model)
+                step = refined * min(recipe.step, start.model.largest_step)
+                prepared[i] = case, model, start, step
+            else:
+                answers[i] = _planned_start(case, recipe, model)
+        except ModelError as error:
+            answers[i] = error
+    ends = starts_to_their_ends([(start, step) for *_, start, step in prepared.values()])
+    for (i, (case, model, *_)), (start, run) in zip(prepared.items(), ends, strict=True):
+        try:
+            answers[i] = read_start(case, recipe, model, start.outcome(run), run)
+        except ModelError as error:
+            answers[i] = error
+    return [answers[i] for i in range(len(trains))]
+
+
+def _prepared(case: CaseData, recipe: NearbyStartPlan, model: ModalTrain) -> PreparedStart:
+    """A linear start ready to be simulated."""
+    prepared = prepared_start(case, model, recipe.effects)
+    return prepared if recipe.held is None else _held(prepared, recipe.held)
+
+
+def _planned_start(case: CaseData, recipe: NearbyStartPlan, model: ModalTrain) -> NearStart:
+    """A start calculated like the nominal one."""
     if recipe.start != PLANNED:
         raise InternalError("a start was requested, but the nominal run has none")
     effects = recipe.effects
@@ -325,7 +435,7 @@ def read_start(
         sections = sections_of(run)
         turning = {e: run.turning[widest] for e, (_, _, widest) in sections.items()}
         for e, (high, low, _) in sections.items():
-            maximum[e], minimum[e] = run.turning[high][1].max(), run.turning[low][1].min()
+            maximum[e], minimum[e] = run.extremes[0, high], run.extremes[1, low]
     reversed_ = tuple(
         name
         for name, high, low in zip(names, maximum, minimum, strict=True)

@@ -270,7 +270,9 @@ class _Draft:
 def _with(row: Any, values: Mapping[str, Any]) -> Any:
     """A row with other values: as `dataclasses.replace`, at a tenth of its cost in studies of thousands."""
     other = object.__new__(type(row))
-    vars(other).update(vars(row) | values)
+    fields = vars(other)
+    fields.update(vars(row))
+    fields.update(values)
     return other
 
 

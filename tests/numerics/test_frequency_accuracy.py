@@ -194,9 +194,9 @@ def test_counts_find_and_correct_a_wrong_value(monkeypatch):
     def erring(D):
         u, sigma, v = honest(D)
         sigma = sigma.copy()
-        sigma[5] *= 1 + 1e-9
-        sigma[20] *= 1 - 1e-11
-        sigma[28] *= 1 + 3e-5
+        sigma[:, 5] *= 1 + 1e-9
+        sigma[:, 20] *= 1 - 1e-11
+        sigma[:, 28] *= 1 + 3e-5
         return u, sigma, v
 
     monkeypatch.setattr(engine.numerics.singular_values, "svd", erring)

@@ -9,9 +9,8 @@ import numpy as np
 
 from engine.arrays import Floats
 from engine.errors import ModelError
-from engine.start.side_by_side import side_by_side
 from engine.start.start_fatigue import judged_shafts
-from engine.studies.nearby_start import LINEAR, NearStart, near_start, near_train
+from engine.studies.nearby_start import LINEAR, calculated, near_starts, near_trains
 from engine.studies.sensitivities.plan import NARROW, WHOLE, WIDE, DerivativeUnit
 from engine.studies.variation import Change, varied_case
 
@@ -56,17 +55,14 @@ def differences(unit: DerivativeUnit) -> Differences:
     """
     n, judged = len(unit.case.elements), len(judged_shafts(unit.case))
     quantity, name = unit.parameter
-
-    def changed(run: tuple[float, float]) -> NearStart:
-        share, steps = run
-        case = varied_case(unit.case, [Change(quantity, name, 1.0 + share)])
-        return near_start(case, unit.recipe, near_train(case, unit.recipe), steps)
-
-    runs = [(share, 1.0) for share in (-WHOLE, -WIDE, -NARROW, 0.0, NARROW, WIDE, WHOLE)]
+    shares, steps = [-WHOLE, -WIDE, -NARROW, 0.0, NARROW, WIDE, WHOLE], [1.0] * 7
     if unit.recipe.start == LINEAR:
-        runs += [(-NARROW, 2.0), (NARROW, 2.0)]
+        shares, steps = [*shares, -NARROW, NARROW], [*steps, 2.0, 2.0]
+    cases = [varied_case(unit.case, [Change(quantity, name, 1.0 + share)]) for share in shares]
     try:
-        answers = side_by_side(changed, runs)
+        trains = near_trains(cases, unit.recipe)
+        found = near_starts(unit.recipe, [*zip(cases, trains, steps, strict=True)])
+        answers = [calculated(start) for start in found]
     except ModelError as error:
         e, j = np.zeros((2, n)), np.zeros((2, judged))
         return Differences(unit.index, e[0], e[1], j[0], j[1], e, j, e[0], j[0], str(error))

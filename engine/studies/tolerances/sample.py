@@ -23,7 +23,6 @@ from engine.numerics.sample_statistics import FEWEST_SAMPLES
 from engine.results.results import Results
 from engine.run import planned_start, run
 from engine.start.pieces import analysis_for_start
-from engine.start.side_by_side import side_by_side
 from engine.start.start_fatigue import judged_shafts
 from engine.studies.nearby_start import (
     LINEAR,
@@ -31,8 +30,11 @@ from engine.studies.nearby_start import (
     PLANNED,
     NearbyStartPlan,
     NearStart,
+    NearTrain,
+    calculated,
     near_start,
-    near_train,
+    near_starts,
+    near_trains,
     read_start,
     recipe_of,
 )
@@ -56,6 +58,11 @@ _NEGLIGIBLE = 1e-3
 #: Arrays of `Evaluated`, one row per sample: yes or no, and numbers.
 MASKS = ("known", "counted", "reversed", "sensitive", "checked")
 NUMBERS = ("frequency", "margin", "torque", "starts", "by_step")
+#: Samples that are calculated together: enough to fill the lanes of the loop and to share the cost of a call; more
+#: only keep more objects alive (docs/floors.md). [count]
+TOGETHER = 16
+#: Values of their mode shapes at most: 8 MB, and some ten times that with what follows from them. [count]
+MOST_MODE_VALUES = 1_000_000
 #: Samples of one unit of work, of starts without events; one with events takes a second and more.
 UNIT_SIZE = 50
 
@@ -287,38 +294,56 @@ def evaluate(unit: Unit) -> Evaluated:
         starts=np.full((n, judged), math.inf),
         by_step=np.zeros((n, 2)),
     )
-    words = side_by_side(lambda i: _evaluate_sample(unit, i, evaluated), range(n))
-    outcomes = Counter(word for word, trouble in words if word and not trouble)
-    troubles = tuple(trouble for _, trouble in words if trouble)
-    return replace(evaluated, outcomes=tuple(outcomes.items()), troubles=troubles)
-
-
-def _evaluate_sample(unit: Unit, i: int, evaluated: Evaluated) -> tuple[str, str]:
-    """Answers of one sample, written into its row; how its start ended, and why there are none."""
-    recipe, values = unit.recipe, unit.values[i]
-    case = varied_case(unit.case, changes_of(unit.factors, values))
-    word = ""
-    try:
-        near = near_train(case, recipe)
-        evaluated.frequency[i], evaluated.margin[i] = near.frequency, near.margin
+    outcomes, troubles = Counter[str](), []
+    for first in range(0, n, at_once := _samples_at_once(unit)):
+        values = unit.values[first : first + at_once]
+        cases = [varied_case(unit.case, changes_of(unit.factors, row)) for row in values]
+        trains = near_trains(cases, recipe)
+        starts: Sequence[NearStart | ModelError | None] = [None] * len(cases)
         if recipe.start != NO_START:
-            start = near_start(case, recipe, near)
-            if recipe.start == LINEAR and (unit.first + i) % CHECKED_EVERY == 0:
-                evaluated.by_step[i] = _change(near_start(case, recipe, near, 0.5), start)
-                evaluated.checked[i] = start.counted
-            if start.reversed and unit.replan:
-                own = planned_start(case, analysis_for_start(case), estimated=False)
-                start = read_start(case, recipe, own.model, own.start.outcome, own.start)
-            evaluated.counted[i] = start.counted
-            evaluated.reversed[i] = bool(start.reversed)
-            evaluated.sensitive[i] = start.sensitive
-            evaluated.torque[i] = start.largest
-            evaluated.starts[i] = start.starts
-            word = start.outcome.outcome
-        evaluated.known[i] = True
-    except ModelError as error:
-        return word, str(error)
-    return word, ""
+            starts = near_starts(recipe, [(c, t, 1.0) for c, t in zip(cases, trains, strict=True)])
+        for i, sample in enumerate(zip(cases, trains, starts, strict=True), first):
+            try:
+                outcomes.update(_write_sample(unit, i, evaluated, *sample))
+            except ModelError as error:
+                troubles.append(str(error))
+    return replace(evaluated, outcomes=tuple(outcomes.items()), troubles=tuple(troubles))
+
+
+def _samples_at_once(unit: Unit) -> int:
+    """How many samples are calculated together: fewer where the modes of each take much memory."""
+    size = len(unit.case.stations) + sum(count for _, count in unit.recipe.segments)
+    return min(TOGETHER, max(1, MOST_MODE_VALUES // (size * size)))
+
+
+def _write_sample(
+    unit: Unit,
+    i: int,
+    evaluated: Evaluated,
+    case: CaseData,
+    train: NearTrain | ModelError,
+    start: NearStart | ModelError | None,
+) -> list[str]:
+    """Answers of one sample, written into its row; how its start ended, if it has one."""
+    recipe, near = unit.recipe, calculated(train)
+    evaluated.frequency[i], evaluated.margin[i] = near.frequency, near.margin
+    words: list[str] = []
+    if start is not None:
+        start = calculated(start)
+        if recipe.start == LINEAR and (unit.first + i) % CHECKED_EVERY == 0:
+            evaluated.by_step[i] = _change(near_start(case, recipe, near, 0.5), start)
+            evaluated.checked[i] = start.counted
+        if start.reversed and unit.replan:
+            own = planned_start(case, analysis_for_start(case), estimated=False)
+            start = read_start(case, recipe, own.model, own.start.outcome, own.start)
+        evaluated.counted[i] = start.counted
+        evaluated.reversed[i] = bool(start.reversed)
+        evaluated.sensitive[i] = start.sensitive
+        evaluated.torque[i] = start.largest
+        evaluated.starts[i] = start.starts
+        words = [start.outcome.outcome]
+    evaluated.known[i] = True
+    return words
 
 
 def _change(fine: NearStart, coarse: NearStart) -> tuple[float, float]:

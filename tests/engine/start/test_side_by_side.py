@@ -10,11 +10,10 @@ import pytest
 from benchmarks.study_trains import study_train
 from engine.case.case import Case
 from engine.case.data import CaseData
-from engine.errors import InternalError, ModelError
+from engine.errors import InternalError
 from engine.model.build_train import build_train
 from engine.model.modal_train import ModalTrain
 from engine.model.modes import modes_of
-from engine.start.side_by_side import side_by_side, turning_of_start
 from engine.start.simulation import (
     Simulation,
     form_of,
@@ -22,7 +21,7 @@ from engine.start.simulation import (
     start_with_histories,
     turning_of_starts,
 )
-from engine.start.start import PreparedStart, prepared_start
+from engine.start.start import PreparedStart, prepared_start, starts_to_their_ends
 from engine.start.trajectory import SingleRun
 from engine.stepping.linear_loop import LANES
 from tests.sample_case import sample_case
@@ -67,12 +66,10 @@ def test_different_starts_side_by_side_have_the_bits_that_each_has_alone() -> No
         for i in range(2 * LANES)  # those of most steps first: they do not run in this order
     ][::-1]
     together = turning_of_starts(simulations)
-    ends = {run.end for run in together if isinstance(run, SingleRun)}
+    ends = {run.end for run in together}
     assert len(ends) == 2 * LANES  # different cases, which end at different times
     for one, run in zip(simulations, together, strict=True):
         (alone,) = turning_of_starts([one])
-        assert isinstance(run, SingleRun)
-        assert isinstance(alone, SingleRun)
         alike(run, alone)
 
 
@@ -80,8 +77,6 @@ def test_a_lane_without_a_start_changes_nothing() -> None:
     simulations = [simulation(stiffer(sample_case("proposed"), s)) for s in (1.0, 1.07)]
     for one, run in zip(simulations, turning_of_starts(simulations), strict=True):
         (alone,) = turning_of_starts([one])
-        assert isinstance(run, SingleRun)
-        assert isinstance(alone, SingleRun)
         alike(run, alone)
 
 
@@ -91,7 +86,7 @@ def test_turning_points_are_those_of_the_histories(number: int) -> None:
     whole = simulate(
         one.model, one.step, one.method, one.target_speed, one.maximum_time, keep_all=True
     )
-    run = turning_of_start(one)
+    (run,) = turning_of_starts([one])
     samples = replace(whole, turning=None)  # without those that the loop found
     alike(run, SingleRun.until(samples, samples.end_at(one.target_speed)))
     alike(run, start_with_histories(one, keep_all=True))
@@ -102,8 +97,6 @@ def test_room_that_has_to_grow_changes_nothing(monkeypatch: pytest.MonkeyPatch) 
     at_once = turning_of_starts(simulations)
     monkeypatch.setattr("engine.start.simulation.TURNING_ROOM", 4)
     for one, other in zip(at_once, turning_of_starts(simulations), strict=True):
-        assert isinstance(one, SingleRun)
-        assert isinstance(other, SingleRun)
         assert max(len(when) for when, _ in one.turning) > 4
         alike(one, other)
 
@@ -128,47 +121,47 @@ def test_histories_in_several_parts_are_those_of_one(monkeypatch: pytest.MonkeyP
         assert np.array_equal(value, other_value)
 
 
-def test_a_group_of_calculations_gives_the_answers_of_each_alone() -> None:
+def test_starts_that_are_prolonged_together_are_those_of_each_alone() -> None:
+    """Of different lengths at first, so that some of them are prolonged more often than others."""
     case = sample_case("modified")
-    shares = [1.0 + 0.01 * i for i in range(2 * LANES + 1)]
-
-    def calculate(share: float) -> SingleRun:
-        start = prepared(stiffer(case, share))
-        start, run = start.to_its_end(2e-3, histories=False)
-        finer = start.at(1e-3, histories=False)
-        assert finer.end == pytest.approx(run.end, rel=1e-3)
-        return finer
-
-    for share, together in zip(shares, side_by_side(calculate, shares), strict=True):
-        alike(together, calculate(share))
+    starts = [
+        (
+            replace(prepared(stiffer(case, 1.0 + 0.01 * i)), maximum_time=2.0 + 3.0 * i),
+            2e-3,
+        )
+        for i in range(2 * LANES + 1)
+    ]
+    together = starts_to_their_ends(starts)
+    assert (
+        len(
+            {
+                start.maximum_time / first.maximum_time
+                for (start, _), (first, _) in zip(together, starts, strict=True)
+            }
+        )
+        > 2
+    )
+    for (start, run), (first, step) in zip(together, starts, strict=True):
+        own, alone = first.to_its_end(step, histories=False)
+        assert start.maximum_time == own.maximum_time
+        alike(run, alone)
+        _, whole = first.to_its_end(step)
+        alike(run, whole)
 
 
 def test_starts_of_other_forms_do_not_share_a_loop() -> None:
     proposed, modified = (simulation(sample_case(d)) for d in ("proposed", "modified"))
-    assert form_of(proposed) != form_of(simulation(study_train(0).case))
+    other = simulation(study_train(0).case)
+    assert form_of(proposed) != form_of(other)
     assert form_of(proposed) == form_of(simulation(stiffer(sample_case("proposed"), 1.01)))
-    runs = side_by_side(turning_of_start, [proposed, simulation(study_train(0).case), modified])
-    assert len({len(run.turning) for run in runs}) > 1
+    simulations = [proposed, other, modified]
+    for one, run in zip(simulations, turning_of_starts(simulations), strict=True):
+        (alone,) = turning_of_starts([one])
+        alike(run, alone)
 
 
-def test_an_error_of_one_calculation_is_raised_and_the_others_end() -> None:
-    one = simulation(sample_case("proposed"))
-
-    def calculate(i: int) -> SingleRun:
-        if i == 2:
-            raise ModelError("the third is impossible")
-        return turning_of_start(one)
-
-    with pytest.raises(ModelError, match="the third"):
-        side_by_side(calculate, range(5))
-
-
-def test_a_start_that_diverges_is_an_error_of_its_own_lane() -> None:
+def test_a_start_that_diverges_is_an_error() -> None:
     sound = simulation(sample_case("proposed"))
     broken = replace(sound, model=replace(sound.model, rate=np.full_like(sound.model.rate, np.nan)))
-    run, error = turning_of_starts([sound, broken])
-    assert isinstance(run, SingleRun)
-    assert isinstance(error, InternalError)
-    (alone,) = turning_of_starts([sound])
-    assert isinstance(alone, SingleRun)
-    alike(run, alone)
+    with pytest.raises(InternalError, match="diverged"):
+        turning_of_starts([sound, broken])

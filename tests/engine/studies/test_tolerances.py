@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from benchmarks.study_trains import study_train
 from engine.case.case import Case
 from engine.case.data import CaseData, ElementRow, MeshRow, StationRow, TorqueTimeRow
 from engine.case.study_inputs import ScatterRow
@@ -21,6 +22,8 @@ from engine.start.start_fatigue import COUNTED_STARTS
 from engine.studies.nearby_start import LINEAR, PLANNED, near_start, near_train, recipe_of
 from engine.studies.scatter import changes_of, factors_of, sampled
 from engine.studies.tolerances.sample import (
+    MASKS,
+    NUMBERS,
     Evaluated,
     TolerancePlan,
     ToleranceSettings,
@@ -162,6 +165,33 @@ def test_the_division_of_the_work_changes_nothing(case: Case) -> None:
     assert whole.probabilities == in_pieces.probabilities
     assert whole.drivers == in_pieces.drivers
     assert np.array_equal(whole.starts, in_pieces.starts)
+
+
+@pytest.mark.parametrize("number", [0, 6, 8, 10, 14, 22])
+def test_samples_together_have_the_bits_that_each_has_alone(number: int) -> None:
+    """Trains with gears, rigid meshes, dampers and without, and among the samples one that is no train."""
+    stated = study_train(number).case
+    rows = (
+        ScatterRow(quantity="stiffness", spread=0.05),
+        ScatterRow(quantity="inertia", spread=0.05),
+        ScatterRow(quantity="average torque", spread=0.05),
+    )
+    plan = plan_tolerances(stated, rows, ToleranceSettings(30, 4))
+    assert plan.recipe.start == LINEAR
+    inertia = next(i for i, f in enumerate(plan.factors) if f.quantity == "inertia")
+    values = plan.values[:9].copy()
+    values[4, inertia] = -1.0  # no train
+    plan = replace(plan, values=values)
+    (unit,) = (replace(u, values=values) for u in units_of(plan, 30)[:1])
+    together = evaluate(unit)
+    alone = [
+        evaluate(replace(unit, first=unit.first + i, values=values[i : i + 1])) for i in range(9)
+    ]
+    assert together.known.tolist() == [i != 4 for i in range(9)]
+    assert together.troubles == alone[4].troubles
+    for name in (*MASKS, *NUMBERS):
+        rows_alone = np.concatenate([getattr(one, name) for one in alone])
+        assert np.array_equal(getattr(together, name), rows_alone), name
 
 
 def test_the_seed_and_the_scatter_are_in_the_digest(case: Case, nominal: Results) -> None:
