@@ -18,7 +18,7 @@ from engine.case.data import CaseData, case_digest
 from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, DEFAULT_TOLERANCE_STARTS
 from engine.case.effect import StartEffects
 from engine.case.result_words import Outcome
-from engine.fatigue.allowable_starts import AllowableStarts
+from engine.fatigue.allowable_starts import AllowableStarts, allowable_starts
 from engine.model.excitation import excitations_of
 from engine.model.modal_analysis import ModalAnalysis
 from engine.model.modal_train import ModalTrain
@@ -51,10 +51,18 @@ from engine.start.pieces import analysis_for_start, with_pieces_error
 from engine.start.prescribed import run_prescribed
 from engine.start.reversals import Reversal, torque_reversals
 from engine.start.settings import has_start
-from engine.start.start import Start, prepared_start, run_start, with_left_out
+from engine.start.side_by_side import side_by_side
+from engine.start.start import Start, prepared_start, run_start, with_left_out, with_peaks
 from engine.start.start_fatigue import starts_of
 from engine.start.start_model import shifted
 from engine.start.trajectory import SingleRun
+from engine.start.worst_phase import (
+    PhaseAnswers,
+    WorstOfPhases,
+    answers_at,
+    at_phase,
+    worst_of_phases,
+)
 
 #: How often the start is repeated at half the step where the starts are not accurate enough.
 MAX_STARTS_REFINEMENTS = 3
@@ -110,9 +118,20 @@ def run(case: CaseData, on_stage: Callable[[str], None] | None = None) -> Result
     reversals: tuple[Reversal, ...] = ()
     damping: tuple[ElectricalDamping, ...] = ()
     if has_start(case) or case.torque_time_from_rest:
-        planned = planned_start(case, analysis, stage)
+        asked, worst = case, None
+        if case.looks_for_worst_phase:
+            with stage("phases of the pulsation"):
+                worst = _worst_of_phases(case, analysis)
+            asked = at_phase(case, worst.phase)
+        planned = planned_start(asked, analysis, stage)
         with stage("fatigue"):
-            start, starts, errors = judged_starts(case, planned)
+            start, starts, errors = judged_starts(asked, planned)
+        if worst is not None:
+            wanted = case.tolerance_peak or DEFAULT_TOLERANCE_PEAK
+            start = with_peaks(start, worst.peaks, worst.left_out, worst.phase, wanted)
+            if starts is not None:
+                starts = allowable_starts(worst.shafts, case.starts_factor)
+                errors = worst.errors
         # sections and runs are most of the memory, and nothing more is read from them
         start = replace(start, sections={})
         if start.repeatability is not None:
@@ -149,6 +168,17 @@ def run(case: CaseData, on_stage: Callable[[str], None] | None = None) -> Result
         verdicts=verdicts_of(results),
         warnings=tuple(dict.fromkeys(warnings_of(results))),
     )
+
+
+def _worst_of_phases(case: CaseData, analysis: ModalAnalysis) -> WorstOfPhases:
+    """The start at phases over a whole turn, each with a plan of its own; linear ones side by side."""
+
+    def answers(phase: float) -> PhaseAnswers:
+        asked = at_phase(case, phase)
+        start, starts, errors = judged_starts(asked, planned_start(asked, analysis))
+        return answers_at(case, phase, start, () if starts is None else starts.shafts, errors)
+
+    return worst_of_phases(lambda phases: side_by_side(answers, phases))
 
 
 def at_speed(case: CaseData) -> AtSpeed:
@@ -267,7 +297,11 @@ def planned_start(
         with stage("motor curves at the other speed"):
             otherwise, change = _read_otherwise(stepped, model, plans[-1], start, linear)
         plans[-1] = with_estimate(case, plans[-1], change)
-    elif estimated and plans[-1].effects.electrical_damping:
+    elif (
+        (effects := plans[-1].effects).electrical_damping
+        and not effects.motor_transient
+        and estimated
+    ):
         with stage("shift of frequencies by motors"):
             otherwise, change = _shifted(stepped, model, plans[-1], linear)
         plans[-1] = with_estimate(case, plans[-1], change)
@@ -322,7 +356,14 @@ def _judged_alone(model: ModalTrain, run: SingleRun) -> JudgedRun:
 
 
 def _without_events(effects: StartEffects) -> StartEffects:
-    return replace(effects, clearances=(), pull_in=False, aborted_start=False)
+    return replace(
+        effects,
+        clearances=(),
+        pull_in=False,
+        aborted_start=False,
+        switch_over=False,
+        motor_transient=False,
+    )
 
 
 def _with_all_effects(

@@ -1,9 +1,14 @@
-"""A motor and its train integrated by scipy's DOP853 in angles, speeds and fluxes, without modes."""
+"""A motor and its train integrated by scipy's DOP853 in angles, speeds and fluxes, without modes.
+
+An element with a clearance is a spring of each flank, without damping: its torque is continuous, and where it bends the
+steps become as short as the tolerance wants.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Collection
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,6 +19,7 @@ from engine.case.choices import Clearing
 from engine.case.choices import MotorEventKind as Kind
 from engine.case.data import (
     ElementRow,
+    MeshRow,
     MotorCircuitRow,
     MotorDataRow,
     MotorEventRow,
@@ -79,6 +85,20 @@ def random_case(seed: int) -> Case:
     )  # fmt: skip
 
 
+def with_clearance(seed: int) -> Case:
+    """The same in an event after which the teeth of one element separate."""
+    case, rng = random_case(seed), np.random.default_rng(10_000 + seed)
+    i = int(rng.integers(len(case.elements)))
+    loose = replace(case.elements[i], kind="coupling", damping=0.0)
+    twist = case.stations[-1].running_load / loose.stiffness
+    gap = float(twist * 10.0 ** rng.uniform(-1.0, 1.0))
+    return replace(
+        case,
+        elements=(*case.elements[:i], loose, *case.elements[i + 1 :]),
+        meshes=(MeshRow(loose.element, angular_backlash=gap),),
+    )
+
+
 def voltage_of(row: MotorEventRow, omega: float, t: float, cleared: Collection[int]) -> complex:
     """Voltage of the line in the stator's axes, of phases and not of sequences; `cleared`: phases that are whole."""
     phase = row.phase or 0.0
@@ -135,9 +155,17 @@ def reference(case: Case, rtol: float = 1e-11) -> tuple[dict[str, tuple[float, f
     e_f = c.rf * i_f
     theta = -np.concatenate([[0.0], np.cumsum(twist)])
 
+    gap = np.full(n - 1, math.inf)
+    for mesh in case.meshes:
+        gap[[e.element for e in case.elements].index(mesh.element)] = mesh.angular_backlash
+
+    def springs(twist: np.ndarray) -> np.ndarray:
+        pressed = np.maximum(twist.T, 0.0) + np.minimum(twist.T + gap, 0.0)
+        return (k * np.where(np.isfinite(gap), pressed, twist.T)).T
+
     def rates(t: float, s: np.ndarray, cleared: Collection[int]) -> np.ndarray:
         th, v, psi = s[:n], s[n : 2 * n], s[2 * n :]
-        through = k * (th[:-1] - th[1:]) + d * (v[:-1] - v[1:])
+        through = springs(th[:-1] - th[1:]) + d * (v[:-1] - v[1:])
         force = np.zeros(n)
         force[0] = torque_of(psi)
         force[-1] -= load
@@ -206,11 +234,14 @@ def reference(case: Case, rtol: float = 1e-11) -> tuple[dict[str, tuple[float, f
             s = solution.y
         slopes = np.array([rates(a, b, cleared) for a, b in zip(t, s.T, strict=True)]).T
         state = s[:, -1]
-        for i, element in enumerate(case.elements):
-            torque, rate = (
-                k[i] * (a[i] - a[i + 1]) for a in (s, slopes)
-            )  # of the spring, as reported
-            found[element.element] += [turning_points(t, torque, rate)[1], torque[[0, -1]]]
+        twists, growth = s[: n - 1] - s[1:n], slopes[: n - 1] - slopes[1:n]
+        loaded = np.isinf(gap) | (twists.T > 0.0) | (twists.T < -gap)
+        for i, element in enumerate(case.elements):  # of the spring, as reported
+            torque, rate = springs(twists)[i], k[i] * growth[i] * loaded.T[i]
+            bends = np.flatnonzero(np.diff(loaded.T[i])) + 1  # no cubic goes across them
+            for part in np.split(np.arange(len(t)), bends):
+                turns = turning_points(t[part], torque[part], rate[part])[1]
+                found[element.element] += [turns, torque[part[[0, -1]]]]
         psi, dpsi = s[2 * n :], slopes[2 * n :]
         i, di = y @ psi, y @ dpsi
         rate = base * (dpsi[0] * i[3] + psi[0] * di[3] - dpsi[3] * i[0] - psi[3] * di[0])
@@ -224,6 +255,63 @@ def reference(case: Case, rtol: float = 1e-11) -> tuple[dict[str, tuple[float, f
         begin = end
     peaks = {e: np.concatenate(v) for e, v in found.items()}
     return {e: (float(v.max()), float(v.min())) for e, v in peaks.items()}, max(air_gap)
+
+
+def start_case(seed: int, tolerance: float = 1e-3) -> Case:
+    """The machine and train of `random_case` from rest, without a load."""
+    case, rng = random_case(seed), np.random.default_rng(20_000 + seed)
+    synchronous = 4.0 * math.pi * case.line_frequency / case.poles
+    sheet = replace(case.motor_data[0], discharge_resistance=float(rng.choice([0.0, 5.0, 10.0])))
+    return replace(
+        case, motor_events=(), motor_data=(sheet,), maximum_time=None, end_speed=0.85 * synchronous,
+        tolerance_peak=tolerance, pulsation_phase=float(rng.uniform(-3.0, 3.0)),
+        stations=tuple(replace(s, running_load=None) for s in case.stations),
+    )  # fmt: skip
+
+
+def start_reference(
+    case: Case, angle: float, end: float, rtol: float = 1e-9
+) -> dict[str, tuple[float, float]]:
+    """Maximum and minimum of the torque of each element from closing to a time; `angle`: of the line ahead of axis d."""
+    sheet, c = case.motor_data[0], case.motor_circuit[0]
+    omega, pairs = 2.0 * math.pi * case.line_frequency, case.poles / 2.0
+    base = sheet.apparent_power * pairs / omega
+    j = np.array([s.inertia for s in case.stations])
+    k = np.array([e.stiffness for e in case.elements])
+    d = np.array([e.damping for e in case.elements])
+    n = len(j)
+    x = np.zeros((5, 5))  # d, field, damper d; q, damper q
+    x[:3, :3] = c.xmd + np.diag([c.xl, c.xlf, c.xlkd])
+    x[3:, 3:] = c.xmq + np.diag([c.xl, c.xlkq])
+    y = np.linalg.inv(x)
+    r = np.array([c.rs, (1.0 + sheet.discharge_resistance) * c.rf, c.rkd, c.rs, c.rkq])
+
+    def rates(t: float, s: np.ndarray) -> np.ndarray:
+        """Of the motor's angle, the twists, which stay small, speeds and fluxes."""
+        v, psi = s[n : 2 * n], s[2 * n :]
+        i = y @ psi
+        through = k * s[1:n] + d * (v[:-1] - v[1:])
+        force = np.zeros(n)
+        force[0] = base * (psi[0] * i[3] - psi[3] * i[0])
+        force[:-1] -= through
+        force[1:] += through
+        ahead, w = angle + omega * t - pairs * s[0], pairs * v[0] / omega
+        out = -r * i
+        out[0] += math.cos(ahead) + w * psi[3]
+        out[3] += math.sin(ahead) - w * psi[0]
+        return np.concatenate([v[:1], v[:-1] - v[1:], force / j, omega * out])
+
+    t = np.linspace(0.0, end, max(int(end * omega / 0.05), 2))
+    scale = np.concatenate([[1e-2], base / k, np.full(n, 1.0), np.full(5, 1.0)])
+    s = solve_ivp(
+        rates, (0.0, end), np.zeros(2 * n + 5), "DOP853", t, rtol=rtol, atol=rtol * scale
+    ).y
+    peaks = {}
+    for i, element in enumerate(case.elements):
+        torque, rate = k[i] * s[1 + i], k[i] * (s[n + i] - s[n + i + 1])
+        values = np.append(turning_points(t, torque, rate)[1], torque[[0, -1]])
+        peaks[element.element] = float(values.max()), float(values.min())
+    return peaks
 
 
 def misses(case: Case, event: Any) -> list[str]:

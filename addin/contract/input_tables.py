@@ -14,6 +14,9 @@ from engine.case.choices import (
     MotorKind,
     Scanned,
     SNBasis,
+    Starting,
+    TimeConstantKind,
+    TorqueBase,
 )
 from engine.case.effects import EFFECTS
 
@@ -207,6 +210,11 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
                 "Pulsating", "torque", "Pulsating torque at twice slip frequency, zero-to-peak.",
                 us="%", si="%",
             ),
+            number(
+                "Phase", "angle",
+                "Phase of the pulsating torque at this speed, beside PulsationPhase: φ of T sin(2 (line − rotor angle) + φ).",
+                blank="0 at every speed",
+            ),
         ),
     ),
     table(
@@ -244,6 +252,11 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
             number("Td transient", "time", "Td' with the stator short-circuited, instead of Td0'."),
             number("Td subtransient", "time", "Td'' with the stator short-circuited, instead of Td0''."),
             number("Tq subtransient", "time", "Tq'' with the stator short-circuited, instead of Tq0''."),
+            choice(
+                "Time constants", tuple(TimeConstantKind),
+                "classical: by the relations of one winding after the other; measured: as tests show them, roots of the whole circuit.",
+                blank="classical",
+            ),
             number("Ta", "time", "Time constant of the direct current in the stator."),
             number("Ra", "per unit", "Resistance of the stator, instead of Ta."),
             number(
@@ -304,6 +317,32 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
         ),
     ),
     table(
+        "Supply", sheet="Motor", caption="Line and starter",
+        help="The line of a motor of table MotorData in the start, and what stands between: the voltage at its terminals follows "
+        "from its current. Instead of SupplyVoltage.",
+        rows=4, row_name=("Station",), short_caption=True, later=True,
+        columns=(
+            text("Station", "Station of a row of table MotorData.", kind="station"),
+            number(
+                "Short-circuit power", "apparent power", "Three-phase short-circuit power at the motor's terminals.",
+                blank="the line does not give way",
+            ),
+            number("X/R", "ratio", "Reactance over resistance of the line.", blank="no resistance"),
+            choice(
+                "Starting", tuple(Starting), "What is between the line and the motor up to Switch-over speed.",
+                blank="direct",
+            ),
+            number(
+                "Tap", "fraction",
+                "Autotransformer: its voltage. Reactor: what it leaves the motor at rest on a line that does not give way.",
+            ),
+            number(
+                "Switch-over speed", "speed fraction",
+                "Speed at which the motor is put on the line, without interruption.",
+            ),
+        ),
+    ),
+    table(
         "LoadTorque", sheet="Torque", caption="Load torque",
         help="Torque of the driven machines against speed.",
         rows=40, row_name=("Station", "Speed"), short_caption=True,
@@ -331,10 +370,14 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
         columns=(
             text("Event", "Name of the event; the rows of one name add up."),
             text("Station", "Where the torque acts: the motor.", kind="station"),
+            choice(
+                "Base", tuple(TorqueBase),
+                "What Amplitude is a share of: RatedTorque, or Apparent power of the motor (MotorData) over its speed.",
+                blank="rated torque",
+            ),
             number(
                 "Amplitude", "fraction",
-                "A: torque over RatedTorque at the speed of that station, signed, positive in the running "
-                "direction.",
+                "A: torque over Base at the speed of that station, signed, positive in the running direction.",
                 us="pu", si="pu", units=("pu", "%"), signed=True,
             ),
             number("Multiple", "ratio", "m: multiple of the line frequency, 0 = no oscillation.", blank="0"),

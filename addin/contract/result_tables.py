@@ -41,6 +41,7 @@ from addin.contract.sources import (
     FIGURE_3,
     LABEL,
     LINE,
+    MEASURED_TIMES,
     MIL,
     MODAL,
     MODAL_ELECTRICAL,
@@ -58,6 +59,7 @@ from addin.contract.sources import (
     STEPPED_SHAFTS,
     STRENGTH,
     STRESS,
+    SUPPLY,
     SVD,
     TRANSIENT,
     named,
@@ -465,6 +467,12 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 "docs/method.md, Errors of a start", us="lbf*ft", of_row=("StartupPeaks.Error", "StartupPeaks.Left out"),
                 format=shown.SIGNED, error=ReportedError.PEAKS, share_of="Peak-to-peak torque", pane=Pane.MINOR,
             ),
+            number(
+                "Worst phase", "angle", "Phase of the pulsation at which the larger of maximum and minimum is the largest; blank unless PulsationPhase is worst.",
+                "PulsationPhase of the start with the largest magnitude",
+                "docs/method.md, The worst phase", of_case=("PulsationPhase",), format=shown.ONE_DECIMAL,
+                pane=Pane.MINOR,
+            ),
         ),
     ),
     table(
@@ -496,7 +504,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
     ),
     table(
         "MotorCurves", sheet="Motor", caption="Calculated torque curves",
-        help="Torques and current of each motor of table MotorData while it slips, at rated voltage.",
+        help="Torques and current of each motor of table MotorData while it slips, rated voltage behind its row of table Supply.",
         row_name=("Station", "Slip"), later=True,
         columns=(
             text(
@@ -510,30 +518,62 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             ),
             number(
                 "Average", "torque", "Mean torque.", "Im(Ψ₋ I₋* − Ψ₊ I₊*) × S / ω_s", CURVES_FROM_DATA,
-                us="lbf*ft", of_row=("MotorCurves.Slip",), of_case=(*MOTOR_DATA, *LINE),
+                us="lbf*ft", of_row=("MotorCurves.Slip",), of_case=(*MOTOR_DATA, *SUPPLY, *LINE),
                 format=shown.SIGNED,
             ),
             number(
                 "Pulsating", "torque", "Torque at twice slip frequency, zero-to-peak.",
                 "|Ψ₊ I₋ − Ψ₋ I₊| × S / ω_s", CURVES_FROM_DATA,
-                us="lbf*ft", of_row=("MotorCurves.Slip",), of_case=(*MOTOR_DATA, *LINE),
+                us="lbf*ft", of_row=("MotorCurves.Slip",), of_case=(*MOTOR_DATA, *SUPPLY, *LINE),
                 format=shown.SIGNED,
             ),
             number(
                 "Phase", "angle",
                 "Phase of the pulsation, of cos(2 s ω t) with the voltage along the axis of the poles at t = 0.",
                 "arg j (Ψ₊ I₋ − Ψ₋ I₊)", CURVES_FROM_DATA,
-                of_row=("MotorCurves.Slip",), of_case=(*MOTOR_DATA, *LINE), format="0.0",
+                of_row=("MotorCurves.Slip",), of_case=(*MOTOR_DATA, *SUPPLY, *LINE), format="0.0",
             ),
             number(
                 "Current", "ratio", "Current over rated current, rms of all frequencies.", "√(|I₊|² + |I₋|²)",
                 CURVES_FROM_DATA,
-                of_row=("MotorCurves.Slip",), of_case=(*MOTOR_DATA, *LINE), format="0.000",
+                of_row=("MotorCurves.Slip",), of_case=(*MOTOR_DATA, *SUPPLY, *LINE), format="0.000",
             ),
             number(
                 "Power factor", "ratio", "Of the part at line frequency; below 0 it feeds power back.",
-                "Re I₊ / |I₊|", CURVES_FROM_DATA,
-                of_row=("MotorCurves.Slip",), of_case=(*MOTOR_DATA, *LINE), format="0.000",
+                "Re U I₊* / |U I₊|, U the voltage at the terminals", CURVES_FROM_DATA,
+                of_row=("MotorCurves.Slip",), of_case=(*MOTOR_DATA, *SUPPLY, *LINE), format="0.000",
+            ),
+            number(
+                "Terminal voltage", "fraction", "Voltage at the terminals, of line frequency, over that of the line; 100 % without table Supply.",
+                "|V − (R + j X) I₊|, V, R and X of the line and the starter", CURVES_FROM_DATA,
+                of_row=("MotorCurves.Slip",), of_case=(*MOTOR_DATA, *SUPPLY, *LINE), format=shown.TWO_DECIMALS,
+            ),
+        ),
+    ),
+    table(
+        "MotorTimeConstants", sheet="Motor", caption="Time constants",
+        help="Of field and damper in the axis of the poles, of the circuit that the start uses: as the relations of one winding after "
+        "the other give them, and as tests show them.",
+        row_name=("Station", "Time constant"), short_caption=True, later=True,
+        columns=(
+            text(
+                "Station", "Where the motor acts.", kind="station", trace=named("MotorData.Station"),
+            ),
+            text(
+                "Time constant", "As the columns of MotorData.", "Td0, the stator open; Td, short-circuited", MEASURED_TIMES,
+                of_case=("MotorData.Time constants",),
+            ),
+            number(
+                "Classical", "time", "By the relations of one winding after the other.", "(X_w + X) / (ω₀ R_w), X what it has in parallel",
+                MEASURED_TIMES, of_row=("MotorTimeConstants.Time constant",), of_case=(*MOTOR_DATA, *LINE), format="0.0000",
+            ),
+            number(
+                "Measured", "time", "As tests show it.", "Root of the whole circuit",
+                MEASURED_TIMES, of_row=("MotorTimeConstants.Time constant",), of_case=(*MOTOR_DATA, *LINE), format="0.0000",
+            ),
+            number(
+                "Difference", "fraction", "Measured over classical, less 1.", "Measured / Classical − 1", MEASURED_TIMES,
+                of_row=("MotorTimeConstants.Classical", "MotorTimeConstants.Measured"), format=shown.TWO_DECIMALS,
             ),
         ),
     ),
@@ -765,6 +805,12 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 "docs/method.md, Errors of a start", of_row=("AllowableStarts.Error", "AllowableStarts.Left out"),
                 format=shown.STARTS, error=ReportedError.STARTS, pane=Pane.MINOR,
             ),
+            number(
+                "Worst phase", "angle", "Phase of the pulsation with the largest damage; blank unless PulsationPhase is worst.",
+                "PulsationPhase of the start with the largest damage",
+                "docs/method.md, The worst phase", of_case=("PulsationPhase",), format=shown.ONE_DECIMAL,
+                pane=Pane.MINOR,
+            ),
         ),
         extra_columns=(
             number(
@@ -983,10 +1029,14 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
     ),
     table(
         "AirGapTorque", sheet="Events", caption="Air-gap torque of events of motors",
-        help="Torque of the motor at its own speed in each event of table MotorEvents; negative brakes.",
+        help="Torque of the motor at its own speed in each event of table MotorEvents, and in a start in time; negative "
+        "brakes.",
         row_name=("Event",), changes_shown=("Largest",), of_the_start=True, rank=7, later=True,
         columns=(
-            text("Event", "Name of the event.", trace=named("MotorEvents.Event")),
+            text(
+                "Event", "Name of the event; start: from the closing of the breaker on.",
+                trace=named("MotorEvents.Event"),
+            ),
             number(
                 "Largest", "torque", "Largest torque in magnitude.", f"{AIR_GAP} × S / ω_s; extreme, also between samples",
                 EVENT_METHOD, us="lbf*ft", of_case=EVENT, format=shown.SIGNED, error=ReportedError.EVENTS,

@@ -141,8 +141,9 @@ _BY_GROUP: Mapping[str, tuple[Field, ...]] = {
         number(
             "PulsationPhase",
             "angle",
-            "Phase of the torque pulsation at t = 0.",
+            "Phase of the torque pulsation at t = 0; worst: of 36 phases.",
             blank="0",
+            choices=tuple(choices.Scanned),
         ),
         number(
             "Voltage",

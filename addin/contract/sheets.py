@@ -161,13 +161,13 @@ SHEETS: tuple[Sheet, ...] = (
     Sheet(
         "Torque",
         "input",
-        {"A": 1.5, "B": 14, "C:E": 10, "F": 2, "G": 14, "H": 10, "I": 13, "J": 2, "K": 14,
-         "L:M": 10, "N": 2, "O:V": 9},
-        {"MotorTorque": "B5", "LoadTorque": "G5", "TorqueTime": "K5"},
+        {"A": 1.5, "B": 14, "C:F": 10, "G": 2, "H": 14, "I": 10, "J": 13, "K": 2, "L": 14,
+         "M:N": 10, "O": 2, "P:W": 9},
+        {"MotorTorque": "B5", "LoadTorque": "H5", "TorqueTime": "L5"},
         (
-            ChartAt("torque", "O5", 544, 334),
-            ChartAt("motor-typed", "O21", 544, 274),
-            ChartAt("load-typed", "O36", 544, 274),
+            ChartAt("torque", "P5", 544, 334),
+            ChartAt("motor-typed", "P21", 544, 274),
+            ChartAt("load-typed", "P36", 544, 274),
         ),
         freeze="A8",
         intro="Torque against speed of the motor and of each driven machine; every curve begins "
@@ -176,9 +176,10 @@ SHEETS: tuple[Sheet, ...] = (
     Sheet(
         "Motor",
         "input",
-        {"A": 1.5, "B": 18, "C": 12, "D:W": 11, "X:AE": 8},
-        {"MotorData": "B5", "MotorCircuit": "B15", "MotorCurves": "B25", "SupplyVoltage": "K46"},
-        (ChartAt("motor-curves", "K26", 640, 334),),
+        {"A": 1.5, "B": 18, "C": 12, "D:W": 11, "X:AF": 8},
+        {"MotorData": "B5", "MotorCircuit": "B15", "MotorCurves": "B25", "SupplyVoltage": "L46",
+         "Supply": "P46", "MotorTimeConstants": "W46"},
+        (ChartAt("motor-curves", "L26", 640, 334),),
         freeze="A4",
         intro="Optional: the data sheet of a motor, from which its torque curves are calculated. Where sheet "
         "Torque has no curve of its station, the start uses them.",

@@ -45,6 +45,11 @@ CONCORDIA = Source(
     ", Synchronous machines (1951)",
     "C. Concordia: Synchronous machines, theory and performance. Wiley, New York, 1951.",
 )
+CANAY = Source(
+    "Canay",
+    ", IEE Proc. B 130 (1983) 86",
+    "I. M. Canay: Determination of model parameters of synchronous machines. IEE Proceedings B 130, 1983, 86-94.",
+)
 #: The same as the workbooks name it.
 PAPER_TITLE = "F. R. Szenasi and W. W. von Nimitz, Transient Analyses of Synchronous Motor Trains"
 MIL_STANDARD = Source(
@@ -88,6 +93,7 @@ IMPACT = Source(
 REFERENCES = (PAPER, MIL_STANDARD, SINGULAR_VALUES, INTEGRATORS, CURVES, RAINFLOW, IMPACT)
 
 CURVES_FROM_DATA = f"{CONCORDIA.cited}; docs/motor.md"
+MEASURED_TIMES = f"{CANAY.cited}; docs/motor.md"
 MODAL_ELECTRICAL = f"{CONCORDIA.cited}; docs/motor.md, Electrical damping"
 STEADY = f"{PAPER.cited}, Steady state torsional analysis"
 TRANSIENT = f"{PAPER.cited}, Transient torsional analyses"
@@ -169,13 +175,23 @@ MOTOR = (
     "MotorTorque.Speed",
     "MotorTorque.Average",
     "MotorTorque.Pulsating",
+    "MotorTorque.Phase",
     "SupplyVoltage.Speed",
     "SupplyVoltage.Voltage",
+    "Supply.Short-circuit power",
+    "Supply.X/R",
+    "Supply.Starting",
+    "Supply.Tap",
+    "Supply.Switch-over speed",
     "LoadTorque.Speed",
     "LoadTorque.Torque",
     "RatedPower",
     "RatedTorque",
     "Voltage",
+)
+SUPPLY = tuple(
+    f"Supply.{column}"
+    for column in ("Short-circuit power", "X/R", "Starting", "Tap", "Switch-over speed")
 )
 MOTOR_DATA = (
     *(
@@ -183,7 +199,7 @@ MOTOR_DATA = (
         for column in (
             "Kind", "Apparent power", "Power factor", "Xd", "Xq", "Xd transient", "Xd subtransient", "Xq subtransient", "Xl",
             "Td0 transient", "Td0 subtransient", "Tq0 subtransient", "Td transient", "Td subtransient",
-            "Tq subtransient", "Ta", "Ra", "Discharge resistance", "Field circuit", "Start factor",
+            "Tq subtransient", "Time constants", "Ta", "Ra", "Discharge resistance", "Field circuit", "Start factor",
             "R1", "X1", "Xm", "R2", "X2", "R3", "X3",
         )
     ),
@@ -222,6 +238,7 @@ EVENT = (
     *DAMPING,
     *LINE,
     "EventTorque.Station",
+    "EventTorque.Base",
     "EventTorque.Amplitude",
     "EventTorque.Multiple",
     "EventTorque.Phase",

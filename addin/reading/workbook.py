@@ -69,6 +69,9 @@ _OPTIONAL = frozenset(
         "DampingRange",
         "InitialState",
         "TorqueFollows",
+        "MotorTorque.Phase",
+        "EventTorque.Base",
+        "MotorData.Time constants",
         "Latest clearing",
         "Per life",
         "Event",
@@ -321,6 +324,8 @@ class _Reading:
         entry: Entry | None = None
         if not spec.is_number:
             entry = self._words(cell, spec, place)
+        elif word := word_in_place(cell.value, spec):
+            entry = word
         else:
             number = self._number(cell, spec, place, "in the cell to the right of it")
             if number is not None:
@@ -431,7 +436,7 @@ class _Reading:
         self.findings.add((spec.name, None, ""), None, "an Excel table of this name", message)
 
     def _note_missing_column(self, spec: TableSpec, column: Field, table: Table) -> None:
-        if column.name in _OPTIONAL:
+        if not _OPTIONAL.isdisjoint((column.name, f"{spec.name}.{column.name}")):
             return
         known = {_header(other.name) for other in (*spec.columns, *spec.extra_columns)}
         others = [name for name in table.columns if _header(name) not in known]

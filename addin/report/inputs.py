@@ -200,8 +200,9 @@ def _torques(subject: Subject) -> Section:
             absent.append(without)
         else:
             blocks += folded(_shortened(table))
-    supply = _table(subject, "SupplyVoltage")
-    blocks += [] if supply is None else folded(_shortened(supply))
+    for name in ("SupplyVoltage", "Supply"):
+        supply = _table(subject, name)
+        blocks += [] if supply is None else folded(_shortened(supply))
     motors = [table for name in ("MotorData", "MotorCircuit") if (table := _table(subject, name))]
     if motors:
         absent = [words for words in absent if words != "no motor torque"]

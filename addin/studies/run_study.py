@@ -26,7 +26,8 @@ from addin.writing.results_json import table_rows
 from addin.writing.workbook import write_study_results
 from addin.xlsx.errors import PackageError
 from addin.xlsx.whole_files import write_json
-from engine.case.data import case_digest
+from engine.case.checks.problem import SCALARS
+from engine.case.data import CaseData, case_digest
 from engine.case.study_inputs import StudyInputs
 from engine.errors import CaseError, ModelError, Problem
 
@@ -157,6 +158,7 @@ def part_of_study(
         return None, unread
     try:
         case = read.case()
+        _refuse_many_phases(study, case)
         if problems := study.check(case, inputs):
             return None, _in_cells(read, study, problems)
         task = StudyTask(case, inputs, settings, parallel_map, lambda stage: None)
@@ -202,6 +204,7 @@ def calculate_study(
         return None, unread, warnings
     try:
         case = read.case()
+        _refuse_many_phases(study, case)
         problems = study.check(case, inputs)
         if unread or problems:
             return None, _in_cells(read, study, problems), warnings
@@ -212,6 +215,21 @@ def calculate_study(
         return None, (*unread, *case_problems(refused)), warnings
     check_tables(study, result)
     return result, (), (*warnings, *result.warnings)
+
+
+def _refuse_many_phases(study: Study, case: CaseData) -> None:
+    """A study of starts near to one start has the phase of that one."""
+    if case.looks_for_worst_phase and not study.takes_worst_phase:
+        raise CaseError(
+            (
+                SCALARS.wrong(
+                    "PulsationPhase",
+                    case.pulsation_phase,
+                    f"a number in the study {study.command}",
+                    "Type the Worst phase of table StartupPeaks: each start of the study has one phase.",
+                ),
+            )
+        )
 
 
 def _unread(study: Study, read: CaseInput) -> tuple[CellProblem, ...]:

@@ -105,6 +105,7 @@ Example: `torsionbook starts train.xlsx` writes train.starts.xlsx."""
 STARTS = Study(
     spec=STARTS_SPEC,
     check=condition_problems,
+    takes_worst_phase=True,
     calculate=_calculate,
     help=_HELP,
     options=(

@@ -146,6 +146,8 @@ class Study:
     #: study, where the options ask for one; else None.
     part: Callable[[StudyTask, Mapping[str, Any]], StudyPart | None] = lambda task, options: None
     part_options: tuple[str, ...] = ()  #: Options that ask for one.
+    #: Whether it calculates whole cases, so that `PulsationPhase` may be worst; else its starts need one phase.
+    takes_worst_phase: bool = False
     #: Whether it measures times: it then has this process, and no other runs beside it.
     measures_time: bool = False
     #: Input, destination, `StudyResult` and whether locks are ignored → sentences, where it has no

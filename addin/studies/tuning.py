@@ -185,6 +185,7 @@ workbook, train.tune.xlsx."""
 TUNING = Study(
     spec=TUNING_SPEC,
     check=tuning_problems,
+    takes_worst_phase=True,
     calculate=_calculate,
     help=_HELP,
     options=(

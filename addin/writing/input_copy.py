@@ -218,7 +218,9 @@ class _Copy:
         else:
             copy = self._cell("Value", one.row)
             if one.field.is_number:
-                value = self._number(self.read.typed.scalars.get(one.field.name), None)
+                value = self._number(
+                    self.read.typed.scalars.get(one.field.name), None, one.field.choices
+                )
             else:
                 value = self.read.workbook.shown_value(*self.read.locations.scalars[one.field.name])
         unit_at = self.read.locations.units.get((one.table, one.field.name))

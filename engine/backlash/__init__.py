@@ -5,6 +5,7 @@ The force law of a clearance is in `engine.stepping.contact_loop`.
 ====================  ============================================================================
 module                responsibility
 ====================  ============================================================================
+`machines`            motors whose torque follows from their fluxes, in the arrays of the loop with events
 `contact_systems`     A train with clearances as pieces: linear systems that share one basis
 `event_simulation`    one event-driven simulation: from the arrays of a start to sampled histories
                       and a log of events

@@ -16,15 +16,16 @@ import numpy as np
 
 from engine.arrays import Floats, Ints
 from engine.backlash.contact_systems import ContactSystems
+from engine.backlash.machines import MachineInTime, Machines
 from engine.errors import ModelError
 from engine.numerics.distinct import distinct
 from engine.numerics.same_bits import product
-from engine.start.start_model import Machines
+from engine.start.start_model import Machines as Drives
 from engine.start.time_response import knots_of
 from engine.start.trajectory import KEPT_VALUES, Recorder, Trajectory
 from engine.stepping import contact_loop as events
 from engine.stepping.library import struct
-from engine.stepping.linear_loop import drive_struct
+from engine.stepping.linear_loop import drive_struct, turning_points
 
 #: Whether a run may end: (times, phases, mean speeds) → flag.
 Settled = Callable[[Floats, Floats, Floats], bool]
@@ -40,7 +41,7 @@ MOST_ALONE = 100_000_000
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class EventModel(Machines):
+class EventModel(Drives):
     """A start in arrays, with its pieces."""
 
     pieces: ContactSystems  #: The pieces met so far; more are made as a run comes to them. [SI]
@@ -49,6 +50,10 @@ class EventModel(Machines):
     visible: float = 0.0  #: Ringing above this share of an answer is followed. [1]
     #: Decaying harmonic torques, as fields of the loop's ``drive_t``. [SI]
     tones: Mapping[str, Any] = field(default_factory=dict)
+    #: The first motors as machines in time. [pu, SI]
+    machines: tuple[MachineInTime, ...] = ()
+    #: Electrical speed at which the train stands still: that of the line in operation. [rad/s]
+    frame: float = 0.0
 
     @property
     def damper_force(self) -> Ints:
@@ -72,6 +77,9 @@ class EventSchedule:
     trip_speed: float | None = None
     coast_end: float | None = None  #: Likewise. [rad/s]
     coast_time: float = math.inf  #: Longest coast-down that is followed. [s]
+    switch_speeds: tuple[
+        float, ...
+    ] = ()  #: Mean speeds at which motors are switched over, rising. [rad/s]
     look_every: float = math.inf  #: How often `settled` is asked. [s]
     stops: tuple[float, ...] = ()  #: Times at which a step is made to end. [s]
     keep_state: bool = False  #: True: positions and velocities in the common basis are kept, too.
@@ -84,6 +92,10 @@ class EventRun:
 
     trajectory: Trajectory  #: Torques and mean speed. [SI]
     phase: Floats  #: Phase of each pulsation, unbroken. [rad] Shape (n_motors, n_times).
+    #: Torque of each machine in time and its rate. [N m, N m/s] Shape (n_machines, 2, n_times).
+    air_gap: Floats
+    #: Its maximum and its minimum, and when. [N m, s] Shape (n_machines, 2, 2).
+    air_gap_extremes: Floats
     bearing: Floats  #: Radial force of each gear's bearings. [N] Shape (n_bodies, n_times).
     largest_bearing: Floats  #: Its largest value, and when. [N, s] Shape (n_bodies, 2).
     #: Time, clearance, contact of a flank before and after, its speed. [SI] Shape (n_events, 5).
@@ -113,6 +125,9 @@ class _Recorder:
         self.log: list[Floats] = []
         bodies = len(model.pieces.basis.train.bodies)
         self.largest = np.zeros((bodies, 2))  # bearing force and when
+        #: Largest and smallest torque of each machine in time, and when.
+        self.air_gap = np.zeros((len(model.machines), 2, 2))
+        self._last_air_gap = np.empty((1 + 2 * len(model.machines), 0))
         self._phase = model.phase[:, None]  # last one as the loop has it, and its turns
         self._turns = np.zeros((len(model.phase), 1))
         self._samples = Recorder(
@@ -124,11 +139,12 @@ class _Recorder:
         time, speed, further = self._samples.seen()
         return time, further[0], speed
 
-    def result(self, reached: bool, n_steps: int) -> tuple[Trajectory, Floats, Floats]:
-        """Trajectory, phases and bearing forces."""
+    def result(self, reached: bool, n_steps: int) -> tuple[Trajectory, Floats, Floats, Floats]:
+        """Trajectory, phases, torques of machines in time and bearing forces."""
         trajectory, further = self._samples.trajectory(reached, n_steps)
-        n = len(self.model.phase)
-        return trajectory, further[:n], further[n:]
+        n, n_machines = len(self.model.phase), len(self.model.machines)
+        phase, air_gap, bearing = np.split(further, [n, n + 2 * n_machines])
+        return trajectory, phase, air_gap.reshape(n_machines, 2, further.shape[1]), bearing
 
     def add(self, rows: dict[str, Any], n: int) -> None:
         """Take n rows."""
@@ -146,8 +162,22 @@ class _Recorder:
             top = int(np.argmax(force))
             if force[top] > self.largest[i, 0]:
                 self.largest[i] = force[top], time[top]
-        further = np.concatenate([self._unbroken(rows["phase"][:n]), bearing])
+        air_gap = rows["air_gap"][:n].reshape(n, 2 * len(self.model.machines)).T
+        self._take_extremes(time, air_gap)
+        further = np.concatenate([self._unbroken(rows["phase"][:n]), air_gap, bearing])
         self._samples.add(time, rows["speed"][:n].copy(), torque, rate, further)
+
+    def _take_extremes(self, time: Floats, air_gap: Floats) -> None:
+        """Extremes of the torques of machines, also between rows."""
+        t, *torques = np.concatenate([self._last_air_gap, np.vstack([time, air_gap])], axis=1)
+        self._last_air_gap = np.vstack([time, air_gap])[:, -1:]
+        for k, (torque, rate) in enumerate(zip(torques[::2], torques[1::2], strict=True)):
+            when, value = turning_points(t, torque, rate)
+            when, value = np.append(when, t[[0, -1]]), np.append(value, torque[[0, -1]])
+            for side, sign in enumerate((1.0, -1.0)):
+                top = int(np.argmax(sign * value))
+                if sign * (value[top] - self.air_gap[k, side, 0]) > 0.0:
+                    self.air_gap[k, side] = value[top], when[top]
 
     def _unbroken(self, phase: Floats) -> Floats:
         """Phases without the jumps of their modulus, shape (n_motors, n)."""
@@ -233,6 +263,10 @@ class _Simulation:
         self.electrical: Any = tuple(
             a.copy() if isinstance(a, np.ndarray) else a for a in model.electrical
         )
+        self.curves_of = tuple(np.array(a, dtype=np.int64) for a in model.motors[1:3])
+        self.switched = 0
+        if script.switch_speeds:
+            self._connect()
         n_outputs, n_bodies = len(pieces.output_element), len(pieces.basis.train.bodies)
         self._rows: dict[str, Any] = {  # filled again and again
             "t": np.empty(ROWS),
@@ -241,7 +275,10 @@ class _Simulation:
             "rate": np.empty((n_outputs, ROWS)),
             "bearing": np.empty((n_bodies, ROWS)),
             "phase": np.empty((ROWS, len(model.phase))),
+            "air_gap": np.empty((ROWS, len(model.machines), 2)),
         }
+        self.machines = Machines(model.machines, model.frame)
+        self.machines.switch(0.0, self.phase)
         if script.keep_state:
             self._rows["q"], self._rows["v"] = np.empty((ROWS, m)), np.empty((ROWS, m))
             self._rows["piece"] = np.empty(ROWS, dtype=np.int64)
@@ -266,7 +303,8 @@ class _Simulation:
                 limited=model.limited, contact=self.contact,
             ),
             drive_struct(
-                model.curves, model.motors, model.loads, model.timed, self.electrical, model.tones
+                model.curves, (model.motors[0], *self.curves_of, *model.motors[3:]), model.loads,
+                model.timed, self.electrical, model.tones, self.machines.struct,
             ),
             struct(
                 "state_t", q=self.q, v=self.v, phase=self.phase, force=self.force, force_rate=self.rate
@@ -274,6 +312,7 @@ class _Simulation:
             struct(
                 "output_t", rows=ROWS, time=rows["t"], speed=rows["speed"], torque=rows["torque"],
                 torque_rate=rows["rate"], bearing=rows["bearing"], phase=rows["phase"],
+                air_gap=rows["air_gap"],
                 **{name: rows[name] for name in ("q", "v", "piece") if name in rows},
             ),
             struct("log_t", log=self.log, room=LOGGED),
@@ -293,7 +332,8 @@ class _Simulation:
         is_settled, reached = False, False
         while self.work <= self.most_work:
             self._await()
-            reason = self._advance(min(end, look))
+            change = self.machines.next_change
+            reason = self._advance(min(end, look, change))
             t = self.clock.time
             if reason == events.NEW_PIECE:
                 self.structs[0].piece = self._enter()
@@ -308,6 +348,8 @@ class _Simulation:
                 break
             elif reason == events.AT_TIME:
                 self.clock.fresh = 2  # a row at the same time begins what follows
+                if t >= change * (1.0 - 1e-14):
+                    self.machines.switch(change, self.phase)
                 if t >= end * (1.0 - 1e-14):
                     break
                 if t >= look * (1.0 - 1e-14):
@@ -332,6 +374,8 @@ class _Simulation:
         speeds = {"trip": s.trip_speed, "end": s.end_speed}
         if self.field_time is None and not self._waits_for_angle:
             speeds["field"] = s.field_speed
+        if self.switched < len(s.switch_speeds):
+            speeds["switch"] = s.switch_speeds[self.switched]
         return {what: speed for what, speed in speeds.items() if speed is not None}
 
     def _await(self) -> None:
@@ -355,6 +399,11 @@ class _Simulation:
         if reached == "trip":
             self.trip_time = t
             self.electrical[8][:] = 0.0
+            self.machines.trip(self.phase)
+            self.clock.fresh = 2
+        elif reached == "switch":
+            self.switched += 1
+            self._connect()
             self.clock.fresh = 2
         elif reached == "field" and self.script.field_angle is not None:
             self._waits_for_angle = True
@@ -362,9 +411,15 @@ class _Simulation:
             self._apply_field(t)
         return reached != "end"
 
+    def _connect(self) -> None:
+        """From here on the motors have the curves of their present connection."""
+        for now, then in zip(self.curves_of, self.model.switched[self.switched], strict=True):
+            now[:] = then
+
     def _apply_field(self, t: float) -> None:
         self.field_time = t
         self.electrical[3][:] = t
+        self.machines.apply_field()
         self.clock.fresh = 2
 
     def _advance(self, stop: float) -> int:
@@ -380,6 +435,11 @@ class _Simulation:
             )
         while True:
             done, logged, reason = events.advance_pieces(self.clock, self._pieces, *self.structs)
+            if reason == events.UNSETTLED:
+                raise ModelError(
+                    f"The torque of a motor and its motion do not settle in a step at {self.clock.time:.4g} s: its "
+                    "station is too light for the motor's torque. Check Inertia of the motor's station."
+                )
             if reason == events.DIVIDED or not np.all(np.isfinite(self.q)):
                 raise ModelError(
                     f"The start with clearances cannot be calculated beyond {self.clock.time:.4g} s: damping "
@@ -397,10 +457,12 @@ class _Simulation:
 
     def _result(self, settled: bool, reached: bool) -> EventRun:
         r = self.recorder
-        trajectory, phase, bearing = r.result(reached, self.steps)
+        trajectory, phase, air_gap, bearing = r.result(reached, self.steps)
         return EventRun(
             trajectory,
             phase,
+            air_gap,
+            r.air_gap,
             bearing,
             r.largest,
             np.concatenate(r.log) if r.log else np.empty((0, 5)),

@@ -31,9 +31,10 @@ from engine.backlash.event_simulation import (
     Settled,
     simulate_events,
 )
+from engine.backlash.machines import MachineInTime, machines_of_start
 from engine.case.choices import ContactLaw, Method
 from engine.case.data import CaseData
-from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, LONGEST_START
+from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, LEAST_PEAK_ERROR, LONGEST_START
 from engine.case.effect import StartEffects
 from engine.case.result_words import Outcome
 from engine.errors import ModelError
@@ -46,7 +47,7 @@ from engine.model.train import Flank, Train
 from engine.numerics.distinct import distinct
 from engine.numerics.same_bits import interp, product, square
 from engine.start.decaying_harmonics import DecayingHarmonic, as_the_loop_takes_them
-from engine.start.event_results import PullIn, Repeatability, prediction_interval
+from engine.start.event_results import MachineTorque, PullIn, Repeatability, prediction_interval
 from engine.start.outcome import StartOutcome, outcome_of, run_length
 from engine.start.peaks import JudgedRun, judge_run
 from engine.start.prescribed import run_prescribed
@@ -127,6 +128,9 @@ class EventTorques:
     terms: Sequence[DecayingHarmonic] = ()  #: Decaying harmonics. [N m]
     #: Stations and torques that hold the train in equilibrium before and during it. [index, N m]
     before: Sequence[tuple[int, float]] = ()
+    #: A motor in time, and the phase of its pulsation in the loop at t = 0. [pu, rad]
+    machine: tuple[Motor, MachineInTime] | None = None
+    held: float = 0.0  #: Torque that the motor gives before the event. [N m]
 
 
 @dataclass(frozen=True, eq=False)
@@ -269,6 +273,7 @@ def run_event_start(
         left_out=None if setup.drops_modes else 0.0,
         forces=force_histories(train, run),
         load_angle=None if pull_in is None else 0.5 * run.phase[0],
+        machines=_machine_torques(model, fine.events, coarse.events),
         gave_up=gave_up,
     )
 
@@ -405,6 +410,9 @@ def _start(
         events=True,
     )
     model = _event_model(case, modal, plain, effects, linear)
+    if effects.motor_transient:
+        machines = machines_of_start(case, train, motors, effects, len(plain.curves[2]))
+        model = replace(model, machines=machines)
     share = min(tolerance / DEFAULT_TOLERANCE_PEAK, 1.0)
     step = COARSEST_EVENT_ANGLE * math.sqrt(math.sqrt(share)) / plain.pulsation_omega
     if linear.method == Method.EXPONENTIAL:  # Newmark's steps are shorter than these runs need
@@ -422,7 +430,9 @@ def _prescribed(
     """Prescribed torques alone: every mode that may be is kept, and followed where it rings."""
     train = modal.train
     torques = [*event.torques, *(held(station, torque) for station, torque in event.before)]
-    stations = sorted({p.station for p in torques} | {t.station for t in event.terms})
+    motors = () if event.machine is None else (event.machine[0],)
+    acting = [*torques, *event.terms, *motors]
+    stations = sorted({a.station for a in acting})
     keep = allowed_modes(modal.modes, effects)
     basis = _basis(case, modal, effects, keep)
     rows = np.flatnonzero(train.viscous > 0.0)
@@ -434,12 +444,18 @@ def _prescribed(
         np.concatenate([train.node_damping[nodes], train.viscous[rows]]),
     )
     mean = basis.vectors[train.node_dof[0]] * train.node_scale[0] / train.speed_ratio[0]
-    none = np.zeros((0, len(mean)))
+    none = np.zeros((len(motors), len(mean)))  # no curve is read
     pieces = ContactSystems(basis, places, mean, none, _scale(train, linear))
     step = linear.step * 2.0 ** (linear.halvings + 1)
+    arrays = machine_arrays(case, motors, (), torques, stations)
+    if event.machine is not None:
+        # the train stands still where it runs with the line: the phase changes by its vibration alone
+        arrays["motors"] = (*arrays["motors"][:5], 0.0, arrays["motors"][6])
+        arrays["machines"] = (event.machine[1],)
+        arrays["frame"] = event.machine[1].machine.line_omega
     model = EventModel(
         pieces=pieces,
-        **machine_arrays(case, (), (), torques, stations),
+        **arrays,
         sampled=COARSEST_EVENT_ANGLE / step,
         limited=effects.contact_law == ContactLaw.LIMITED,
         tones=as_the_loop_takes_them(event.terms, stations),
@@ -447,11 +463,11 @@ def _prescribed(
     script = EventSchedule(maximum_time=linear.outcome.time, keep_all=keeps_history(case))
     drops = not bool(np.all(keep))
     force = np.zeros(places.n_forces)
-    for station, torque in event.before:
+    for station, torque in [*event.before, *((m.station, event.held) for m in motors)]:
         force[stations.index(station)] += torque
     return _Setup(
         model, script, step, np.zeros(len(pieces.output_element)), drops, None, (),
-        _twisted_by(pieces, force) if event.before else None,
+        _twisted_by(pieces, force) if np.any(force) else None,
     )  # fmt: skip
 
 
@@ -488,6 +504,8 @@ def _script(
             end_speed = None
     if effects.full_length or effects.pull_in or effects.aborted_start:
         maximum = longest
+    elif effects.motor_transient:  # its mean torque is not that of the curves
+        maximum = min(2.0 * linear.outcome.time + 1.0, longest)
     elif linear.outcome.outcome in (Outcome.REACHED, Outcome.TIME_OUT):
         maximum = min(1.2 * linear.outcome.time + 1.0, longest)
     else:  # where the plain start settled below its end speed, so does this one
@@ -500,6 +518,7 @@ def _script(
         trip_speed=trip_speed,
         coast_end=COAST_END * synchronous,
         coast_time=COAST_TIME,
+        switch_speeds=case.switch_over_speeds if effects.switch_over else (),
         look_every=LOOK_EVERY,
         keep_all=keeps_history(case),
     )
@@ -532,6 +551,27 @@ def _event_model(
         sampled=plain.pulsation_omega,
         limited=effects.contact_law == ContactLaw.LIMITED,
     )
+
+
+def _machine_torques(
+    model: EventModel, fine: EventRun, coarse: EventRun
+) -> tuple[MachineTorque, ...]:
+    """Torques of motors in time; the error is the change of both extremes: one alone may agree by chance."""
+    torques = []
+    for k, (force, phase) in enumerate(zip(model.motors[0], fine.phase, strict=False)):
+        if k == len(model.machines):
+            break
+        ends = fine.air_gap_extremes[k]
+        largest, when = ends[int(np.argmax(np.abs(ends[:, 0])))]
+        change = float(np.max(np.abs(ends[:, 0] - coarse.air_gap_extremes[k, :, 0])))
+        station = int(model.pieces.places.nodes[force])
+        error = max(change / (abs(largest) or 1.0), LEAST_PEAK_ERROR)
+        torques.append(
+            MachineTorque(
+                station, float(largest), float(when), error, fine.air_gap[k, 0], 0.5 * phase
+            )
+        )
+    return tuple(torques)
 
 
 def _scale(train: Train, linear: Start) -> Floats:
@@ -574,7 +614,7 @@ def _over_before(
 def _light(run: EventSimulation) -> EventSimulation:
     """A run whose turning points are all that is still wanted."""
     none, thin = np.empty((0, 0)), run.without_history()
-    events = replace(run.events, trajectory=thin.trajectory, phase=none, bearing=none)
+    events = replace(run.events, trajectory=thin.trajectory, phase=none, bearing=none, air_gap=none)
     return replace(thin, events=events)
 
 
@@ -586,8 +626,10 @@ def _changed(model: EventModel, times: int) -> EventModel:
     tones = dict(model.tones)
     if tones:
         tones["tone_size"] = tones["tone_size"] * factor
+    machines = tuple(m.scaled(factor) for m in model.machines)
     return replace(
         model,
+        machines=machines,
         curves=(knots, cubics * factor, counts),
         timed=(force, time, torque * factor, rows),
         tones=tones,

@@ -14,12 +14,14 @@ import numpy as np
 
 from engine.arrays import Floats, Mask
 from engine.backlash.current_zeros import clearing_by_phase
+from engine.backlash.machines import MachineInTime
 from engine.case.choices import Clearing, MotorEventKind
 from engine.case.data import CaseData, MotorEventRow
 from engine.case.defaults import LEAST_PEAK_ERROR
 from engine.errors import InternalError
 from engine.model.excitation import transmitted_torque
 from engine.model.modal_train import ModalTrain
+from engine.model.motor import Motor
 from engine.model.train import Train
 from engine.motor.circuit import Circuit, line_omega, starting_circuit
 from engine.motor.fault_torques import largest_of_constant_fluxes
@@ -31,6 +33,7 @@ from engine.motor.two_axis import (
     running_state,
 )
 from engine.numerics.same_bits import product
+from engine.numerics.torque_curve import TorqueCurve
 from engine.start.machine_motion import (
     Balance,
     Machine,
@@ -40,6 +43,7 @@ from engine.start.machine_motion import (
     switched,
 )
 from engine.start.prescribed import SAMPLES_PER_PERIOD, Drive
+from engine.start.start import Start
 from engine.start.time_response import ModalSystem, TimeResponse, modal_system
 from engine.start.torque_outputs import force_reach
 from engine.stepping.linear_loop import turning_points
@@ -302,19 +306,67 @@ def air_gap_torque_of(drive: MotorDrive) -> AirGapTorque:
     # of both extremes: one alone may agree by chance
     change = max(abs(float(f(fine[1]) - f(coarse[1]))) for f in (np.max, np.min))
     change /= abs(largest) or 1.0
+    motion = drive.motions[-1]
+    lag = -drive.event.machine.pole_pairs * motion.rotor
     return AirGapTorque(
         largest, time, max(change, LEAST_PEAK_ERROR),
-        _closed_form(drive.event), *_slip(drive.event, drive.motions[-1]),
+        _closed_form(drive.event), *_slip(drive.event, motion.time, lag),
     )  # fmt: skip
 
 
-def _slip(event: MotorEvent, motion: MachineMotion) -> tuple[int, float]:
+def with_teeth_apart(air_gap: AirGapTorque, event: MotorEvent, response: Start) -> AirGapTorque:
+    """What the torque of the motor was where teeth separated.
+
+    Parameters
+    ----------
+    air_gap : AirGapTorque
+        With all teeth in contact. [SI]
+    event : MotorEvent
+        The event. [mixed]
+    response : Start
+        Of the train with its clearances. [SI]
+
+    Returns
+    -------
+    AirGapTorque
+        [N m, s]
+    """
+    (torque,) = response.machines
+    turns, since = _slip(event, response.trajectory.time, torque.lag)
+    return replace(
+        air_gap, largest=torque.largest, time=torque.time, error=torque.error, slipped=turns,
+        slips_from=since,
+    )  # fmt: skip
+
+
+def machine_in_time(event: MotorEvent) -> tuple[Motor, MachineInTime]:
+    """The motor of an event as the loop with events takes it.
+
+    Parameters
+    ----------
+    event : MotorEvent
+        The event. [mixed]
+
+    Returns
+    -------
+    Motor, MachineInTime
+        One without curves, and its fluxes. [SI, pu]
+    """
+    machine, state = event.machine, event.state
+    nothing = TorqueCurve(np.zeros(1), np.zeros((1, 4)))
+    motor = Motor(
+        event.station, nothing, nothing, machine.synchronous_speed, machine.pole_pairs, -2.0 * state.angle
+    )  # fmt: skip
+    return motor, MachineInTime(machine, event.supplies, state.flux, state.field_voltage)
+
+
+def _slip(event: MotorEvent, time: Floats, lag: Floats) -> tuple[int, float]:
     """Turns of the rotor against a line with voltage since its last change, in electrical angle, and when half one is done."""
     if event.supplies[-1].forward[0] == 0.0:
         return 0, math.inf
-    since = motion.time >= event.last_change
-    turned = event.machine.pole_pairs * np.abs(motion.rotor[since] - motion.rotor[since][:1])
-    beyond = motion.time[since][turned > math.pi]
+    since = time >= event.last_change
+    turned = np.abs(lag[since] - lag[since][:1])
+    beyond = time[since][turned > math.pi]
     turns = round(float(turned[-1]) / (2.0 * math.pi)) if len(turned) else 0
     return turns, float(beyond[0]) if len(beyond) else math.inf
 

@@ -25,13 +25,16 @@ from engine.backlash.motor_events import (
     MOTOR_FOLLOWED,
     AirGapTorque,
     MotorDrive,
+    MotorEvent,
     air_gap_torque_of,
+    machine_in_time,
     motor_drive,
     motor_event,
     number,
+    with_teeth_apart,
 )
 from engine.backlash.motor_scan import WorstInstants, any_instant, worst_instants
-from engine.case.choices import ContactLaw, EffectChoice, ElementKind
+from engine.case.choices import ContactLaw, EffectChoice, ElementKind, TorqueBase
 from engine.case.data import CaseData, EventTorqueRow, MotorEventRow
 from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, LONGEST_START, NOTABLE_REVERSAL
 from engine.case.effect import StartEffects
@@ -106,7 +109,9 @@ class OperatingEvent:
         repeated = response.repeatability and replace(response.repeatability, histories=())
         return replace(
             self,
-            response=replace(response, trajectory=trajectory, sections={}, repeatability=repeated),
+            response=replace(
+                response, trajectory=trajectory, sections={}, repeatability=repeated, machines=()
+            ),
         )
 
 
@@ -167,13 +172,6 @@ def _event(case: CaseData, analysis: ModalAnalysis, name: str) -> OperatingEvent
                 f"Event '{name}' brings the torque of {quoted} to zero, but teeth stay together, since backlash is "
                 "forced off."
             )
-        elif row is not None:
-            return OperatingEvent(
-                name, None, air_gap=air_gap,
-                note=f"Event '{name}' is not calculated: it brings the torque of {quoted} to zero, where teeth "
-                "separate, and the torque of the motor is not yet calculated with teeth apart. Force effect backlash "
-                "off to keep them together.",
-            )  # fmt: skip
         elif idle := [e for e in names if running[modal.train.elements.index(e)] <= 0.0]:
             return OperatingEvent(
                 name,
@@ -182,9 +180,21 @@ def _event(case: CaseData, analysis: ModalAnalysis, name: str) -> OperatingEvent
                 f"separate, and '{idle[0]}' carries no driving torque in operation, so that the flank it begins on is "
                 "unknown. Type Running load in table Stations, or force effect backlash off.",
             )
+        elif isinstance(drive, MotorDrive) and drive.event.poles:
+            return OperatingEvent(
+                name,
+                None,
+                air_gap=air_gap,
+                note=f"Event '{name}' is not calculated: it brings the torque of {quoted} to zero, where teeth "
+                "separate, and zeros of current are not located with teeth apart. Leave Clearing in table MotorEvents "
+                "blank, which clears at once, or force effect backlash off.",
+            )
         else:
-            response = _with_clearances(case, modal, name, response)
+            event = drive.event if isinstance(drive, MotorDrive) else None
+            response = _with_clearances(case, modal, name, response, event)
             response = _with_errors(response, pieces, tolerance)
+            if air_gap and event:
+                air_gap = with_teeth_apart(air_gap, event, response)
             if response.gave_up:
                 notes.append(
                     f"Event '{name}' with separating teeth was stopped after {response.outcome.time:.3g} s: it takes too "
@@ -252,8 +262,9 @@ def _worst_event(case: CaseData, analysis: ModalAnalysis, row: MotorEventRow) ->
         if (gap := events[instant.row].air_gap)
         and any(p.element == element and p.time > gap.slips_from for p in peaks)
     }
-    peaks = [replace(p, left_out=None) if p.element in slipping else p for p in peaks]
-    bounds = [None if slipping else r.left_out for r in responses.values()]
+    apart = any(r.contacts for r in responses.values())  # the scan keeps all teeth together
+    peaks = [replace(p, left_out=None) if apart or p.element in slipping else p for p in peaks]
+    bounds = [None if slipping or apart else r.left_out for r in responses.values()]
     error = max((p.relative_error for p in peaks), default=0.0)
     response = replace(
         responses[drawn],
@@ -262,7 +273,7 @@ def _worst_event(case: CaseData, analysis: ModalAnalysis, row: MotorEventRow) ->
         left_out=None if None in bounds else max(b for b in bounds if b is not None),
         met_tolerance=all(r.met_tolerance for r in responses.values())
         and error <= (case.tolerance_peak or DEFAULT_TOLERANCE_PEAK)
-        and not slipping,
+        and not (slipping or apart),
     )
     air_gap = events[worst.of_motor.row].air_gap
     if air_gap is not None:
@@ -275,6 +286,11 @@ def _worst_event(case: CaseData, analysis: ModalAnalysis, row: MotorEventRow) ->
         quoted = ", ".join(f"'{element}'" for element in sorted(slipping))
         notes[
             f"Event '{name}' slips poles before the largest torque of {quoted}: at another instant it may be larger."
+        ] = None
+    if apart:
+        notes[
+            f"Event '{name}' separates teeth at its worst instant, which was looked for with all teeth together: torques at "
+            "another one may be larger."
         ] = None
     return OperatingEvent(
         name, response, tuple(shafts), tuple(errors), air_gap, events[drawn].history, worst,
@@ -296,12 +312,14 @@ def _history(response: Start, drive: Drive, elements: Sequence[str]) -> EventHis
     """What a chart shows of an event of a motor: until a little after the last change of its supply."""
     if not isinstance(drive, MotorDrive) or not response.peaks:
         return None
-    motion, name = drive.motions[-1], max(response.peaks, key=lambda p: p.size).element
+    name = max(response.peaks, key=lambda p: p.size).element
     output = response.output_of_element[elements.index(name)]
-    torque = response.trajectory.torque[output]
-    last = int(np.searchsorted(motion.time, drive.event.last_change + DRAWN_AFTER, "right"))
+    time, torque = response.trajectory.time, response.trajectory.torque[output]
+    machines = response.machines
+    air_gap = machines[0].torque if machines else drive.motions[-1].torque
+    last = int(np.searchsorted(time, drive.event.last_change + DRAWN_AFTER, "right"))
     drawn = slice(0, last, max(last // MOST_DRAWN, 1))
-    return EventHistory(motion.time[drawn], motion.torque[drawn], name, torque[drawn])
+    return EventHistory(time[drawn], air_gap[drawn], name, torque[drawn])
 
 
 def _pieces_errors(
@@ -343,7 +361,9 @@ def _separating(train: Train, response: Start) -> Iterator[str]:
             yield name
 
 
-def _with_clearances(case: CaseData, modal: ModalTrain, name: str, linear: Start) -> Start:
+def _with_clearances(
+    case: CaseData, modal: ModalTrain, name: str, linear: Start, motor: MotorEvent | None
+) -> Start:
     """The response with teeth that separate, from the drive flanks on which the running train has them."""
     train = modal.train
     effects = StartEffects(
@@ -352,8 +372,14 @@ def _with_clearances(case: CaseData, modal: ModalTrain, name: str, linear: Start
     )
     transmitted = transmitted_torque(case, train)
     net = transmitted.motor - transmitted.load
+    if motor is not None:
+        net[motor.station] -= motor.held  # its fluxes give it
     before = [(i, float(net[i])) for i in np.flatnonzero(net).tolist()]
-    event = EventTorques(*_torques(case, train, name), before)
+    if motor is not None:
+        held = 0.0 if motor.released else motor.held
+        event = EventTorques((), (), before, machine_in_time(motor), held)
+    else:
+        event = EventTorques(*_torques(case, train, name), before)
     return run_event_start(case, modal, effects, linear, event)
 
 
@@ -395,13 +421,20 @@ def _drive(case: CaseData, modal: ModalTrain, name: str) -> Drive:
 
 
 def _term(case: CaseData, train: Train, row: EventTorqueRow) -> DecayingHarmonic:
-    """One row of `EventTorque`: rated torque at the speed of its station is what its amplitude is a share of."""
+    """One row of `EventTorque`: rated torque, or apparent power, at the speed of its station is what its amplitude is a
+    share of."""
     station = train.stations.index(str(row.station))
-    rated = (case.ratings.rated_torque or 0.0) / float(train.speed_ratio[station])
+    base = case.ratings.rated_torque or 0.0
+    if row.base == TorqueBase.APPARENT_POWER:
+        (motor,) = (m for m in case.motor_data if m.station == row.station)
+        base = (motor.base_power(case.ratings.rated_power) or 0.0) / (
+            case.ratings.synchronous_speed or 1.0
+        )
+    base /= float(train.speed_ratio[station])
     line_omega = 2.0 * math.pi * (case.ratings.line_frequency or 0.0)
     return DecayingHarmonic(
         station,
-        (row.amplitude or 0.0) * rated,
+        (row.amplitude or 0.0) * base,
         row.phase or 0.0,
         (row.multiple or 0.0) * line_omega,
         1.0 / row.time_constant if row.time_constant else 0.0,

@@ -131,6 +131,28 @@ class FieldCircuit(StrEnum):
     OPEN = "open"
 
 
+class TorqueBase(StrEnum):
+    """What a published torque is a share of."""
+
+    RATED_TORQUE = "rated torque"
+    APPARENT_POWER = "apparent power"
+
+
+class TimeConstantKind(StrEnum):
+    """What the time constants of a data sheet are."""
+
+    CLASSICAL = "classical"
+    MEASURED = "measured"
+
+
+class Starting(StrEnum):
+    """What stands between the line and a motor at first."""
+
+    DIRECT = "direct"
+    AUTOTRANSFORMER = "autotransformer"
+    REACTOR = "reactor"
+
+
 class MotorEventKind(StrEnum):
     """What happens to a motor in operation."""
 

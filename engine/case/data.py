@@ -165,6 +165,7 @@ class MotorTorqueRow:
     speed: float | None = None  #: Fraction of that station's synchronous speed. [1]
     average: float | None = None  #: Average torque at rated voltage. [N m]
     pulsating: float | None = None  #: Pulsating torque at twice slip frequency, zero-to-peak. [N m]
+    phase: float | None = None  #: Of the pulsation, beside `pulsation_phase`; blank = 0. [rad]
 
 
 @dataclass(frozen=True)
@@ -174,6 +175,21 @@ class SupplyVoltageRow:
     station: str | None = None  #: Where the motor acts.
     speed: float | None = None  #: Fraction of that station's synchronous speed. [1]
     voltage: float | None = None  #: Voltage over that of the torque curves. [1]
+
+
+@dataclass(frozen=True)
+class SupplyRow:
+    """One row of `Supply`: the line of a motor with a data sheet, and how it is switched on."""
+
+    station: str | None = None  #: Where the motor acts.
+    #: Short-circuit power of the line at the motor's terminals; blank = it does not give way. [V A]
+    short_circuit_power: float | None = None
+    x_r: float | None = None  #: Reactance over resistance of the line; blank = no resistance. [1]
+    starting: str | None = None  #: One of `Starting`; blank = ``direct``.
+    #: Of an autotransformer its ratio; of a reactor what it leaves the motor at rest on a stiff line. [1]
+    tap: float | None = None
+    #: Fraction of synchronous speed at which the motor is put on the line. [1]
+    switch_over_speed: float | None = None
 
 
 @dataclass(frozen=True)
@@ -203,6 +219,8 @@ class MotorDataRow:
     td_transient: float | None = None  #: Instead of these, with the stator short-circuited. [s]
     td_subtransient: float | None = None  #: Likewise. [s]
     tq_subtransient: float | None = None  #: Likewise. [s]
+    #: ``classical`` (default): of one winding after the other; ``measured``: roots of the whole circuit.
+    time_constants: str | None = None
     ta: float | None = None  #: Time constant of the direct current in the stator. [s]
     ra: float | None = None  #: Instead of it, resistance of the stator. [1]
     #: Resistance across the field in the start, over that of the field; blank = short-circuited. [1]
@@ -294,13 +312,16 @@ class EventTorqueRow:
 
     event: str | None = None  #: Event; its rows add up.
     station: str | None = None  #: Where it acts.
-    #: A over the rated torque at the speed of that station, in the running direction. [1]
+    #: A over the rated torque at the speed of that station, or over the apparent power of its motor at that
+    #: speed, in the running direction. [1]
     amplitude: float | None = None
     multiple: float | None = None  #: m, multiple of the line frequency; blank or 0 = constant. [1]
     phase: float | None = None  #: φ; blank = 0. [rad]
     time_constant: float | None = None  #: τ; blank = it does not decay. [s]
     #: Such events in the life of the train, in one row of each; blank = 0. [1]
     per_life: float | None = None
+    #: What the amplitude is a share of, one of `TorqueBase`; blank = the rated torque.
+    base: str | None = None
 
 
 @dataclass(frozen=True)
@@ -387,6 +408,7 @@ TABLES: dict[str, tuple[str, type]] = {
     "MotorData": ("motor_data", MotorDataRow),
     "MotorCircuit": ("motor_circuit", MotorCircuitRow),
     "SupplyVoltage": ("supply_voltage", SupplyVoltageRow),
+    "Supply": ("supply", SupplyRow),
     "LoadTorque": ("load_torque", LoadTorqueRow),
     "TorqueTime": ("torque_time", TorqueTimeRow),
     "EventTorque": ("event_torque", EventTorqueRow),
@@ -468,7 +490,8 @@ class CaseData:
     method: str | None = None  #: ``exponential`` (default) or ``newmark``.
     keep_history: str | None = None  #: ``no`` (default), ``parquet`` or ``npz``.
     rainflow_residue: str | None = None  #: ``half cycles`` (ASTM, default) or ``repeated``.
-    pulsation_phase: float | None = None  #: Phase of the pulsation at t = 0; blank = 0. [rad]
+    #: Phase of the pulsation at t = 0; blank = 0; or ``worst``. [rad]
+    pulsation_phase: float | str | None = None
     #: Voltage over the voltage at which the torque curves are given; blank = 1. [1]
     voltage: float | None = None
     shock_amplitude: float | None = None  #: Transient at breaker closing. [N m, s]
@@ -491,6 +514,7 @@ class CaseData:
     motor_data: tuple[MotorDataRow, ...] = ()  #: Likewise. [rows]
     motor_circuit: tuple[MotorCircuitRow, ...] = ()  #: Likewise. [rows]
     supply_voltage: tuple[SupplyVoltageRow, ...] = ()  #: Likewise. [rows]
+    supply: tuple[SupplyRow, ...] = ()  #: Likewise. [rows]
     load_torque: tuple[LoadTorqueRow, ...] = ()  #: Likewise. [rows]
     torque_time: tuple[TorqueTimeRow, ...] = ()  #: Likewise. [rows]
     event_torque: tuple[EventTorqueRow, ...] = ()  #: Likewise. [rows]
@@ -527,6 +551,24 @@ class CaseData:
     def reads_own_speed(self) -> bool:
         """Whether curves of motors are read at the speed of their stations, vibration included. [flag]"""
         return self.torque_follows == TorqueFollows.OWN_SPEED
+
+    @property
+    def switch_over_speeds(self) -> tuple[float, ...]:
+        """Speeds of the reference shaft at which motors are put on the line, rising, each once. [rad/s]"""
+        synchronous = self.ratings.synchronous_speed or 0.0
+        shares = {row.switch_over_speed for row in self.supply if row.switch_over_speed}
+        return tuple(share * synchronous for share in sorted(shares))
+
+    @property
+    def looks_for_worst_phase(self) -> bool:
+        """Whether starts at many phases of the pulsation are asked for. [flag]"""
+        return self.pulsation_phase == Scanned.WORST
+
+    @property
+    def one_phase(self) -> float:
+        """Phase of the pulsation at t = 0; where the worst is looked for, 0 as the first of them. [rad]"""
+        phase = self.pulsation_phase
+        return 0.0 if phase is None or isinstance(phase, str) else phase
 
     @property
     def event_names(self) -> tuple[str, ...]:

@@ -22,14 +22,26 @@ class StartEffects:
     breaker_closing: bool = False  #: Whether that effect is simulated.
     pull_in: bool = False  #: Likewise.
     aborted_start: bool = False  #: Likewise.
+    switch_over: bool = (
+        False  #: Whether motors are switched over from a reduced voltage, as table `Supply` says.
+    )
     #: True: dampers act as torques between their ends; False: on each mode for itself.
     coupled_damping: bool = False
     electrical_damping: bool = False  #: True: motors answer to the vibration of each mode.
+    motor_transient: bool = (
+        False  #: True: the torque of motors follows from their fluxes, not from curves.
+    )
     fast_modes: bool = False  #: True: no mode is left out.
     #: Only so many of the lowest modes are integrated, and no error is estimated for the others; None = no limit.
     most_modes: int | None = None
     full_length: bool = False  #: True: the run does not stop early because the train has settled.
     contact_law: str = ContactLaw.LIMITED  #: One of `ContactLaw`.
+
+    @property
+    def need_events(self) -> bool:
+        """Whether one of them needs the event-driven simulation. [flag]"""
+        switched = self.pull_in or self.aborted_start or self.switch_over
+        return bool(self.clearances) or switched or self.motor_transient
 
 
 @dataclass(frozen=True)

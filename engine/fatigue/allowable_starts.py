@@ -66,6 +66,8 @@ class ShaftFatigue:
     #: Bound on the relative change of the starts by effects left out, part of the interval; None = no bound
     #: is known, and then the interval has no ends. [1]
     left_out: float | None = 0.0
+    #: Phase of the pulsation with the largest damage; None: one phase was asked for. [rad]
+    phase: float | None = None
 
     @property
     def starts_error(self) -> float | None:

@@ -260,7 +260,9 @@ def _motor_shares(case: CaseData, train: Train, warnings: list[str]) -> Floats:
         share[i] = max(share[i], abs(point.average or 0.0) * float(train.speed_ratio[i]))
     for name, motor in motors_without_curve(case).items():
         i = train.stations.index(name)
-        share[i] = float(np.max(np.abs(motor.curves[0].cubic[:, 0]))) * float(train.speed_ratio[i])
+        share[i] = float(np.max(np.abs(motor.stages[-1].curves[0].cubic[:, 0]))) * float(
+            train.speed_ratio[i]
+        )
     if share.sum() > 0.0:
         return np.asarray(share / share.sum())
     first = train.stations[0]

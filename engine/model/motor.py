@@ -14,18 +14,30 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
 from engine.arrays import Floats
-from engine.case.data import CaseData, SupplyVoltageRow
+from engine.case.data import CaseData, MotorTorqueRow, SupplyVoltageRow
 from engine.case.effect import StartEffects
 from engine.errors import ModelError
 from engine.model.train import Train
-from engine.motor.from_case import CURVE_ERROR, motors_without_curve
-from engine.numerics.same_bits import atan2, hypot, square
-from engine.numerics.torque_curve import TorqueCurve, fitted_curves, torque_curve
+from engine.motor.from_case import (
+    CURVE_ERROR,
+    FIRST_POINTS,
+    NEARBY,
+    MotorFromData,
+    Stage,
+    motors_from_data,
+)
+from engine.motor.supply import STIFF
+from engine.numerics.same_bits import atan2, cos, hypot, sin, square
+from engine.numerics.torque_curve import TorqueCurve, fitted_curves, joined, torque_curve
 
+#: A linear start, which has no events, goes over from one connection of a motor to the next within so much of synchronous
+#: speed: a jump there would be met in the middle of a step. The start with events switches at once. [1]
+SMOOTHED = 0.01
 #: Arguments of the compiled loop; see `electrical_arrays`.
 Electrical = tuple[Floats, Floats, float, Floats, Floats, Floats, Floats, Floats, Floats]
 
@@ -41,14 +53,27 @@ class Motor:
     synchronous_speed: float  #: Of its own station. [rad/s]
     pole_pairs: float  #: Line angular frequency over its synchronous speed. [1]
     phase: float  #: Of the pulsating torque at t = 0; with `parts`, twice the load angle. [rad]
-    #: Of a motor from its data sheet: the parts of the pulsation with sin 2δ and cos 2δ, δ the load
-    #: angle, in place of one curve of unchanging phase. [N m]
+    #: Where the phase changes with speed, of a data sheet or typed: the parts of the pulsation with sin 2δ
+    #: and cos 2δ, δ the load angle, in place of one curve of unchanging phase. [N m]
     parts: tuple[TorqueCurve, TorqueCurve] | None = None
     #: Whether it stands for the second part of another motor alone.
     is_second_part: bool = False
     scale: float = 1.0  #: Voltage of the start, over that of the curves, squared. [1]
     #: Voltage that the line leaves it, against the fraction of synchronous speed; None = all of it. [1]
     supply: TorqueCurve | None = None
+    #: Where it is switched over: fraction of synchronous speed up to which, and the motor until then; the last
+    #: one without end. Its own curves go over from one to the next within `SMOOTHED`. [1]
+    stages: tuple[tuple[float, Motor], ...] = ()
+
+    def above(self, fraction: float) -> Motor:
+        """The motor on the connection that it has from a speed on.
+
+        Parameters
+        ----------
+        fraction : float
+            Fraction of synchronous speed. [1]
+        """
+        return next((motor for until, motor in self.stages if until > fraction), self)
 
     def torque_factor(self, fraction: Floats | float) -> Floats:
         """What torques that are stated at full voltage are multiplied by.
@@ -112,6 +137,23 @@ def drives_of(motors: Sequence[Motor]) -> tuple[Motor, ...]:
     return (*firsts, *seconds)
 
 
+def without_torque(motor: Motor) -> Motor:
+    """The same without curves: its torque follows from its fluxes.
+
+    Parameters
+    ----------
+    motor : Motor
+        A motor. [SI]
+
+    Returns
+    -------
+    Motor
+        With its voltage and the phase of its rotor. [SI]
+    """
+    nothing = TorqueCurve(np.zeros(1), np.zeros((1, 4)))
+    return replace(motor, average=nothing, pulsating=nothing, parts=None)
+
+
 def motors_of(case: CaseData, train: Train) -> tuple[Motor, ...]:
     """Motors of a case; motor torques scale with the square of the voltage.
 
@@ -141,37 +183,154 @@ def motors_of(case: CaseData, train: Train) -> tuple[Motor, ...]:
             "SynchronousSpeed and Poles."
         )
     scale = square(1.0 if case.voltage is None else case.voltage)
-    from_data = motors_without_curve(case)
+    typed = {point.station for point in case.motor_torque}
+    sheets = {motor.station: motor for motor in motors_from_data(case)}
     motors = []
     for name in case.motor_stations:
         points = [p for p in case.motor_torque if p.station == name]
         station = train.stations.index(str(name))
         speed = ratings.synchronous_speed * float(train.speed_ratio[station])
-        phase = case.pulsation_phase or 0.0
-        parts = None
-        if name in from_data:
-            average, sine, cosine = (c.scaled(scale) for c in from_data[name].curves)
-            parts = sine, cosine
-            pulsating = torque_curve(sine.knots, hypot(sine.cubic[:, 0], cosine.cubic[:, 0]))
-            # PulsationPhase is that at rest
-            phase -= atan2(float(cosine.cubic[0, 0]), float(sine.cubic[0, 0]))
-        else:
-            x = np.array([p.speed for p in points], dtype=float)
-            average = torque_curve(x, scale * np.array([p.average for p in points], dtype=float))
-            pulsating = torque_curve(
-                x, scale * np.array([p.pulsating for p in points], dtype=float)
-            )
+        phase = case.one_phase
         pairs = 2.0 * math.pi * ratings.line_frequency / speed
-        motor = Motor(station, average, pulsating, speed, pairs, phase, parts, scale=scale)
+        place = _Place(station, speed, pairs, phase, scale)
         supplied = [row for row in case.supply_voltage if row.station == name]
-        motors.append(_on_supply(motor, supplied) if supplied else motor)
+        sheet = sheets.get(str(name))
+        if sheet is not None and name not in typed:
+            stages = _stages_of_data(sheet, place)
+        else:
+            motor = _typed_motor(points, place)
+            stages = [(math.inf, motor)]
+            if sheet is not None and any(row.station == name for row in case.supply):
+                stages = [
+                    (stage.connection.until, _on_supply(motor, _terminal_voltage(sheet, stage)))
+                    for stage in sheet.stages
+                ]
+        motor = _switched_over(stages)
+        motors.append(_on_supply(motor, _voltage_curve(supplied)) if supplied else motor)
     return tuple(motors)
 
 
-def _on_supply(motor: Motor, supplied: Sequence[SupplyVoltageRow]) -> Motor:
-    """A motor whose voltage changes with its speed; its torques go with the square."""
+class _Place(NamedTuple):
+    """Where a motor acts, and how it is switched on."""
+
+    station: int
+    speed: float  # synchronous [rad/s]
+    pole_pairs: float
+    phase: float  # `PulsationPhase` [rad]
+    scale: float  # voltage squared
+
+    def motor(
+        self,
+        average: TorqueCurve,
+        pulsating: TorqueCurve,
+        phase: float,
+        parts: tuple[TorqueCurve, TorqueCurve] | None,
+    ) -> Motor:
+        return Motor(
+            self.station,
+            average,
+            pulsating,
+            self.speed,
+            self.pole_pairs,
+            phase,
+            parts,
+            scale=self.scale,
+        )
+
+
+def _typed_motor(points: Sequence[MotorTorqueRow], place: _Place) -> Motor:
+    """A motor with a typed curve."""
+    x = np.array([p.speed for p in points], dtype=float)
+    average, pulsating = (
+        torque_curve(x, place.scale * np.array(torques, dtype=float))
+        for torques in ([p.average for p in points], [p.pulsating for p in points])
+    )
+    parts = None
+    if points[0].phase is not None:
+        parts = _parts(pulsating, torque_curve(x, np.array([p.phase for p in points], float)))
+    return place.motor(average, pulsating, place.phase, parts)
+
+
+def _stages_of_data(sheet: MotorFromData, place: _Place) -> list[tuple[float, Motor]]:
+    """A motor from its data sheet on each of its connections."""
+    stages = []
+    _, sine, cosine = sheet.stages[0].curves
+    # PulsationPhase is that at rest
+    phase = place.phase - atan2(float(cosine.cubic[0, 0]), float(sine.cubic[0, 0]))
+    for stage in sheet.stages:
+        average, sine, cosine = (c.scaled(place.scale) for c in stage.curves)
+        pulsating = torque_curve(sine.knots, hypot(sine.cubic[:, 0], cosine.cubic[:, 0]))
+        motor = place.motor(average, pulsating, phase, (sine, cosine))
+        if any(s.connection.source != STIFF for s in sheet.stages):
+            motor = replace(motor, supply=_terminal_voltage(sheet, stage))
+        stages.append((stage.connection.until, motor))
+    return stages
+
+
+def _switched_over(stages: Sequence[tuple[float, Motor]]) -> Motor:
+    """A motor that goes over from one connection to the next as its speed rises."""
+    if len(stages) == 1:
+        return stages[0][1]
+    (at, first), (_, second) = stages
+
+    def both(a: TorqueCurve, b: TorqueCurve) -> TorqueCurve:
+        return joined(a, b, at, SMOOTHED)
+
+    parts = None
+    if first.parts is not None and second.parts is not None:
+        parts = both(first.parts[0], second.parts[0]), both(first.parts[1], second.parts[1])
+    supply = None
+    if first.supply is not None and second.supply is not None:
+        supply = both(first.supply, second.supply)
+    return replace(
+        first,
+        average=both(first.average, second.average),
+        pulsating=both(first.pulsating, second.pulsating),
+        parts=parts,
+        supply=supply,
+        stages=tuple(stages),
+    )
+
+
+def _terminal_voltage(sheet: MotorFromData, stage: Stage) -> TorqueCurve:
+    """Voltage at the terminals of a motor against the fraction of synchronous speed. [1]"""
+
+    def exact(fraction: Floats, _: Floats) -> tuple[Floats, Floats]:
+        nearby = np.concatenate([1.0 - fraction, 1.0 - fraction - NEARBY, 1.0 - fraction + NEARBY])
+        v = stage.connection.source.terminal_voltage(sheet.starting, nearby).reshape(3, 1, -1)
+        return v[0], (v[1] - v[2]) / (2.0 * NEARBY)
+
+    (voltage,) = fitted_curves(exact, np.linspace(0.0, 1.0, FIRST_POINTS), CURVE_ERROR)
+    return voltage
+
+
+def _voltage_curve(supplied: Sequence[SupplyVoltageRow]) -> TorqueCurve:
+    """Table `SupplyVoltage` as a curve. [1]"""
     x, v = (np.array([getattr(row, n) for row in supplied], float) for n in ("speed", "voltage"))
-    voltage = torque_curve(x, v)
+    return torque_curve(x, v)
+
+
+def _parts(pulsating: TorqueCurve, phase: TorqueCurve) -> tuple[TorqueCurve, TorqueCurve]:
+    """The parts T cos φ and T sin φ of a pulsation T sin(2δ + φ) of typed phase: with sin 2δ and cos 2δ."""
+
+    def exact(fraction: Floats, within: Floats) -> tuple[Floats, Floats]:
+        (torque, of_torque), (angle, of_angle) = (
+            curve.piece(fraction, within) for curve in (pulsating, phase)
+        )
+        along, across = cos(angle), sin(angle)
+        sine, cosine = torque * along, torque * across
+        return (
+            np.stack([sine, cosine]),
+            np.stack([of_torque * along - cosine * of_angle, of_torque * across + sine * of_angle]),
+        )
+
+    largest = float(np.max(np.abs(pulsating.cubic[:, 0])))
+    sine, cosine = fitted_curves(exact, pulsating.knots, CURVE_ERROR * largest)
+    return sine, cosine
+
+
+def _on_supply(motor: Motor, voltage: TorqueCurve) -> Motor:
+    """A motor whose voltage changes with its speed; its torques go with the square."""
     curves = motor.curves
     knots = np.unique(np.concatenate([curve.knots for curve in (voltage, *curves)]))
     largest = max(float(np.max(np.abs(curve.cubic[:, 0]))) for curve in curves)
@@ -247,6 +406,10 @@ def electrical_arrays(
     rise = case.field_time_constant if effects.pull_in else None
     pull_out = case.pull_out_torque if effects.pull_in else None
     cage = case.pull_in_damping if effects.pull_in else None
+    if (
+        effects.motor_transient
+    ):  # the fluxes of motors have all of it, but for the rise of the field
+        shock = decay = pull_out = cage = None
     return (
         at_rest * (shock or 0.0),
         np.full(n, 1.0 / decay if decay else 0.0),

@@ -9,6 +9,7 @@ module        responsibility
 ============  =====================================================================================
 `circuit`     reactances and time constants of a data sheet → resistances and leakages of the windings
 `curves`      average and pulsating torque, its phase, current and power factor against slip
+`supply`      the line, an autotransformer or a reactor before the stator, as part of the motor
 `two_axis`    the equations of the fluxes in time, and states in which they stay
 `fault_torques`  torques of faults with constant flux linkages
 `damping`     torque that a small oscillation of the speed brings

@@ -17,6 +17,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
+from engine.case.time_constants import short_circuit_times
+
 
 class Winding(NamedTuple):
     """One winding of the rotor, referred to the stator."""
@@ -77,6 +79,111 @@ def rotor_windings(
         windings.append(Winding((own + inner) / (line_omega * open_time), own))
         before = after
     return tuple(windings)
+
+
+def measured_windings(
+    reactances: tuple[float, float, float],
+    leakage: float,
+    times: tuple[float, float],
+    line_omega: float,
+    *,
+    short_circuit: bool,
+) -> tuple[Winding, Winding] | None:
+    """Field and damper of the axis of the poles, whose time constants are roots of the whole circuit.
+
+    As a sudden short circuit shows them: 1/Xd(p) = 1/Xd + (1/Xd' − 1/Xd) p T'/(1 + p T') + (1/Xd'' − 1/Xd') p T''/(1 + p T'')
+    (Canay, Determination of model parameters of synchronous machines, IEE Proc. B 130, 1983, 86-94). What the windings
+    have in parallel to the magnetising reactance is 1/(Xd(p) − Xl) − 1/(Xd − Xl), one partial fraction each.
+
+    Parameters
+    ----------
+    reactances : tuple of float
+        Xd, Xd', Xd'', falling. [pu]
+    leakage : float
+        Stator leakage, below all of them. [pu]
+    times : tuple of float
+        Time constants of field and damper, falling. [s]
+    line_omega : float
+        Angular frequency of the line. [rad/s]
+    short_circuit : bool
+        They are those with the stator short-circuited, not open. [flag]
+
+    Returns
+    -------
+    tuple of Winding, or None
+        None where no circuit has these time constants: open ones that are too near to each other. [pu]
+    """
+    xd, transient, subtransient = reactances
+    y = 1.0 / xd
+    slow, fast = 1.0 / transient - y, 1.0 / subtransient - 1.0 / transient
+    shorted = times if short_circuit else short_circuit_times(reactances, times)
+    if shorted is None:
+        return None
+    t1, t2 = shorted
+    # Xd(p) - Xl = (c0 + c1 p + c2 p^2) / n(p)
+    c0 = 1.0 - leakage * y
+    c1 = t1 * (1.0 - leakage * (y + slow)) + t2 * (1.0 - leakage * (y + fast))
+    c2 = t1 * t2 * (1.0 - leakage * (y + slow + fast))
+    root = 0.5 * (c1 + math.sqrt(c1 * c1 - 4.0 * c0 * c2))
+    own = root / c0, c2 / root
+    windings = []
+    for of_this, of_other in (own, own[::-1]):
+        p = -1.0 / of_this
+        seen = y * (1.0 + p * t1) * (1.0 + p * t2)
+        seen += slow * p * t1 * (1.0 + p * t2) + fast * p * t2 * (1.0 + p * t1)
+        reactance = c0 * (of_other / of_this - 1.0) / seen
+        windings.append(Winding(reactance / (line_omega * of_this), reactance))
+    return windings[0], windings[1]
+
+
+class TimeConstants(NamedTuple):
+    """Of field and damper in the axis of the poles, the stator open and short-circuited."""
+
+    open_transient: float  #: [s]
+    open_subtransient: float  #: [s]
+    short_transient: float  #: [s]
+    short_subtransient: float  #: [s]
+
+
+def time_constants(circuit: Circuit, line_omega: float) -> tuple[TimeConstants, TimeConstants]:
+    """Time constants of a circuit with field and one damper in the axis of the poles.
+
+    Parameters
+    ----------
+    circuit : Circuit
+        Without common leakage. [pu]
+    line_omega : float
+        Angular frequency of the line. [rad/s]
+
+    Returns
+    -------
+    classical : TimeConstants
+        By the relations of one winding after the other. [s]
+    measured : TimeConstants
+        Roots of the whole circuit. [s]
+    """
+    assert circuit.field is not None
+    field, (damper, *_) = circuit.field, circuit.dampers_d
+    magnetising, leakage = circuit.magnetising_d, circuit.stator_leakage
+
+    def classical(seen: float) -> tuple[float, float]:
+        """With what the windings have in parallel to them on the side of the stator."""
+        after = seen * field.leakage / (seen + field.leakage)
+        slow = (field.leakage + seen) / (line_omega * field.resistance)
+        return slow, (damper.leakage + after) / (line_omega * damper.resistance)
+
+    def roots(seen: float) -> tuple[float, float]:
+        a = (field.leakage + seen) / (line_omega * field.resistance)
+        b = (damper.leakage + seen) / (line_omega * damper.resistance)
+        cross = seen * seen / (line_omega * line_omega * field.resistance * damper.resistance)
+        slow = 0.5 * (a + b + math.sqrt((a - b) * (a - b) + 4.0 * cross))
+        return slow, (a * b - cross) / slow
+
+    shorted = magnetising * leakage / (magnetising + leakage)
+    return (
+        TimeConstants(*classical(magnetising), *classical(shorted)),
+        TimeConstants(*roots(magnetising), *roots(shorted)),
+    )
 
 
 def stator_resistance(

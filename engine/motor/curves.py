@@ -38,6 +38,7 @@ class SlipCurves:
     phase: Floats
     current: Floats  #: True rms of both frequencies. [pu of rated current]
     power_factor: Floats  #: Of the part at line frequency. [1]
+    line_current: Complexes  #: That part as a phasor, the voltage being real. [pu]
 
 
 def winding_admittance(windings: Sequence[Winding], slip: Floats) -> Complexes:
@@ -125,4 +126,5 @@ def slip_curves(circuit: Circuit, slip: Floats) -> SlipCurves:
         atan2(pulsation.imag, pulsation.real),
         hypot(size, modulus(minus)),
         plus.real / size,
+        plus,
     )

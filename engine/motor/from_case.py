@@ -10,20 +10,23 @@ from typing import Any
 import numpy as np
 
 from engine.arrays import Floats
-from engine.case.choices import FieldCircuit, MotorKind
-from engine.case.data import CaseData, MotorCircuitRow, MotorDataRow
+from engine.case.choices import FieldCircuit, MotorKind, TimeConstantKind
+from engine.case.data import CaseData, MotorCircuitRow, MotorDataRow, SupplyRow
 from engine.errors import InternalError
 from engine.motor.circuit import (
     Circuit,
     Step,
     Winding,
     line_omega,
+    measured_windings,
     rotor_windings,
     starting_circuit,
     stator_resistance,
+    time_constants,
 )
 from engine.motor.curves import slip_curves
-from engine.numerics.same_bits import cos, sin
+from engine.motor.supply import Connection, connections_of
+from engine.numerics.same_bits import cos, modulus, sin, times
 from engine.numerics.torque_curve import TorqueCurve, fitted_curves
 
 #: A curve is wrong by at most this share of the largest average torque. [1]
@@ -36,6 +39,21 @@ NEARBY = 1e-5
 SHOWN_SLIPS = np.linspace(1.0, 0.0, 101)
 
 
+#: Names of `engine.motor.circuit.TimeConstants` in table `MotorTimeConstants`.
+SHOWN_TIMES = ("Td0 transient", "Td0 subtransient", "Td transient", "Td subtransient")
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """What a motor gives while it is fed by one connection."""
+
+    connection: Connection  #: [pu]
+    circuit: Circuit  #: As it starts, with the impedance of its supply in the stator. [pu]
+    #: Average torque, and the parts of the pulsation with sin 2δ and with cos 2δ, δ the load angle,
+    #: against the fraction of synchronous speed. [N m]
+    curves: tuple[TorqueCurve, TorqueCurve, TorqueCurve]
+
+
 @dataclass(frozen=True, eq=False)
 class MotorFromData:
     """A motor whose curves follow from its data sheet."""
@@ -46,9 +64,11 @@ class MotorFromData:
     torque_base: float  #: 1 per unit of torque. [N m]
     circuit: Circuit  #: From the data sheet. [pu]
     starting: Circuit  #: As it starts: with the discharge resistor and the start factor. [pu]
-    #: Average torque, and the parts of the pulsation with sin 2δ and with cos 2δ, δ the load angle,
-    #: against the fraction of synchronous speed, at rated voltage. [N m]
-    curves: tuple[TorqueCurve, TorqueCurve, TorqueCurve]
+    stages: tuple[Stage, ...]  #: What it gives on each connection of its start. [SI]
+
+    def stage_at(self, speed: float) -> Stage:
+        """The stage at a fraction of synchronous speed. [1]"""
+        return next(stage for stage in self.stages if speed <= stage.connection.until)
 
 
 def torque_curves(
@@ -105,12 +125,14 @@ def motors_from_data(case: CaseData) -> Iterator[MotorFromData]:
     """
     ratings, ratios = case.ratings, case.speed_ratios
     circuits = {row.station: row for row in case.motor_circuit}
+    supplies = {row.station: row for row in case.supply}
     for row in case.motor_data:
         assert ratings.synchronous_speed is not None
         assert ratings.line_frequency is not None
         yield _motor(
             row,
             circuits.get(row.station),
+            supplies.get(row.station),
             row.base_power(ratings.rated_power),
             ratings.synchronous_speed * ratios[row.station],
             ratings.line_frequency,
@@ -118,7 +140,7 @@ def motors_from_data(case: CaseData) -> Iterator[MotorFromData]:
 
 
 def motor_curves(case: CaseData) -> list[dict[str, Any]]:
-    """Rows of table `MotorCurves`: every motor with a data sheet, at rated voltage.
+    """Rows of table `MotorCurves`: every motor with a data sheet, rated voltage behind its supply.
 
     Parameters
     ----------
@@ -132,20 +154,67 @@ def motor_curves(case: CaseData) -> list[dict[str, Any]]:
     """
     rows = []
     for motor in motors_from_data(case):
-        curves = slip_curves(motor.starting, SHOWN_SLIPS)
-        columns = {
-            "slip": SHOWN_SLIPS,
-            "speed": (1.0 - SHOWN_SLIPS) * motor.synchronous_speed,
-            "average": motor.torque_base * curves.average,
-            "pulsating": motor.torque_base * curves.pulsating,
-            "phase": curves.phase,
-            "current": curves.current,
-            "power_factor": curves.power_factor,
-        }
-        values = zip(*(column.tolist() for column in columns.values()), strict=True)
-        rows += [
-            {"station": motor.station} | dict(zip(columns, row, strict=True)) for row in values
-        ]
+        above = -1.0
+        for stage in motor.stages:
+            until, speed = stage.connection.until, 1.0 - SHOWN_SLIPS
+            columns = _curves_of(motor, stage, SHOWN_SLIPS[(speed > above) & (speed <= until)])
+            above = until
+            values = zip(*(column.tolist() for column in columns.values()), strict=True)
+            rows += [
+                {"station": motor.station} | dict(zip(columns, row, strict=True)) for row in values
+            ]
+    return rows
+
+
+def _curves_of(motor: MotorFromData, stage: Stage, slip: Floats) -> dict[str, Floats]:
+    """Columns of table `MotorCurves` at slips of one stage. [SI]"""
+    curves, source = slip_curves(stage.circuit, slip), stage.connection.source
+    torque = source.voltage * source.voltage * motor.torque_base
+    current = curves.line_current
+    drop = times(np.full(len(slip), complex(source.resistance, source.reactance)), current)
+    terminal, taken = modulus(1.0 - drop), times(1.0 - drop, current.conj())
+    return {
+        "slip": slip,
+        "speed": (1.0 - slip) * motor.synchronous_speed,
+        "average": torque * curves.average,
+        "pulsating": torque * curves.pulsating,
+        "phase": curves.phase,
+        "current": source.voltage * curves.current,
+        "power_factor": taken.real / (terminal * modulus(current)),
+        "terminal_voltage": source.voltage * terminal,
+    }
+
+
+def motor_time_constants(case: CaseData) -> list[dict[str, Any]]:
+    """Rows of table `MotorTimeConstants`: of each motor with a field and a data sheet.
+
+    Parameters
+    ----------
+    case : CaseData
+        Checked. [SI]
+
+    Returns
+    -------
+    list of dict
+        By JSON key. [s, 1]
+    """
+    by_circuit = {row.station for row in case.motor_circuit}
+    rows = []
+    for motor in motors_from_data(case):
+        if motor.circuit.field is None or motor.station in by_circuit:
+            continue
+        omega = line_omega(case.ratings.line_frequency or 0.0)
+        both = time_constants(motor.circuit, omega)
+        for name, classical, measured in zip(SHOWN_TIMES, *both, strict=True):
+            rows.append(
+                {
+                    "station": motor.station,
+                    "time_constant": name,
+                    "classical": classical,
+                    "measured": measured,
+                    "difference": measured / classical - 1.0,
+                }
+            )
     return rows
 
 
@@ -170,6 +239,7 @@ def motors_without_curve(case: CaseData) -> dict[str, MotorFromData]:
 def _motor(
     row: MotorDataRow,
     circuit_row: MotorCircuitRow | None,
+    supply: SupplyRow | None,
     base_power: float | None,
     synchronous_speed: float,
     line_frequency: float,
@@ -179,9 +249,14 @@ def _motor(
     circuit = circuit_of(row, circuit_row, line_frequency)
     starting = as_it_starts(circuit, row)
     torque_base = base_power / synchronous_speed
-    curves = torque_curves(starting, torque_base)
+    stages = []
+    for connection in connections_of(supply, base_power, starting):
+        on_source = connection.source.before(starting)
+        voltage = connection.source.voltage
+        curves = torque_curves(on_source, voltage * voltage * torque_base)
+        stages.append(Stage(connection, on_source, curves))
     return MotorFromData(
-        str(row.station), row, synchronous_speed, torque_base, circuit, starting, curves
+        str(row.station), row, synchronous_speed, torque_base, circuit, starting, tuple(stages)
     )
 
 
@@ -224,6 +299,9 @@ def circuit_of(
     if has_field:
         steps.insert(0, Step(_given(row.xd_transient), _given(transient), short))
     of_d = rotor_windings(xd, xl, steps, omega)
+    if has_field and row.time_constants == TimeConstantKind.MEASURED:
+        three, two = (xd, _given(row.xd_transient), xd2), (_given(transient), td2)
+        of_d = _possible(measured_windings(three, xl, two, omega, short_circuit=short))
     of_q = rotor_windings(xq, xl, [Step(xq2, tq2, short)], omega)
     resistance = (
         row.ra if row.ra is not None else stator_resistance(xd2, xq2, _given(row.ta), omega)
@@ -279,6 +357,12 @@ def row_of_circuit(station: str | None, circuit: Circuit) -> MotorCircuitRow:
         **{f"r{name}": winding.resistance for name, winding in windings.items()},
         **{f"xl{name}": winding.leakage for name, winding in windings.items()},
     )
+
+
+def _possible(windings: tuple[Winding, Winding] | None) -> tuple[Winding, Winding]:
+    if windings is None:
+        raise InternalError("time constants of no circuit were not refused")
+    return windings
 
 
 def _given(value: float | None) -> float:

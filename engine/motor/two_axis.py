@@ -69,6 +69,45 @@ def _reactances(circuit: Circuit) -> Floats:
     return together
 
 
+def number_of_fluxes(circuit: Circuit) -> int:
+    """Fluxes of a machine: of both axes of the stator, and of each winding of the rotor.
+
+    Parameters
+    ----------
+    circuit : Circuit
+        The motor. [pu]
+
+    Returns
+    -------
+    int
+        [count]
+    """
+    return 2 + sum(map(len, _windings(circuit)))
+
+
+def with_closed_field(circuit: Circuit, closed: Circuit, flux: Floats) -> Floats:
+    """Fluxes as those of a circuit whose field is closed: currents stay, one that was open has none.
+
+    Parameters
+    ----------
+    circuit : Circuit
+        The motor so far. [pu]
+    closed : Circuit
+        The same with a field. [pu]
+    flux : ndarray, shape (n,)
+        Fluxes so far. [pu]
+
+    Returns
+    -------
+    ndarray
+        [pu]
+    """
+    if circuit.field is not None:
+        return flux
+    current = solve(_reactances(circuit), flux[:, None])[:, 0]
+    return np.asarray(product(_reactances(closed), np.insert(current, 1, 0.0)))
+
+
 def flux_system(
     circuit: Circuit, line_omega: float, speed: float, field_voltage: float, *, is_open: bool
 ) -> FluxSystem:

@@ -131,6 +131,50 @@ def torque_curve(fraction: Floats, torque: Floats) -> TorqueCurve:
     return TorqueCurve(x, cubic)
 
 
+def joined(first: TorqueCurve, second: TorqueCurve, at: float, width: float) -> TorqueCurve:
+    """A curve that goes over from one to another.
+
+    Parameters
+    ----------
+    first, second : TorqueCurve
+        Below and above. [N m]
+    at : float
+        Where the first ends. [1]
+    width : float
+        Where the second begins, above that; smooth between. [1]
+
+    Returns
+    -------
+    TorqueCurve
+        With the knots of both. [N m]
+    """
+    begins = at + width
+    (a, of_a), (b, of_b) = (
+        (float(torque[0]), float(slope[0]))
+        for torque, slope in (
+            curve.piece(np.array([x]), np.array([x]))
+            for curve, x in ((first, at), (second, begins))
+        )
+    )
+    chord = (b - a) / width
+    between = [
+        a,
+        of_a,
+        (3.0 * chord - 2.0 * of_a - of_b) / width,
+        (of_a + of_b - 2.0 * chord) / (width * width),
+    ]
+    i = int(np.searchsorted(second.knots, begins, side="right")) - 1
+    held = np.array([second.cubic[0, 0], 0.0, 0.0, 0.0])
+    c = held if i < 0 else second.cubic[i]
+    s = 0.0 if i < 0 else begins - float(second.knots[i])
+    shifted = [b, of_b, c[2] + 3.0 * s * c[3], c[3]]
+    below, above = first.knots < at, second.knots > begins
+    return TorqueCurve(
+        np.concatenate([first.knots[below], [at, begins], second.knots[above]]),
+        np.concatenate([first.cubic[below], [between, shifted], second.cubic[above]]),
+    )
+
+
 def fitted_curves(
     exact: Callable[[Floats, Floats], tuple[Floats, Floats]], knots: Floats, allowed: float
 ) -> tuple[TorqueCurve, ...]:

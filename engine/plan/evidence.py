@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -13,13 +13,16 @@ from engine.case.choices import ElementKind
 from engine.case.data import CaseData
 from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, DEFAULT_TOLERANCE_STARTS, LONGEST_START
 from engine.case.effects import choice_of
+from engine.case.effects.motor_transient import has_only_motors_from_data
 from engine.model.load import loads_of
 from engine.model.modal_train import ModalTrain
 from engine.model.modes import Modes
 from engine.model.motor import Motor, motors_of
 from engine.model.rigid_runup import RigidRunup, rigid_runup
 from engine.model.train import Train
+from engine.numerics.distinct import distinct
 from engine.numerics.same_bits import product, total
+from engine.start.closing import closing_torques
 from engine.start.electrical_damping import ElectricalDamping, electrical_damping_of
 from engine.start.settings import NEGLIGIBLE, has_start, settings_of
 from engine.start.start import Start
@@ -35,6 +38,12 @@ BACKLASH_GAIN = 5.0
 #: Relative change of an answer per unit of the number of electrical damping: a resonance is in proportion to 1/ζ at
 #: the most; largest seen 1.9 (100 trains, both choices of `TorqueFollows`).
 DAMPING_GAIN = 5.0
+#: Relative change of an answer per unit of the torque that closing adds to an element: largest seen 1.9 (100 random
+#: machines and trains, electrical damping as its plan has it).
+CLOSING_GAIN = 2.0
+#: Electrical damping that changes a peak by more than this is no small change of a mode's damping: the torque of the
+#: motors is then needed in time. [1]
+LARGEST_SMALL_SIGNAL = 1.0
 #: A mode with bearings is the same as one without if they share this much of their shape.
 SAME_MODE = 0.9
 #: A rigid train that comes this close to the slip of the field, or to the trip speed, may reach it:
@@ -78,6 +87,9 @@ class StartEvidence:
     n_modes: int | None = None
     #: What the limit on contact damping may change though teeth do not part; 0 where it is simulated. [1]
     damping_limit: float = 0.0
+    sizes: Mapping[str, float] = field(
+        default_factory=dict
+    )  #: Largest torque of each element. [N m]
 
 
 @dataclass(frozen=True)
@@ -116,6 +128,9 @@ class Evidence:
     shock_share: float | None
     #: What motors make of the modes; None where no mode is crossed with a motor on.
     electrical: ElectricalNumbers | None
+    #: Each element with the torque that closing adds to it, and its largest torque as far as modes and curves tell; None
+    #: where a motor's curves are typed. [N m]
+    closing: tuple[tuple[str, float, float], ...] | None
     judged: int  #: Shafts whose fatigue is judged.
     clearances: tuple[str, ...]  #: Elements with a clearance.
     #: The linear start, and the latest one with events; None before it. [SI]
@@ -123,6 +138,18 @@ class Evidence:
     event: StartEvidence | None = None  #: Likewise. [SI]
     #: Modes that the start may have at most; None = as many as it needs. [count]
     most_modes: int | None = None
+
+    @property
+    def closing_share(self) -> float | None:
+        """Torque that closing adds to an element, over its largest in the linear start; None: unknown. [1]"""
+        if self.closing is None:
+            return None
+        sizes = {element: own for element, _, own in self.closing}
+        if self.linear is not None:
+            sizes |= self.linear.sizes
+        least = NEGLIGIBLE * max(sizes.values(), default=0.0)
+        shares = (added / max(sizes[e], least, 1e-300) for e, added, _ in self.closing)
+        return max(shares, default=0.0)
 
 
 def collect_evidence(
@@ -176,6 +203,7 @@ def collect_evidence(
         trip_share=trip_share,
         shock_share=_shock_share(case, line_omega, motors),
         electrical=_electrical_numbers(case, reported or modal, motors) if motors else None,
+        closing=_closing(case, modal, motors),
         judged=len(judged_shafts(case)),
         clearances=tuple(train.elements[f.element] for f in train.flanks if f.gap),
     )
@@ -302,17 +330,8 @@ def _electrical_numbers(
     rows = [row for row in every_row if row.speed < 1.0]
     if not rows:
         return None
-    train, modes, damping = modal
-    stations = np.array([m.station for m in motors], dtype=np.int64)
-    drive = product(
-        force_reach(train, modes, stations), np.array([_largest_torque(m) for m in motors])
-    )
-    static = drive / np.where(modes.omega > 0.0, modes.omega, np.inf) ** 2
-    excess = np.clip(0.5 / np.maximum(damping.ratio, 1e-9), 1.0, LARGEST_AMPLIFICATION)
-    position = torque_outputs(train, modes, stations).position
-    resonant = np.abs(position * (static * excess))
-    own = np.abs(product(position, static)) + np.max(resonant, axis=1, initial=0.0)
-    own = np.maximum(own, NEGLIGIBLE * float(np.max(own, initial=0.0)))
+    modes = modal.modes
+    resonant, own = _own_torques(modal, motors)
     share = np.max(resonant / np.where(own > 0.0, own, np.inf)[:, None], axis=0, initial=0.0)
     known = all(row.share is not None for row in rows)
     number = 0.0
@@ -323,6 +342,35 @@ def _electrical_numbers(
         had = total(row.slope_share for row in of_mode) if case.reads_own_speed else 0.0
         number = max(number, weight * abs(answered - had))
     return ElectricalNumbers(known, number, every_row)
+
+
+def _own_torques(modal: ModalTrain, motors: Sequence[Motor]) -> tuple[Floats, Floats]:
+    """Resonance of each mode in the torque of each output, and the largest torque of the output. [N m]"""
+    train, modes, damping = modal
+    stations = np.array([m.station for m in motors], dtype=np.int64)
+    drive = product(
+        force_reach(train, modes, stations), np.array([_largest_torque(m) for m in motors])
+    )
+    static = drive / np.where(modes.omega > 0.0, modes.omega, np.inf) ** 2
+    excess = np.clip(0.5 / np.maximum(damping.ratio, 1e-9), 1.0, LARGEST_AMPLIFICATION)
+    position = torque_outputs(train, modes, stations).position
+    resonant = np.abs(position * (static * excess))
+    own = np.abs(product(position, static)) + np.max(resonant, axis=1, initial=0.0)
+    return resonant, np.maximum(own, NEGLIGIBLE * float(np.max(own, initial=0.0)))
+
+
+def _closing(
+    case: CaseData, modal: ModalTrain, motors: Sequence[Motor]
+) -> tuple[tuple[str, float, float], ...] | None:
+    """What closing adds to the torque of each element, where the fluxes of all motors are known."""
+    if not motors or not has_only_motors_from_data(case):
+        return None
+    added, own = closing_torques(case, modal, motors), _own_torques(modal, motors)[1]
+    elements, of = modal.train.elements, modal.train.output_element
+    return tuple(
+        (elements[e], float(np.max(added[of == e])), float(np.max(own[of == e])))
+        for e in distinct(of)
+    )
 
 
 def _largest_torque(motor: Motor) -> float:
@@ -409,6 +457,7 @@ def start_evidence(
         wall_time=wall_time,
         n_modes=model.train.n_dof,
         damping_limit=damping_limit,
+        sizes={p.element: p.size for p in start.peaks},
     )
 
 

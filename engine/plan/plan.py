@@ -83,8 +83,7 @@ class Plan:
 
         Gears that move laterally do: it alone gives the forces of their bearings.
         """
-        e = self.effects
-        return bool(e.clearances) or e.pull_in or e.aborted_start or self.lateral
+        return self.effects.need_events or self.lateral
 
 
 #: Effects whose bound is no part of `Plan.left_out`: modes left out are in the error, what a run does not go on
@@ -190,7 +189,11 @@ def _plan(
     flags = {effect.flag: on[name] for name, effect in EFFECTS.items() if effect.flag}
     law = case.contact_law or ContactLaw.LIMITED
     effects = StartEffects(
-        clearances=clearances, contact_law=law, most_modes=evidence.most_modes, **flags
+        clearances=clearances,
+        contact_law=law,
+        most_modes=evidence.most_modes,
+        switch_over=evidence.start and bool(case.switch_over_speeds),
+        **flags,
     )
     return Plan(
         number, reason, tuple(decisions), effects, tuple(warnings), left_out=tuple(left_out)

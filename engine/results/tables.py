@@ -20,7 +20,7 @@ from engine.case.result_words import Judgement
 from engine.fatigue.stress import shear_stress, stress_of_unit_torque
 from engine.model.links import link_of
 from engine.model.sections import sections_of
-from engine.motor.from_case import motor_curves
+from engine.motor.from_case import motor_curves, motor_time_constants
 from engine.numerics.same_bits import product
 from engine.operation.margins import percent_speed
 from engine.results.results import AccuracyRow, AtSpeed, Results
@@ -40,6 +40,7 @@ def result_tables(results: Results) -> Mapping[str, list[Row]]:
         **speed_tables(results),
         "SectionResults": section_results(results.case),
         "MotorCurves": motor_curves(results.case),
+        "MotorTimeConstants": motor_time_constants(results.case),
         "ElectricalDamping": _electrical_damping(results),
         "StartupPeaks": _startup_peaks(results),
         "StartupCrossings": _startup_crossings(results),
@@ -219,6 +220,7 @@ def _startup_peaks(results: Results) -> list[Row]:
                 "peak_high": p.high,
                 "minimum_low": None if p.minimum_range is None else p.minimum_range[0],
                 "minimum_high": None if p.minimum_range is None else p.minimum_range[1],
+                "worst_phase": p.phase,
             }
         )
     return rows
@@ -282,9 +284,26 @@ def _worst_instant(case: CaseData, event: str, instant: WorstInstant | None) -> 
     return {names[name]: getattr(instant.row, name) for name in row.scanned}
 
 
+#: Name of the start among the events of motors.
+START = "start"
+
+
 def _air_gap_torques(results: Results) -> list[Row]:
-    """One an event of a motor; blank where the motor does not carry its running torque."""
-    rows: list[Row] = []
+    """Of each motor of a start in time, then one an event; blank where the motor does not carry its running torque."""
+    in_time = () if results.start is None else results.start.machines
+    rows: list[Row] = [
+        {
+            "event": START
+            if len(in_time) == 1
+            else f"{START}, {results.train.stations[m.station]}",
+            "largest": m.largest,
+            "time": m.time,
+            "closed_form": None,
+            "ratio": None,
+            "error": m.error,
+        }
+        for m in in_time
+    ]
     names = {row.event for row in results.case.motor_events}
     for event in results.events:
         if event.name not in names:
@@ -325,6 +344,7 @@ def _allowable_starts(results: Results) -> list[Row]:
             "left_out": s.left_out,
             "starts_low": s.starts_low,
             "starts_high": s.starts_high,
+            "worst_phase": s.phase,
         }
         for s in starts.shafts
     ]

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
-from engine.case.choices import ElementKind, Method, MotorKind
+from engine.case.choices import ElementKind, Method, MotorKind, TimeConstantKind
 from engine.case.data import CaseData
 from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, DEFAULT_TOLERANCE_STARTS
 from engine.case.plausibility import implausible
@@ -16,7 +17,7 @@ from engine.fatigue.allowable_starts import notes_on_starts
 from engine.model.excitation import transmitted_torque
 from engine.model.motor import motors_of
 from engine.model.sections import sections_of, series_stiffness
-from engine.motor.from_case import motors_without_curve
+from engine.motor.from_case import motor_time_constants, motors_without_curve
 from engine.numerics.same_bits import total
 from engine.operation.full_speed import full_speed
 from engine.operation.plausible_train import unusual_train
@@ -29,9 +30,12 @@ from engine.results.results import Results
 from engine.start.event_results import CONFIDENCE
 from engine.start.start import Start
 from engine.start.start_fatigue import judged_shafts
+from engine.start.worst_phase import PHASES
 
 #: A first mode below this frequency, and a start longer than this, look like a wrong unit. [Hz, s]
 LOW_FREQUENCY, LONG_START = 1.0, 60.0
+#: Makers state time constants to about this; below, it does not matter which they are. [1]
+NOTABLE_DIFFERENCE = 0.05
 
 
 def warnings_of(results: Results) -> Iterator[str]:
@@ -85,6 +89,7 @@ def _motor_data(case: CaseData) -> Iterator[str]:
                 f"'{row.station}' has a torque curve and a data sheet: the start uses the curve of table "
                 "MotorTorque. Table MotorCurves shows the calculated one."
             )
+    yield from _time_constants(case)
     for name, motor in calculated.items():
         if (
             motor.sheet.kind != MotorKind.INDUCTION
@@ -94,6 +99,25 @@ def _motor_data(case: CaseData) -> Iterator[str]:
                 f"The torques of '{name}' are calculated with at most one damper winding in each axis, which "
                 "does not represent solid poles. Ask the maker for measured curves, or for a circuit with "
                 "two dampers in each axis (table MotorCircuit)."
+            )
+
+
+def _time_constants(case: CaseData) -> Iterator[str]:
+    """Classical and measured time constants that differ by more than makers state them."""
+    taken = {
+        row.station: row.time_constants or TimeConstantKind.CLASSICAL for row in case.motor_data
+    }
+    worst: dict[str, dict[str, Any]] = {}
+    for row in motor_time_constants(case):
+        other = worst.setdefault(row["station"], row)
+        if abs(row["difference"]) > abs(other["difference"]):
+            worst[row["station"]] = row
+    for name, row in worst.items():
+        if abs(row["difference"]) > NOTABLE_DIFFERENCE:
+            yield (
+                f"{row['time_constant']} of '{name}' is {row['classical']:.4g} s by the classical relations and "
+                f"{row['measured']:.4g} s as a root of the whole circuit. Those typed are taken as {taken[name]}: check "
+                "column Time constants of table MotorData (test reports give measured ones)."
             )
 
 
@@ -132,6 +156,12 @@ def _start_warnings(results: Results) -> Iterator[str]:
     if start is None:
         yield "No motor torque curve and no prescribed torque: no start was calculated."
         return
+    if start.phase is not None:
+        yield (
+            f"PulsationPhase is worst: peaks and damage are each the worst of {PHASES} phases and of those between "
+            "the worst of them. All else of the start is that of "
+            f"{math.degrees(start.phase):.0f} degrees, where the largest peak is."
+        )
     tripped = start.outcome.outcome == Outcome.TRIPPED  # its time is that of the coast-down
     if LONG_START < start.outcome.time <= RUN_UP[1] and start.runup is not None and not tripped:
         yield (
@@ -191,6 +221,8 @@ def _why_not_met(start: Start) -> str:
     bound = (start.left_out or 0.0) - start.estimate
     if bound > start.estimated_error:
         return f" Effects left out may change it by {bound:.2g}: force them on."
+    if start.phase is not None:
+        return " It holds what other phases of the pulsation may change. Type one phase to see that of a start alone."
     if not start.contacts:
         return ""
     return (

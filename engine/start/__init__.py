@@ -15,6 +15,7 @@ module            responsibility
 `time_response`   any train under prescribed torques, untwisted at the beginning
 `decaying_harmonics`  any train under torques A e^(−t/τ) cos(m ω t + φ), untwisted at the beginning: exact, whatever the step
 `electrical_damping`  what the motor damps of each mode, or drives, where the start crosses it and in operation
+`closing`         what the closing of the breaker adds to a start from curves, from the motor's data
 `machine_motion`  a train with one motor in time: modes and fluxes of the motor advance together
 `start_model`     a start in arrays: as few modes as the tolerance allows, forces, dampers and
                   curves
@@ -35,6 +36,7 @@ module            responsibility
                   during a start
 `start_fatigue`   from a start to allowable starts: fatigue of the judged shafts, and how sure it
                   is
+`worst_phase`     the worst of starts that differ in the phase of the pulsation alone
 `pieces`          what the pieces of distributed shafts do to the torques of a start, and how many
                   it needs
 ================  ================================================================================

@@ -23,7 +23,8 @@ from engine.model.modal_train import ModalTrain
 from engine.model.motor import Motor, motors_of
 from engine.motor.circuit import Circuit
 from engine.motor.damping import electrical_damping, running_damping
-from engine.motor.from_case import MotorFromData, motors_from_data
+from engine.motor.from_case import MotorFromData, Stage, motors_from_data
+from engine.motor.supply import STIFF
 from engine.numerics.same_bits import total
 from engine.operation.margins import percent_speed
 
@@ -57,8 +58,9 @@ class Swings:
 
     motor: Ints  #: Their places among the motors of the compiled loop. Shape (n_swings,).
     force: Ints  #: Their forces. Shape (n_swings,).
-    #: Circuit, and torque over speed of 1 per unit at each of `LEVELS`. [pu, N m s/rad]
-    machines: tuple[tuple[Circuit, Floats], ...]
+    #: Circuits of each, one for each connection, and torque over speed of 1 per unit at each of `LEVELS`, 0 where it
+    #: is on another one. [pu, N m s/rad]
+    machines: tuple[tuple[tuple[Circuit, Floats], ...], ...]
     line_omega: float  #: Angular frequency of the line. [rad/s]
 
     def torque_over_velocity(self, omega: Floats, reach: Floats) -> Floats:
@@ -86,9 +88,10 @@ class Swings:
         elastic = np.flatnonzero(omega > 0.0)
         frequency = np.repeat(omega[elastic] / self.line_omega, levels)
         slip = np.tile(1.0 - LEVELS, len(elastic))
-        for row, force, (circuit, scale) in zip(torque, self.force, self.machines, strict=True):
-            k = electrical_damping(circuit, slip, frequency).real.reshape(len(elastic), levels)
-            row[:, elastic] = (scale * reach[elastic, force][:, None] * k).T
+        for row, force, circuits in zip(torque, self.force, self.machines, strict=True):
+            for circuit, scale in circuits:
+                k = electrical_damping(circuit, slip, frequency).real.reshape(len(elastic), levels)
+                row[:, elastic] += (scale * reach[elastic, force][:, None] * k).T
         return torque
 
 
@@ -119,12 +122,28 @@ def swings_of(case: CaseData, motors: Sequence[Motor], column: Mapping[int, int]
     return Swings(
         np.arange(len(own), dtype=np.int64),
         np.array([column[m.station] for _, m in pairs], dtype=np.int64),
-        tuple(
-            (data.starting, m.torque_factor(LEVELS) * data.torque_base / data.synchronous_speed)
-            for data, m in pairs
-        ),
+        tuple(_circuits_at_levels(data, m) for data, m in pairs),
         motors[0].pole_pairs * motors[0].synchronous_speed,
     )
+
+
+def _circuits_at_levels(data: MotorFromData, motor: Motor) -> tuple[tuple[Circuit, Floats], ...]:
+    """Circuit on each connection, and what its per unit is worth where the motor is on it. [pu, N m s/rad]"""
+    base = data.torque_base / data.synchronous_speed
+    circuits, above = [], -1.0
+    for stage in data.stages:
+        on = (above < LEVELS) & (stage.connection.until >= LEVELS)
+        above = stage.connection.until
+        circuits.append((stage.circuit, on * base * _source_factor(stage, motor, LEVELS)))
+    return tuple(circuits)
+
+
+def _source_factor(stage: Stage, motor: Motor, speed: Floats) -> Floats:
+    """Square of the voltage of what feeds a motor, by table `SupplyVoltage` or by its connection. [1]"""
+    if stage.connection.source == STIFF:
+        return motor.torque_factor(speed)
+    voltage = stage.connection.source.voltage
+    return np.full(len(speed), motor.scale * voltage * voltage)
 
 
 def electrical_damping_of(case: CaseData, modal: ModalTrain) -> tuple[ElectricalDamping, ...]:
@@ -208,8 +227,9 @@ def _torque_over_speed(
         return None
     at = np.array([frequency])
     if speed < 1.0:
-        factor = float(motor.torque_factor(speed))
-        k = factor * electrical_damping(data.starting, np.array([1.0 - speed]), at)
+        stage = data.stage_at(speed)
+        factor = _source_factor(stage, motor, np.array([speed]))
+        k = factor * electrical_damping(stage.circuit, np.array([1.0 - speed]), at)
     else:
         loaded = data.sheet.power_factor
         if loaded is None or data.circuit.field is None:

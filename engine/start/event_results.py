@@ -40,6 +40,19 @@ class BearingForce:
     time: float  #: When. [s]
 
 
+@dataclass(frozen=True, eq=False)
+class MachineTorque:
+    """Torque of a motor in time: from its fluxes, not from curves."""
+
+    station: int  #: Where it acts. [index]
+    largest: float  #: The largest in magnitude; negative brakes. [N m]
+    time: float  #: When. [s]
+    error: float  #: Change of its extremes from spacing h to h/2, relative. [1]
+    torque: Floats  #: At the samples of the trajectory. [N m] Shape (n_times,).
+    #: Electrical angle by which the rotor lags what turns with the line, from any origin. [rad] Shape (n_times,).
+    lag: Floats
+
+
 @dataclass(frozen=True)
 class PullIn:
     """Field application and what came of it."""

@@ -41,6 +41,8 @@ class ElementPeak:
     left_out: float | None = 0.0
     #: Ranges of maximum and minimum where equally right runs differ; None: both are known to `error`. [N m]
     repeated: tuple[Range, Range] | None = None
+    #: Phase of the pulsation where the larger of the two magnitudes is worst; None: one phase was asked for. [rad]
+    phase: float | None = None
 
     @property
     def extremes(self) -> tuple[Range, Range]:
@@ -264,7 +266,7 @@ class JudgedRun:
         peaks = tuple(
             p.repeated_in(*extremes) for p, extremes in zip(self.peaks, ranges, strict=True)
         )
-        return replace(self, peaks=peaks, estimated_error=_largest_relative_error(peaks))
+        return replace(self, peaks=peaks, estimated_error=largest_relative_error(peaks))
 
 
 def judge_run(
@@ -352,14 +354,25 @@ def judge_run(
         tuple(turning[i] for _, i in judged),
         tuple(coarse.turning[i] for _, i in judged),
         output,
-        _largest_relative_error(peaks),
+        largest_relative_error(peaks),
         float(np.max(bound / scale, initial=0.0)),
         _by_section(fine, coarse),
     )
 
 
-def _largest_relative_error(peaks: Sequence[ElementPeak]) -> float:
-    """Largest error over the size of its peak, or over a negligible share of the largest one. [1]"""
+def largest_relative_error(peaks: Sequence[ElementPeak]) -> float:
+    """Largest error over the size of its peak, or over a negligible share of the largest one.
+
+    Parameters
+    ----------
+    peaks : sequence of ElementPeak
+        Of one start. [N m]
+
+    Returns
+    -------
+    float
+        Relative error. [1]
+    """
     floor = NEGLIGIBLE * max((p.size for p in peaks), default=0.0)
     sizes = [max(p.size, floor) for p in peaks]
     return max((p.error / size for p, size in zip(peaks, sizes, strict=True) if size), default=0.0)

@@ -28,11 +28,12 @@ from engine.model.rigid_runup import RigidRunup, rigid_runup
 from engine.start.event_results import (
     BearingForce,
     ContactRecord,
+    MachineTorque,
     PullIn,
     Repeatability,
 )
 from engine.start.outcome import StartOutcome, outcome_of, run_length, start_settled
-from engine.start.peaks import ElementPeak, JudgedRun, judge_run
+from engine.start.peaks import ElementPeak, JudgedRun, judge_run, largest_relative_error
 from engine.start.settings import PLAIN_START, StartSettings, keeps_history, settings_of
 from engine.start.simulation import Simulation, start_with_histories, turning_of_starts
 from engine.start.start_model import (
@@ -85,6 +86,7 @@ class Start(JudgedRun):
     #: Largest bearing force of each gear that moves laterally. [N]
     bearing_forces: tuple[BearingForce, ...] = ()
     pull_in: PullIn | None = None  #: Field application and what came of it. [SI]
+    machines: tuple[MachineTorque, ...] = ()  #: Of motors in time. [SI]
     #: By element, relative error from the pieces of distributed shafts; part of all errors. [1]
     pieces_error: tuple[tuple[str, float], ...] = ()
     #: Where impacts make runs part however fine the step; None where they stay together. [1]
@@ -100,6 +102,8 @@ class Start(JudgedRun):
     load_angle: Floats | None = None
     #: Whether it was stopped after as much work as a start may take: what follows is missing. [flag]
     gave_up: bool = False
+    #: Where its peaks are the worst over many phases of the pulsation: the phase of the rest. [rad]
+    phase: float | None = None
 
     @property
     def is_sensitive(self) -> bool:
@@ -168,6 +172,41 @@ def with_left_out(
         replace(p, left_out=None if whole is None else whole * p.size) for p in start.peaks
     )
     return replace(start, peaks=peaks, left_out=whole, estimate=estimate, met_tolerance=met)
+
+
+def with_peaks(
+    start: Start,
+    peaks: tuple[ElementPeak, ...],
+    left_out: float | None,
+    phase: float,
+    tolerance: float,
+) -> Start:
+    """A start with the peaks of several.
+
+    Parameters
+    ----------
+    start : Start
+        The one whose histories are kept. [SI]
+    peaks : tuple of ElementPeak
+        In the order of its own. [N m]
+    left_out : float or None
+        Bound on the change by effects that are off, of all of them; None = none is known. [1]
+    phase : float
+        Phase of the pulsation of the start itself. [rad]
+    tolerance : float
+        Wanted relative error of peak torques. [1]
+
+    Returns
+    -------
+    Start
+        With their errors. [SI]
+    """
+    error = largest_relative_error(peaks)
+    met = left_out is not None and error + left_out <= tolerance
+    return replace(
+        start, peaks=peaks, left_out=left_out, phase=phase, estimated_error=error,
+        met_tolerance=start.met_tolerance and met,
+    )  # fmt: skip
 
 
 def _first_step(settings: StartSettings, fastest: float) -> float:
@@ -321,6 +360,11 @@ def prepared_start(
     Raises `ModelError` if the train cannot turn (a spring holds it to ground) or has no motor.
     """
     train, modes = modal.train, modal.modes
+    if case.looks_for_worst_phase:
+        raise ModelError(
+            "PulsationPhase is worst, but one start has one phase. Type a phase, for example Worst phase of "
+            "table StartupPeaks."
+        )
     if modes.n_rigid == 0:
         raise ModelError(
             "A train held to ground by a spring cannot start: it has no rigid-body mode. Remove "
@@ -338,7 +382,10 @@ def prepared_start(
     longest = LONGEST_START if settings.maximum_time is None else settings.maximum_time
     tabled = max((float(p.time or 0.0) + 1.0 for p in case.torque_time_from_rest), default=0.0)
     maximum = longest if effects.full_length else min(max(run_length(runup), tabled), longest)
-    model = start_model(case, modal, motors, loads, settings.tolerance_peak, maximum, effects)
+    curves = replace(
+        effects, motor_transient=False
+    )  # fluxes are stepped by the loop with events alone
+    model = start_model(case, modal, motors, loads, settings.tolerance_peak, maximum, curves)
     return PreparedStart(model, settings, runup, maximum, longest, synchronous, keeps_history(case))
 
 

@@ -21,6 +21,7 @@ from engine.model.motor import (
     drives_of,
     electrical_arrays,
     through_synchronism,
+    without_torque,
 )
 from engine.model.train import Train
 from engine.numerics.same_bits import log, product, sin, singular_values, total
@@ -80,6 +81,8 @@ class Machines:
     #: Transient, field and connection of each motor, before anything was switched. [SI]
     electrical: tuple[Any, ...]
     phase: Floats  #: Phase of each pulsation at t = 0. [rad] Shape (n_motors,).
+    #: Curves of average and pulsating torque of each motor before any and after each switch-over; empty: none.
+    switched: tuple[tuple[Ints, Ints], ...]
     swings: Swings  #: Motors that answer to small oscillations of each mode. [SI]
 
 
@@ -277,7 +280,8 @@ def read_speed(
     case : CaseData
         The case, for `TorqueFollows`. [SI]
     effects : StartEffects
-        Where motors answer to vibration their curves are read at the mean speed. [flags]
+        Where motors answer to vibration, or are in time, their curves are read at the mean speed: of the latter those
+        of the line's voltage. [flags]
     reach : ndarray, shape (n_modes, n_forces)
         Forces to modes, the rigid ones first. [rad/√(kg m²)]
     force : ndarray of int, shape (n_motors,)
@@ -290,7 +294,8 @@ def read_speed(
     ndarray, shape (n_motors, n_read)
         Of the modes on which it depends. [√(1/(kg m²))]
     """
-    mean = effects.electrical_damping or not case.reads_own_speed
+    in_time = effects.electrical_damping or effects.motor_transient
+    mean = in_time or not case.reads_own_speed
     return np.ascontiguousarray(reach.T[force, : n_rigid if mean else len(reach)])
 
 
@@ -308,7 +313,9 @@ def machine_arrays(
     counts.
     """
     column = {station: i for i, station in enumerate(stations)}
-    motors = drives_of(motors)
+    whole = motors
+    voltages = [m.supply for m in motors if m.supply is not None and effects.motor_transient]
+    motors = drives_of([without_torque(m) for m in motors] if effects.motor_transient else motors)
     n = len(motors)
     curves = [curve for m in motors for curve in (m.average, m.pulsating)]
     with_field = np.arange(0, 2 * n, 2)
@@ -316,7 +323,17 @@ def machine_arrays(
         with_field = np.arange(2 * n, 3 * n)
         curves += [through_synchronism(m.average) for m in motors]
     of_loads = np.arange(len(curves), len(curves) + len(loads))
-    curves += [d.torque for d in loads]
+    curves += [d.torque for d in loads] + voltages
+    switched = []
+    shares = [until for m in whole for until, _ in m.stages if until < math.inf]
+    for share in (0.0, *sorted(set(shares))) if shares else ():
+        first = len(curves)
+        curves += [
+            c for m in drives_of([m.above(share) for m in whole]) for c in (m.average, m.pulsating)
+        ]
+        switched.append(
+            (np.arange(first, first + 2 * n, 2), np.arange(first + 1, first + 2 * n, 2))
+        )
     longest = max((len(c.knots) for c in curves), default=1)
     knots = np.zeros((len(curves), longest))
     cubics = np.zeros((len(curves), longest, 4))
@@ -343,7 +360,10 @@ def machine_arrays(
         "timed": torque_tables(torques, stations),
         "electrical": electrical_arrays(motors, case, effects),
         "phase": np.array([m.phase for m in motors]),
-        "swings": swings_of(case, motors, column) if effects.electrical_damping else NO_SWINGS,
+        "switched": tuple(switched),
+        "swings": swings_of(case, motors, column)
+        if effects.electrical_damping and not effects.motor_transient
+        else NO_SWINGS,
     }
 
 
@@ -529,7 +549,8 @@ def _force_sizes(
         initial = float(m.average(0.0))
         for curve, phase in m.pulsations:
             initial += float(curve(0.0)) * sin(phase)
-        switched_off = largest + pulsating + pull_out if effects.aborted_start else 0.0
+        switched = effects.aborted_start or bool(m.stages)
+        switched_off = largest + pulsating + pull_out if switched else 0.0
         step[i] += max(abs(initial), SWITCHED_SHARE * largest, switched_off)
         smooth[i] += pulsating
         for curve in m.curves:

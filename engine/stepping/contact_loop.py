@@ -24,6 +24,7 @@ __all__ = [
     "RECOVERS",
     "SPEED",
     "STUCK",
+    "UNSETTLED",
     "advance_pieces",
     "first_fall",
     "pieces_struct",
@@ -35,9 +36,11 @@ Floats = NDArray[np.float64]
 #: it takes load again without having left.
 FREE, DRIVE, DRIVE_LIMITED, BACK, BACK_LIMITED, RECOVERS = range(6)
 #: Why the loop came back: more room wanted, end time, mean speed, load angle, a piece that has to
-#: be made first, no progress, forces of dampers that have no solution in double precision.
+#: be made first, no progress, forces of dampers that have no solution in double precision,
+#: torque and motion of a motor that do not settle in a step.
 MORE, AT_TIME, SPEED, ANGLE = library.MORE, library.AT_TIME, library.SPEED, library.ANGLE
 NEW_PIECE, STUCK, DIVIDED = library.NEW_PIECE, library.STUCK, library.DIVIDED
+UNSETTLED = library.UNSETTLED
 
 #: Tables of the pieces in the order of `pieces_t`.
 TABLES = (

@@ -58,6 +58,7 @@ def drive_struct(
     timed: tuple[Any, Floats, Floats, Any],
     electrical: Electrical,
     tones: Mapping[str, Any] | None = None,
+    machines: Any = None,
 ) -> Any:
     """Motors, loads and torques against time as the loops take them (``drive_t``).
 
@@ -80,6 +81,8 @@ def drive_struct(
         or 0 once the motor is disconnected. [SI]
     tones : mapping, optional
         Fields of the decaying harmonic torques, of the loop with events alone. [SI]
+    machines : cdata, optional
+        ``machines_t``: motors whose torque follows from their fluxes, of that loop alone. [SI]
 
     Returns
     -------
@@ -103,6 +106,8 @@ def drive_struct(
         "n_timed": len(timed[0]), "most_timed": timed[1].shape[-1], "timed_force": timed[0],
         "times": timed[1], "torques": timed[2], "timed_count": timed[3],
     }  # fmt: skip
+    if machines is not None:
+        fields["machines"] = machines
     return struct("drive_t", **fields, **of_motors, **(tones or {}))
 
 

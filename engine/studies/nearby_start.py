@@ -377,7 +377,7 @@ def _planned_start(case: CaseData, recipe: NearbyStartPlan, model: ModalTrain) -
         raise InternalError("a start was requested, but the nominal run has none")
     effects = recipe.effects
     start = calculate_start(case, model, replace(effects, clearances=()), None)
-    if effects.clearances or effects.pull_in or effects.aborted_start or recipe.start_lateral:
+    if effects.need_events or recipe.start_lateral:
         start = calculate_start(case, model, effects, start)
     return read_start(case, recipe, model, start.outcome, start)
 

@@ -100,7 +100,7 @@ def test_columns_of_the_contract_in_its_order():
     starts = [column.key for column in result_table("AllowableStarts").columns]
     assert starts == [
         "element", "damage", "allowable_starts", "paper_count", "error", "governing",
-        "left_out", "starts_low", "starts_high",
+        "left_out", "starts_low", "starts_high", "worst_phase",
     ]  # fmt: skip
 
 

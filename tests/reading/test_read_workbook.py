@@ -581,6 +581,24 @@ def test_a_workbook_of_an_earlier_version_has_no_contact_law(workbook, read):
     assert found.data.contact_law is None
 
 
+def test_a_word_in_place_of_the_phase(workbook, read):
+    workbook.scalars["PulsationPhase"] = " Worst"
+    found = read(workbook)
+    assert found.problems == ()
+    assert found.data.pulsation_phase == "worst"
+    workbook.scalars["PulsationPhase"] = "worse"
+    (problem,) = read(workbook).problems
+    assert (problem.table, problem.column) == ("Case", "PulsationPhase")
+    assert "worse" in problem.message
+
+
+def test_a_workbook_of_an_earlier_version_has_no_phase_of_its_curve(workbook, read):
+    workbook.headers[("MotorTorque", "Phase")] = None
+    found = read(workbook)
+    assert found.problems == ()
+    assert [row.phase for row in found.data.motor_torque] == [None] * len(found.data.motor_torque)
+
+
 def test_a_workbook_of_an_earlier_version_has_no_events(workbook, read):
     workbook.without |= {"EventTorque", "InitialState"}
     found = read(workbook)

@@ -22,10 +22,12 @@ ON_PURPOSE = {
     # a smaller tolerance than rounding can meet is refused
     ("Case", "TolerancePeak"): ("between 1e-9 and 0.5 (50 %)", "between 2e-07 and 0.5 (50 %)"),
     ("Case", "ToleranceStarts"): ("between 1e-9 and 0.5 (50 %)", "between 1e-05 and 0.5 (50 %)"),
-    # one effect more
+    # two effects more
     ("EffectChoices", "Effect"): (
         EFFECTS_THEN,
-        EFFECTS_THEN.replace("pull-in", "electrical damping, pull-in"),
+        EFFECTS_THEN.replace("breaker closing", "motor transient, breaker closing").replace(
+            "pull-in", "electrical damping, pull-in"
+        ),
     ),
 }
 #: Told on purpose no more, of an input with scatter alone: that nothing was measured.

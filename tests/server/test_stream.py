@@ -55,7 +55,8 @@ def test_a_long_call_tells_its_stages_and_gives_the_same_doubles(served):
         line.send(json.dumps({"id": 7, "name": "TV_PEAKS", "arguments": [handle]}))
         *stages, last = until_the_end(line, 7)
     words = [one["stage"] for one in stages]
-    assert words[-4:] == ["start", "plan", "fatigue", "crossings"]
+    other = "motor curves at the other speed"
+    assert words[-5:] == ["start", "plan", other, "fatigue", "crossings"]
     registry.call("TV_MODEL", arguments)
     assert repr(last["value"]) == repr(registry.call("TV_PEAKS", [handle]))
     assert ask(served, ["TV_PEAKS", handle])[0]["value"] == last["value"]

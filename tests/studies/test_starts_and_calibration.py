@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -314,3 +315,29 @@ def test_check_tells_wrong_rows_of_both(tmp_path: Path) -> None:
     text = said("check", source, code=1)
     assert "MeasuredFrequencies, row 1, Mode" in text
     assert "StartConditions, row 1, Per year" in text
+
+
+def test_a_study_of_near_starts_needs_one_phase(tmp_path: Path) -> None:
+    source = tmp_path / "case.json"
+    measured = [{"mode": 1, "frequency": 20.0}]
+    source.write_text(
+        json.dumps(content(measured_frequencies=measured) | {"pulsation_phase": "worst"})
+    )
+    output = said("calibrate", source, code=1)
+    assert "found 'worst'; it must be a number in the study calibrate" in " ".join(output.split())
+
+
+def test_the_matrix_of_starts_looks_for_the_worst_phase(tmp_path: Path) -> None:
+    """Largest peak of the row of all conditions as typed: that of the case."""
+    source, target = tmp_path / "case.json", tmp_path / "starts.json"
+    conditions = [{"condition": "as typed"}]
+    typed = content(start_conditions=conditions) | {"pulsation_phase": "worst"}
+    source.write_text(json.dumps(typed))
+    said("starts", source, "--json", target)
+    (row,) = json.loads(target.read_text())["start_matrix"]
+    case = read_workbook(template_path("example_proposed.xlsx")).case()
+    worst = run(replace(case, pulsation_phase="worst")).start
+    assert worst is not None
+    speeds, rated = case.element_speed_ratios, case.rated_torque
+    assert rated is not None
+    assert row["peak_over_rated"] == pytest.approx(worst.largest_peak(speeds)[1] / rated, rel=1e-6)

@@ -62,8 +62,8 @@ def calculated(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_events_stand_as_typed(calculated: Path) -> None:
     first, second, *rest = shown(open_workbook(calculated / "book.xlsx"), "EventTorque")
-    assert first == ["Fault", "Motor", -4.0, 1.0, pytest.approx(math.pi / 2.0), 0.1, None]
-    assert second[:3] == ["Fault", "Motor", -1.0]
+    assert first == ["Fault", "Motor", None, -4.0, 1.0, pytest.approx(math.pi / 2.0), 0.1, None]
+    assert second[:4] == ["Fault", "Motor", None, -1.0]
     assert all(value in (None, "") for row in rest for value in row)
 
 
@@ -117,13 +117,13 @@ def test_events_of_a_motor_on_the_sheet(tmp_path: Path) -> None:
     assert second[5] == pytest.approx(0.8)
     sheet = shown(open_workbook(book), "AirGapTorque")
     pound_foot = 1.3558179483314004
-    assert [row[0] for row in sheet] == ["Short", "Dip"]
+    assert [row[0] for row in sheet] == ["start", "Short", "Dip"]
     assert [row[1] * pound_foot for row in sheet] == pytest.approx(
         [row["largest"] for row in results["air_gap_torque"]], rel=1e-12
     )
     assert verify_file(book).outcome == "follows"
     drawn = [row for row in shown(open_workbook(book), "ChartMotorEvent") if row[0] is not None]
-    largest = max(abs(row[1]) for row in sheet)
+    largest = max(abs(row[1]) for row in sheet[1:])
     assert max(abs(row[1]) for row in drawn) == pytest.approx(largest, rel=0.02)
     assert drawn[0] == [0.0, pytest.approx(drawn[0][2], rel=1e-9), drawn[0][2]]  # in balance
 

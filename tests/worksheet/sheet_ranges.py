@@ -84,7 +84,7 @@ def with_event(arguments):
     """The same with a fault of the motor in table EventTorque."""
     at = 1 + TABLES.index("EventTorque")  # sheet Case stands among them
     block = arguments[at]
-    filled = [*block[:2], ["Fault", "Motor", -0.2, 1.0, 90.0, 0.1], *block[3:]]
+    filled = [*block[:2], ["Fault", "Motor", None, -0.2, 1.0, 90.0, 0.1], *block[3:]]
     return [*arguments[:at], filled, *arguments[at + 1 :]]
 
 

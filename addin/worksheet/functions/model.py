@@ -15,7 +15,7 @@ ORDER = 10
 TABLES = (
     "Stations", "Elements", "Meshes", "ModeDamping", "MotorTorque", "LoadTorque", "TorqueTime",
     "Materials", "SNPoints", "Excitations", "EffectChoices", "EventTorque", "MotorData",
-    "MotorCircuit", "MotorEvents", "SupplyVoltage", "Sections", "SectionMaterials",
+    "MotorCircuit", "MotorEvents", "SupplyVoltage", "Supply", "Sections", "SectionMaterials",
 )  # fmt: skip
 
 
@@ -30,9 +30,10 @@ TABLES = (
     ),
     scalar=True,
     example="=TV_MODEL(Train!B6:G22, Train!B26:U42, Case!B5:J43, Train!B46:R51, Train!I6:J17, "
-    "Torque!B6:E37, Torque!G6:I47, Torque!K6:M27, Fatigue!B6:G12, Fatigue!I6:K19, "
-    "Excitation!B6:G21, Case!B33:C43, Excitation!B25:G46, Motor!B6:AE11, "
-    "Motor!B16:Q21, Excitation!B50:H63, Motor!K47:M58, Sections!B21:L52, Sections!B56:E61)",
+    "Torque!B6:F37, Torque!H6:J47, Torque!L6:N27, Fatigue!B6:G12, Fatigue!I6:K19, "
+    "Excitation!B6:G21, Case!B33:C43, Excitation!B25:H46, Motor!B6:AF11, "
+    "Motor!B16:Q21, Excitation!B50:H63, Motor!L47:N58, Motor!P47:U52, "
+    "Sections!B21:L52, Sections!B56:E61)",
 )
 def tv_model(stations: Block, elements: Block, case: Block | None, *others: Block | None) -> str:
     """Check a case and give its handle, which the other functions take.

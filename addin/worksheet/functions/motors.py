@@ -66,7 +66,7 @@ def _motors(
     FREQUENCY,
     CIRCUIT,
     columns=len(CIRCUIT_COLUMNS),
-    example="=TV_MOTOR_CIRCUIT(Motor!B6:AE11, 60)",
+    example="=TV_MOTOR_CIRCUIT(Motor!B6:AF11, 60)",
 )
 def tv_motor_circuit(data: Block, frequency: float | None, circuit: Block | None) -> Rows:
     """Circuit of each motor from its data sheet, per unit, as table MotorCircuit has it.
@@ -87,7 +87,7 @@ def tv_motor_circuit(data: Block, frequency: float | None, circuit: Block | None
     FREQUENCY,
     CIRCUIT,
     columns=len(CURVES),
-    example="=TV_MOTOR_CURVES(Motor!B6:AE11, , 60)",
+    example="=TV_MOTOR_CURVES(Motor!B6:AF11, , 60)",
 )
 def tv_motor_curves(
     data: Block, slips: Rows | None, frequency: float | None, circuit: Block | None

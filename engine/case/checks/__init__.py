@@ -9,6 +9,7 @@ module           responsibility
 `scalars`        checks of the scalars of the case: each by itself, and those that contradict each
                  other
 `motors`         checks of the data sheets and circuits of motors
+`supply`         checks of table Supply: the line of a motor, and its starter
 `torques`        checks of torque curves and of the excitations in continuous operation
 `events`         checks of events in operation: table EventTorque, and TorqueTime where the train
                  runs before it

@@ -15,7 +15,7 @@ from engine.case.checks.problem import (
     each_row,
     has_possible_ratings,
 )
-from engine.case.choices import ElementKind
+from engine.case.choices import ElementKind, TorqueBase
 from engine.case.data import GROUND, TABLED_EVENT, CaseData
 from engine.errors import Problem
 
@@ -39,6 +39,7 @@ NUMBERS = (
 def check_events(case: CaseData) -> Iterator[Problem]:
     """Terms of each event, what they are shares and multiples of, and a train that runs."""
     stations = {s.station for s in case.stations if s.station}
+    motors = {m.station for m in case.motor_data if m.station}
     counted: dict[str | None, int | None] = {}
     for cells, row in each_row(TABLE, case.event_torque):
         if not row.event:
@@ -54,6 +55,15 @@ def check_events(case: CaseData) -> Iterator[Problem]:
                 "Type the torque over RatedTorque, with its sign, or clear the whole row.",
             )
         yield from cells.numbers(row, NUMBERS)
+        yield from cells.choice("Base", row.base, TorqueBase)
+        if row.base == TorqueBase.APPARENT_POWER and row.station not in motors:
+            yield cells.wrong(
+                "Base",
+                row.base,
+                "rated torque where the station has no row in table MotorData",
+                "Type the motor's Apparent power there, or Amplitude as a share of the rated torque: it is smaller than "
+                "the apparent power by power factor and efficiency.",
+            )
         first = counted.setdefault(row.event, cells.row) if row.per_life is not None else cells.row
         if first != cells.row:
             yield cells.wrong(
@@ -69,11 +79,18 @@ def _missing_base(case: CaseData) -> Iterator[Problem]:
     """Rated torque, and line frequency, that the terms are shares and multiples of."""
     if not has_possible_ratings(case):
         return
-    if case.event_torque and case.ratings.rated_torque is None:
+    of_torque = any(row.base != TorqueBase.APPARENT_POWER for row in case.event_torque)
+    if of_torque and case.ratings.rated_torque is None:
         yield SCALARS.blank(
             "RatedTorque",
             "given where EventTorque is",
-            "Type RatedTorque or RatedPower: Amplitude is a share of it.",
+            "Type RatedTorque or RatedPower: Amplitude is a share of it, unless Base says otherwise.",
+        )
+    if not of_torque and case.event_torque and case.ratings.synchronous_speed is None:
+        yield SCALARS.blank(
+            "SynchronousSpeed",
+            "given where Base of EventTorque is apparent power",
+            "Type it, or LineFrequency and Poles: the torque is the apparent power over the speed.",
         )
     if any(row.multiple for row in case.event_torque) and case.ratings.line_frequency is None:
         yield SCALARS.blank(

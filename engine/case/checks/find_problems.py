@@ -18,6 +18,7 @@ from engine.case.checks.motors import check_motors
 from engine.case.checks.problem import first_of_each_cell
 from engine.case.checks.scalars import check_scalars
 from engine.case.checks.sections import check_sections
+from engine.case.checks.supply import check_supply
 from engine.case.checks.torques import check_excitations, check_torques
 from engine.case.checks.train import (
     check_connected,
@@ -39,6 +40,7 @@ CHECKS: tuple[Callable[[CaseData], Iterator[Problem]], ...] = (
     check_events,
     check_motor_events,
     check_motors,
+    check_supply,
     check_materials,
     check_sn_points,
     check_excitations,

@@ -6,6 +6,7 @@ winding to winding, Xd > Xd' > Xd'' > Xl and Xq > Xq'' > Xl, so that is what is 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 
 from engine.case.checks.problem import (
@@ -22,8 +23,9 @@ from engine.case.checks.problem import (
     number_text,
     quote_quantity,
 )
-from engine.case.choices import FieldCircuit, MotorKind, TorqueFollows
+from engine.case.choices import FieldCircuit, MotorKind, TimeConstantKind, TorqueFollows
 from engine.case.data import CaseData, MotorCircuitRow, MotorDataRow, value_of
+from engine.case.time_constants import short_circuit_times
 from engine.errors import Problem
 
 #: Reactances of real motors are within, in per unit; beyond, per cent and per unit were mixed up. [1]
@@ -117,7 +119,7 @@ SECOND_CAGE = ("R3", "X3")
 #: What only a synchronous motor has.
 SYNCHRONOUS = (*REACTANCES, "Xd transient", *OPEN_TIMES, *SHORT_TIMES, "Ta", "Ra")
 #: What a circuit in table MotorCircuit stands in place of.
-OF_THE_SHEET = (*SYNCHRONOUS, *INDUCTION, *SECOND_CAGE)
+OF_THE_SHEET = (*SYNCHRONOUS, *INDUCTION, *SECOND_CAGE, "Time constants")
 #: Reactances of each axis, from the largest to the smallest.
 FALLING = (
     ("Xd", "Xd transient", "Xd subtransient", "Xl"),
@@ -136,6 +138,7 @@ def check_motors(case: CaseData) -> Iterator[Problem]:
         yield from cells.numbers(motor, DATA_NUMBERS)
         yield from cells.choice("Kind", motor.kind, MotorKind)
         yield from cells.choice("Field circuit", motor.field_circuit, FieldCircuit)
+        yield from cells.choice("Time constants", motor.time_constants, TimeConstantKind)
         yield from _base(case, cells, motor)
         if motor.station in circuits:
             yield from _nothing_else(cells, motor, circuits[motor.station])
@@ -144,6 +147,7 @@ def check_motors(case: CaseData) -> Iterator[Problem]:
         else:
             yield from _only(cells, motor, (*INDUCTION, *SECOND_CAGE), "Kind is induction")
             yield from _sheet(cells, motor)
+            yield from _measured(cells, motor)
         yield from _field_in_the_start(cells, motor)
     yield from _circuits(case)
     yield from _machine_without_data(case)
@@ -191,7 +195,7 @@ def _only(
 
 def _induction(cells: Cells, motor: MotorDataRow) -> Iterator[Problem]:
     """The equivalent circuit of an induction motor."""
-    of_field = ("Discharge resistance", "Field circuit")
+    of_field = ("Discharge resistance", "Field circuit", "Time constants")
     if motor.power_factor is not None and motor.power_factor < 0.0:
         yield cells.wrong(
             "Power factor", motor.power_factor, "positive where Kind is induction",
@@ -302,6 +306,33 @@ def _time_constants(cells: Cells, motor: MotorDataRow) -> Iterator[Problem]:
             "The damper is faster than the field, as a rule a hundred times. Check units and columns.",
             "s",
             quote_quantity(slow, "s", (*cells, field)),
+        )
+
+
+def _measured(cells: Cells, motor: MotorDataRow) -> Iterator[Problem]:
+    """Measured time constants are those of some circuit, and there is a field beside the damper."""
+    if motor.time_constants != TimeConstantKind.MEASURED:
+        return
+    given = (
+        motor.xd,
+        motor.xd_transient,
+        motor.xd_subtransient,
+        motor.td_0_transient,
+        motor.td_0_subtransient,
+    )
+    numbers = [v for v in given if v is not None and math.isfinite(v) and v > 0.0]
+    if len(numbers) < len(given):
+        return  # reported already, or short-circuited ones: these are always those of a circuit
+    xd, transient, subtransient, slow, fast = numbers
+    falling = xd > transient > subtransient and slow > fast  # else reported already
+    if falling and short_circuit_times((xd, transient, subtransient), (slow, fast)) is None:
+        yield cells.wrong(
+            "Td0 subtransient",
+            fast,
+            "such that a circuit has it beside Td0 transient, where Time constants is measured",
+            "The two are too near to each other for Xd transient and Xd subtransient. Check them, or type the "
+            "short-circuit time constants Td transient and Td subtransient instead.",
+            "s",
         )
 
 

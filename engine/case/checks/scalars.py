@@ -26,6 +26,7 @@ from engine.case.choices import (
     MarginBasis,
     Method,
     RainflowResidue,
+    Scanned,
     StressBasis,
     TorqueFollows,
 )
@@ -112,6 +113,10 @@ def check_scalars(case: CaseData) -> Iterator[Problem]:
     yield from SCALARS.numbers(case, QUANTITIES)
     for name, words in CHOICES.items():
         yield from SCALARS.choice(name, value_of(case, name), words)
+    if isinstance(case.pulsation_phase, str):
+        yield from SCALARS.choice(
+            "PulsationPhase", case.pulsation_phase, Scanned, "a number, or worst"
+        )
     yield from SCALARS.numbers(case, SHARES)
     if not possible_poles(case):
         action = "Poles are counted, not pole pairs."

@@ -20,6 +20,7 @@ from engine.case.checks.problem import (
     each_row,
     number_text,
     possible_poles,
+    quote_quantity,
 )
 from engine.case.choices import ElementKind
 from engine.case.data import GROUND, TABLES, CaseData, value_of
@@ -39,6 +40,12 @@ CURVE_SPEED = Limit(
     "Write 50 % or 900 rpm; a plain number in JSON is a fraction of synchronous speed.",
 )
 PULSATING = Limit("Pulsating", NOT_NEGATIVE, "N m")
+PHASE = Limit(
+    "Phase",
+    Allowed(lambda v: abs(v) <= 4.0 * math.pi, "between -720 and 720 degrees"),
+    "rad",
+    "It is an angle; degrees typed as radians?",
+)
 LOAD = Limit(
     "Torque", NOT_NEGATIVE, "N m", "Load torque opposes the motion: type a positive value."
 )
@@ -93,6 +100,36 @@ def _single_points(case: CaseData, table: str, abscissa: str) -> Iterator[Proble
             )
 
 
+def _phases(case: CaseData) -> Iterator[Problem]:
+    """Phases in every row of a station or in none, without jumps of a whole turn."""
+    before: dict[str | None, tuple[Cells, float]] = {}
+    with_phase = {point.station for point in case.motor_torque if point.phase is not None}
+    for cells, point in each_row("MotorTorque", case.motor_torque):
+        phase = point.phase
+        if phase is None:
+            if point.station in with_phase:
+                with_phase.remove(point.station)  # told once
+                yield cells.blank(
+                    "Phase",
+                    f"given in every row of '{point.station}', or in none",
+                    "Type it, or clear the column.",
+                )
+            continue
+        if not math.isfinite(phase):
+            continue  # reported already
+        if point.station in before and abs(phase - before[point.station][1]) > math.pi:
+            above, last = before[point.station]
+            yield cells.wrong(
+                "Phase",
+                phase,
+                f"within 180 degrees of {number_text(last, 'rad')} of row {above.row}",
+                "Between rows it is interpolated: add or take away 360 degrees, or type the speeds between.",
+                "rad",
+                quote_quantity(last, "rad", (*above, "Phase")),
+            )
+        before[point.station] = cells, phase
+
+
 def check_torques(case: CaseData) -> Iterator[Problem]:
     """Torque curves of motors and loads, torques against time, and what a motor needs."""
     yield from _curve(case, "MotorTorque", "Speed", ("Average", "Pulsating"))
@@ -102,7 +139,8 @@ def check_torques(case: CaseData) -> Iterator[Problem]:
     yield from _single_points(case, "TorqueTime", "Time")
     yield from _supply(case)
     for cells, motor in each_row("MotorTorque", case.motor_torque):
-        yield from cells.numbers(motor, (CURVE_SPEED, PULSATING))
+        yield from cells.numbers(motor, (CURVE_SPEED, PULSATING, PHASE))
+    yield from _phases(case)
     for cells, load in each_row("LoadTorque", case.load_torque):
         yield from cells.numbers(load, (CURVE_SPEED, LOAD))
     yield from _motor_place(case)

@@ -15,6 +15,7 @@
  * other mode may be passed over, since its motion is exact whatever the step.
  */
 #include "elementary_more.h"
+#include "fluxes.h"
 #include "modal.h"
 #include "step.h"
 
@@ -33,6 +34,10 @@ static const double FULL_RINGING = 0.1, WIDEST_ANGLE = 2.4;
 static const double RETAKE = 1e-7, PULL = 1e-13;
 /* After so many events at one instant a step is taken without looking for more; after so many such steps in a row
  * the loop gives up. */
+/* Torques of motors in time have settled in a step where one more pass would change them by no more, per unit, and
+ * after how many passes they are not expected to: changes fall as a geometric series, by 1e-4 a pass as a rule. */
+static const double SETTLED = 1e-11;
+enum { MOST_PASSES = 40 };
 enum { MOST_AT_ONCE = 8, MOST_DWELLS = 10000, MOST_TRIES = 60 };
 static const double ROOT_TWO = 1.4142135623730951;
 /* Share of the base step after which a table against time is read anew. */
@@ -61,10 +66,15 @@ typedef struct {
     double *read, *read_rate;        /* speeds at which curves are read */
     held_t *held;                    /* pieces of the curves */
     double *free, *forced, *solver, *matrix, *rotated; /* of a step of any length; room */
+    fluxes_t *fluxes, *fluxes1;      /* of each motor in time: in the state, and at the end of the step */
+    point_t *air_gap1;               /* its torque there */
+    int unsettled;                   /* torque and motion of a motor did not agree in a step */
     double *torque, *torque_rate, *share, *share_rate, *direct_rate, *centre, *centre_rate; /* of a row of output */
 } loop_t;
 
 typedef struct { int64_t which, kind; double at; } event_t; /* flank or target; share of the step (2: none) */
+
+enum { FLUX_ROOM = (2 * sizeof(fluxes_t) + sizeof(point_t)) / sizeof(double) };
 
 static int64_t largest_of(int64_t a, int64_t b) { return a > b ? a : b; }
 
@@ -72,7 +82,8 @@ int64_t contact_room(const pieces_t *p, const drive_t *drive)
 {
     int64_t wide = largest_of(largest_of(p->n, p->n_forces), p->n_dampers);
     return 14 * p->n + 6 * p->n_flanks + 3 * p->n_forces + 4 * wide + 3 * drive->n_motors + 12 * p->n
-           + 8 * p->n_dampers * p->n_dampers + held_room(drive) + 5 * p->n_outputs + 4 * p->n_bodies;
+           + 8 * p->n_dampers * p->n_dampers + held_room(drive) + 5 * p->n_outputs + 4 * p->n_bodies
+           + FLUX_ROOM * drive->machines.n;
 }
 
 static double *take(double **room, int64_t n)
@@ -112,6 +123,9 @@ static void lay_out(loop_t *l, double *room)
     l->direct_rate = take(&room, l->pieces->n_outputs);
     l->centre = take(&room, 2 * l->pieces->n_bodies);
     l->centre_rate = take(&room, 2 * l->pieces->n_bodies);
+    l->fluxes = (fluxes_t *)take(&room, FLUX_ROOM * l->drive->machines.n);
+    l->fluxes1 = l->fluxes + l->drive->machines.n;
+    l->air_gap1 = (point_t *)(l->fluxes1 + l->drive->machines.n);
     l->held = (held_t *)take(&room, held_room(l->drive));
     hold_none(l->drive, l->held);
 }
@@ -313,8 +327,64 @@ static void read_speeds(const loop_t *l, const double *v, const double *a, doubl
         along(s->n_read, s->read_speed + m * s->n_read, v, a, read + m, read_rate + m);
 }
 
+/* What acts on the fluxes of a motor; `inside` is a time within the step. */
+static acting_t acting_on(const loop_t *l, int64_t k, double t, double inside, const double *phase)
+{
+    const int64_t m = l->drive->machines.motor[k], f = l->drive->motor_force[m];
+    acting_t a;
+    acting(l->drive, k, t, inside, phase[m], l->speed[f], l->acceleration[f], l->read[m], l->read_rate[m], &a);
+    return a;
+}
+
+/* Fluxes of the state with their derivatives; their torques join the forces. */
+static void fresh_fluxes(loop_t *l, double t)
+{
+    const machines_t *m = &l->drive->machines;
+    for (int64_t k = 0; k < m->n; k++) {
+        const acting_t a = acting_on(l, k, t, t + SHORTLY * l->clock->base_step, l->state->phase);
+        const int64_t f = l->drive->motor_force[m->motor[k]];
+        point_t torque;
+        copy(m->n_flux[k], m->flux + k * m->most, l->fluxes[k].psi);
+        derivatives(m, k, &a, l->fluxes + k);
+        torque = air_gap(m, k, l->fluxes + k);
+        l->state->force[f] += torque.value;
+        l->state->force_rate[f] += torque.slope;
+    }
+}
+
+/* Torques at the end of a step that goes on as it began: what its first motion is found with. */
+static void goes_on(loop_t *l, double h)
+{
+    for (int64_t k = 0; k < l->drive->machines.n; k++) {
+        const point_t now = air_gap(&l->drive->machines, k, l->fluxes + k);
+        l->air_gap1[k] = (point_t){now.value + h * now.slope, now.slope};
+    }
+}
+
+/* Fluxes at the end of a step from the motion found last; their torques join the forces. Returns by how much a torque
+ * has changed since, over its base. */
+static double end_fluxes(loop_t *l, double h)
+{
+    const machines_t *m = &l->drive->machines;
+    const double t = l->clock->time;
+    double change = 0.0;
+    for (int64_t k = 0; k < m->n; k++) {
+        const acting_t a = acting_on(l, k, t + h, t + 0.5 * h, l->phase1);
+        const int64_t f = l->drive->motor_force[m->motor[k]];
+        point_t torque;
+        if (!step_fluxes(m, k, h, &a, l->fluxes + k, l->fluxes1 + k)) return HUGE_VAL;
+        derivatives(m, k, &a, l->fluxes1 + k);
+        torque = air_gap(m, k, l->fluxes1 + k);
+        change = fmax(change, fabs(torque.value - l->air_gap1[k].value) / m->base[k]);
+        l->air_gap1[k] = torque;
+        l->f1[f] += torque.value;
+        l->fr1[f] += torque.slope;
+    }
+    return change;
+}
+
 /* Forces, rates and accelerations of the state, after something has jumped. */
-static void fresh_forces(const loop_t *l, double t, double *a)
+static void fresh_forces(loop_t *l, double t, double *a)
 {
     const system_t *s = &l->system;
     state_t *state = l->state;
@@ -331,6 +401,7 @@ static void fresh_forces(const loop_t *l, double t, double *a)
                      l->read_rate, l->drive, s, (double *)l->held, state->force, state->force_rate);
         swing_forces(s, l->drive, state->v, a, l->read, l->read_rate, state->force, state->force_rate);
         limited_forces(l, state->q, l->speed, state->force, state->force_rate);
+        fresh_fluxes(l, t);
         modal_forces(l, state->force, state->force_rate, l->u0, l->r0);
         accelerations(l, a);
         for (int64_t f = 0; f < s->n_forces; f++) {
@@ -338,6 +409,10 @@ static void fresh_forces(const loop_t *l, double t, double *a)
             along(s->n, s->reach + f * s->n, a, a, l->acceleration + f, &unused);
         }
         read_speeds(l, a, a, l->read_rate, l->read_rate);
+    }
+    for (int64_t k = 0; k < l->drive->machines.n; k++) { /* with the acceleration found */
+        const acting_t now = acting_on(l, k, t, t + SHORTLY * l->clock->base_step, state->phase);
+        derivatives(&l->drive->machines, k, &now, l->fluxes + k);
     }
 }
 
@@ -370,17 +445,26 @@ static void solve_dampers(const loop_t *l, const step_t *step, const double *sol
 }
 
 /* One step of the piece: with forces that go on as they do, the forces at the end that this gives, and with those
- * the end. The force of a limited flank depends on where it is: with it the end is found once more. */
-static void take_step(const loop_t *l, double h, const step_t *step, const double *solver)
+ * the end. The force of a limited flank depends on where it is: with it the end is found once more; with motors in
+ * time until their torques settle. */
+static void take_step(loop_t *l, double h, const step_t *step, const double *solver)
 {
     const system_t *s = &l->system;
     const state_t *state = l->state;
     const int64_t n = s->n, nf = s->n_forces;
-    double t = l->clock->time;
+    const double t = l->clock->time;
+    double change = HUGE_VAL, left = HUGE_VAL; /* of a torque from the pass before, and what the next one would change */
+    const int in_time = l->drive->machines.n > 0;
     copy(n, l->u0, l->u);
     copy(n, l->r0, l->r);
     begin_step(n, step, h, state->q, state->v, l->u, l->r, l->base_q, l->base_v);
-    for (int pass = l->limits ? 0 : 1; pass < 2; pass++) {
+    goes_on(l, h);
+    for (int pass = l->limits ? 0 : 1; pass < 2 || (in_time && left > SETTLED); pass++) {
+        double before = change;
+        if (pass == MOST_PASSES) {
+            l->unsettled = 1;
+            break;
+        }
         end_step(n, step, s->stiffness, s->rate, l->base_q, l->base_v, l->u, l->r, l->q1, l->v1, l->a1);
         along_rows(n, l->n_needed, l->needed, s->reach, l->v1, l->a1, l->speed, l->acceleration);
         read_speeds(l, l->v1, l->a1, l->read, l->read_rate);
@@ -389,6 +473,8 @@ static void take_step(const loop_t *l, double h, const step_t *step, const doubl
                        l->read_rate, l->held, l->f1, l->fr1);
         swing_forces(s, l->drive, l->v1, l->a1, l->read, l->read_rate, l->f1, l->fr1);
         limited_forces(l, l->q1, l->speed, l->f1, l->fr1);
+        change = end_fluxes(l, h);
+        left = change < before && !isinf(before) ? change * (change / before) : change;
         modal_forces(l, l->f1, l->fr1, l->u, l->r);
         solve_dampers(l, step, solver);
     }
@@ -408,6 +494,10 @@ static void accept(loop_t *l)
     for (int64_t m = 0; m < l->drive->n_motors; m++) state->phase[m] = in_turn(l->phase1[m]);
     copy(s->n_forces, l->f1, state->force);
     copy(s->n_forces, l->fr1, state->force_rate);
+    for (int64_t k = 0; k < l->drive->machines.n; k++) {
+        l->fluxes[k] = l->fluxes1[k];
+        copy(l->drive->machines.n_flux[k], l->fluxes1[k].psi, l->drive->machines.flux + k * l->drive->machines.most);
+    }
 }
 
 /* What inputs and their rates give: as `to_modes`, from zero. */
@@ -461,6 +551,11 @@ static void write_row(loop_t *l, int64_t *rows)
         out->bearing[i * out->rows + k] = hypotenuse(stiffness * x[0] + damping * y[0], stiffness * x[1] + damping * y[1]);
     }
     copy(nm, state->phase, out->phase + k * nm);
+    for (int64_t j = 0; j < l->drive->machines.n; j++) {
+        const point_t torque = air_gap(&l->drive->machines, j, l->fluxes + j);
+        out->air_gap[2 * (k * l->drive->machines.n + j)] = torque.value;
+        out->air_gap[2 * (k * l->drive->machines.n + j) + 1] = torque.slope;
+    }
     if (!out->q) return;
     copy(n, state->q, out->q + k * n);
     copy(n, state->v, out->v + k * n);
@@ -495,7 +590,7 @@ static int64_t level_of_step(const loop_t *l)
 }
 
 /* A step of any length; 0 where the dampers have no solution. */
-static int step_of_length(const loop_t *l, double h)
+static int step_of_length(loop_t *l, double h)
 {
     const step_t step = {l->free, l->forced};
     coefficients(l, h, l->free, l->forced);
@@ -505,7 +600,7 @@ static int step_of_length(const loop_t *l, double h)
 }
 
 /* A step of a level, its coefficients kept; 0 where the dampers have no solution. */
-static int step_of_level(const loop_t *l, double h, int64_t level)
+static int step_of_level(loop_t *l, double h, int64_t level)
 {
     const pieces_t *p = l->pieces;
     const int64_t at = l->flanks->piece * p->levels + level;
@@ -709,6 +804,7 @@ static void stay(loop_t *l)
     copy(l->drive->n_motors, l->state->phase, l->phase1);
     copy(s->n_forces, l->state->force, l->f1);
     copy(s->n_forces, l->state->force_rate, l->fr1);
+    for (int64_t k = 0; k < l->drive->machines.n; k++) l->fluxes1[k] = l->fluxes[k];
 }
 
 /* The instant of an event, by exact steps: a bracket with the condition lost at its end. The loop stands at the
@@ -839,6 +935,9 @@ int64_t advance_pieces(clock_t_ *clock, const pieces_t *pieces, flanks_t *flanks
     int fresh = clock->fresh > 0;
     *rows = 0;
     log->n = 0;
+    for (int64_t k = 0; k < drive->machines.n; k++)
+        if (drive->machines.n_flux[k] > MOST_FLUX || !isfinite(drive->machines.flux[k * drive->machines.most]))
+            return UNSETTLED;
     lay_out(l, room);
     copy(pieces->n_dampers, pieces->viscous + flanks->piece * pieces->n_dampers, l->viscous);
     damp_flanks(l);
@@ -877,6 +976,7 @@ int64_t advance_pieces(clock_t_ *clock, const pieces_t *pieces, flanks_t *flanks
         whole = h < remaining * (1.0 - 1e-9);
         if (!whole) h = remaining;
         if (!(whole ? step_of_level(l, h, level) : step_of_length(l, h))) return come_back(l, 1, DIVIDED);
+        if (l->unsettled) return come_back(l, 1, UNSETTLED);
         motions_of(l, l->q1, l->v1, l->a1, l->after);
         if (!dwell) watch_flanks(l, h, &event);
         watch_targets(l, h, &event);
@@ -890,6 +990,7 @@ int64_t advance_pieces(clock_t_ *clock, const pieces_t *pieces, flanks_t *flanks
             continue;
         }
         if (!locate_first(l, &event, h, &tau, &lost, &flank)) return come_back(l, 1, DIVIDED);
+        if (l->unsettled) return come_back(l, 1, UNSETTLED);
         clock->time += tau;
         at_once = tau <= 1e-9 * h ? at_once + 1 : 0;
         accept(l);

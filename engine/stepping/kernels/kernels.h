@@ -19,9 +19,26 @@ typedef struct {
     const int64_t *counts; /* (lanes, n) knots in use */
 } curves_t;
 
+/* Motors whose torque follows from their flux linkages; of the loop with events. */
+typedef struct {
+    int64_t n, most;                  /* motors; fluxes of each there is room for */
+    const int64_t *motor;             /* (n) which of all */
+    const int64_t *n_flux, *q;        /* (n) fluxes, axis d first; which is that of the stator's axis q */
+    const int64_t *voltage;           /* (n) curve of the line's voltage against speed; -1: always 1 */
+    const double *rate;               /* (n, most, most) of a rotor at rest [1/s] */
+    const double *current;            /* (n, 2, most) currents of the stator's axes d and q */
+    const double *field;              /* (n, most) from the voltage of the field [1/s] */
+    const double *stator;             /* (n) 1, or 0 while it is open: neither voltage nor motion acts on it */
+    const double *forward, *backward; /* (n, 2) voltage that turns with the line and against it: size, angle [1, rad] */
+    const double *base;               /* (n) [N m] */
+    double line_omega, frame;         /* of the voltage; electrical speed at which the train stands still [rad/s] */
+    double *flux;                     /* (n, most) updated [pu] */
+} machines_t;
+
 /* Motors, loads and torques against time. */
 typedef struct {
     curves_t curves;
+    machines_t machines;
     int64_t n_motors;
     const int64_t *motor_force, *average, *pulsating, *with_field; /* (n_motors) force; curves */
     const double *motor_speed, *pole_pairs;     /* (n_motors; lanes) [rad/s, 1] */
@@ -73,6 +90,7 @@ typedef struct {
     double *torque, *torque_rate;  /* (n_outputs, rows) [N m, N m/s] */
     double *bearing;               /* (n_bodies, rows) [N] */
     double *phase;                 /* (rows, n_motors) */
+    double *air_gap;               /* (rows, n_machines, 2) torques from fluxes and their rates [N m, N m/s] */
     double *q, *v;                 /* (rows, n) modal state, or none */
     int64_t *piece;                /* (rows) whose modes these are, or none */
     int64_t rows;                  /* room */
@@ -193,8 +211,9 @@ typedef struct {
 } stretches_t;
 
 /* Why a loop came back: room is full, end time, speed reached, load angle reached, a piece has to be made, no
- * progress, damper forces without a solution in double precision. */
-enum { MORE, AT_TIME, SPEED, ANGLE, NEW_PIECE, STUCK, DIVIDED };
+ * progress, damper forces without a solution in double precision, torque of a motor and its motion that do not settle
+ * in a step. */
+enum { MORE, AT_TIME, SPEED, ANGLE, NEW_PIECE, STUCK, DIVIDED, UNSETTLED };
 
 int64_t linear_room(int64_t lanes, const system_t *system, const drive_t *drive, const torques_t *torques);
 int64_t contact_room(const pieces_t *pieces, const drive_t *drive);

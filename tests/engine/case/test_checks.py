@@ -114,6 +114,12 @@ def event(**changes):
     return good(event_torque=(EventTorqueRow(**(fields | changes)),))
 
 
+def phases(*angles: float) -> Case:
+    """The good case with a phase in each row of its torque curve."""
+    rows = zip(good().motor_torque, angles, strict=True)
+    return good(motor_torque=tuple(replace(point, phase=angle) for point, angle in rows))
+
+
 def supply(*rows: tuple[str, float, float | None]) -> Case:
     return good(supply_voltage=tuple(SupplyVoltageRow(*row) for row in rows))
 
@@ -170,6 +176,7 @@ RIGHT = {
     "voltage against speed": more(
         "supply_voltage", SupplyVoltageRow("motor", 0.0, 0.75), SupplyVoltageRow("motor", 1.0, 1.0)
     ),
+    "phase of the pulsation": phases(0.0, 1.0, -1.0),
     "event in operation": more(
         "event_torque", EventTorqueRow("fault", "motor", -5.0, 1.0, 1.0, 0.1),
         EventTorqueRow("fault", "compressor", 0.5),
@@ -378,6 +385,10 @@ ROWS = [
     (row("motor_torque", 1, average=INF), ("MotorTorque", 1, "Average"), ["finite"]),
     (row("motor_torque", 1, pulsating=-1.0), ("MotorTorque", 1, "Pulsating"), ["zero or positive"]),
     (row("motor_torque", 1, pulsating=None), ("MotorTorque", 1, "Pulsating"), ["0 where there is none"]),
+    (row("motor_torque", 2, phase=1.0), ("MotorTorque", 1, "Phase"), ["blank", "every row of 'motor', or in none"]),
+    (phases(0.0, 0.5, 90.0), ("MotorTorque", 3, "Phase"), ["found 90 rad", "720 degrees", "typed as radians"]),
+    (phases(0.0, 3.0, -3.0), ("MotorTorque", 3, "Phase"), ["within 180 degrees of 3 rad of row 2", "360 degrees"]),
+    (phases(0.0, NAN, 0.0), ("MotorTorque", 2, "Phase"), ["found nan"]),
     (more("motor_torque", MotorTorqueRow("gear", 0.0, 1.0, 1.0)),
      ("MotorTorque", 4, "Station"), ["one row only for 'gear'", "two points"]),
     (row("motor_torque", 1, station="moto"), ("MotorTorque", 1, "Station"), ["Did you mean 'motor'?"]),
@@ -397,6 +408,8 @@ ROWS = [
     (event(station="motr"), ("EventTorque", 1, "Station"), ["'motr'", "Did you mean 'motor'?"]),
     (event(station=None), ("EventTorque", 1, "Station"), ["blank", "a station of table Stations"]),
     (event(event=None), ("EventTorque", 1, "Event"), ["blank", "rows of one name add up"]),
+    (event(base="MVA"), ("EventTorque", 1, "Base"), ["one of rated torque, apparent power"]),
+    (event(base="apparent power"), ("EventTorque", 1, "Base"), ["row in table MotorData", "smaller than the apparent power"]),
     (event(amplitude=None), ("EventTorque", 1, "Amplitude"), ["blank", "over RatedTorque"]),
     (event(multiple=-1.0), ("EventTorque", 1, "Multiple"), ["found -1", "multiple of the line frequency"]),
     (event(time_constant=-0.1), ("EventTorque", 1, "Time constant"), ["found -0.1 s", "does not decay"]),

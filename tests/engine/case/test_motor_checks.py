@@ -95,6 +95,12 @@ def test_the_rated_power_may_give_the_base():
         ({"xd": None}, "Xd", "or give the circuit of the motor in table MotorCircuit"),
         ({"field_circuit": "open"}, "Discharge resistance", "blank where Field circuit is open"),
         ({"field_circuit": "shut"}, "Field circuit", "one of closed, open"),
+        ({"time_constants": "tested"}, "Time constants", "one of classical, measured"),
+        (
+            {"time_constants": "measured", "td_0_subtransient": 0.2},
+            "Td0 subtransient",
+            "type the short-circuit time constants Td transient and Td subtransient instead",
+        ),
         ({"power_factor": 80.0}, "Power factor", "at most 1 (100 %)"),
         ({"power_factor": 0.0}, "Power factor", "below 0 only where it lags"),
         ({"start_factor": 0.0}, "Start factor", "usually by 0.7 to 1"),

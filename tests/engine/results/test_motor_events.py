@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from engine.case.case import Case
@@ -19,7 +20,7 @@ from engine.results.results import Results
 from engine.results.tables import Row, result_tables
 from engine.run import run
 from tests.engine.results.test_operating_events import check, rows, train, with_backlash
-from tests.trains import RATED
+from tests.trains import RATED, geared
 
 #: 1 per unit of torque is 1.25 times the rated torque.
 SHEET = MotorDataRow("Motor", None, 1.25 * RATED * 2.0 * math.pi * 30.0, power_factor=0.9)
@@ -65,7 +66,7 @@ def several() -> Results:
 def test_largest_torques_are_near_their_closed_forms(several):
     """The resistances take some per cent of the flux in the first cycle."""
     found = air_gap(several)
-    assert list(found) == ["fault", "closing", "at once", "later", "dip"]
+    assert list(found) == ["start", "fault", "closing", "at once", "later", "dip"]
     assert found["fault"]["largest"] < -4.0 * BASE
     for name in ("fault", "closing", "at once"):
         assert 0.9 < found[name]["ratio"] < 1.05
@@ -100,22 +101,78 @@ def test_a_heavy_train_gives_the_torque_of_constant_speed():
     assert heavy[0] == pytest.approx(heavy[1], rel=1e-5)
 
 
-def test_teeth_that_separate_are_not_calculated_as_if_they_stayed():
+@pytest.mark.parametrize("kind", ["three-phase fault", "out-of-phase closing", "reclosing"])
+def test_teeth_that_separate_meet_again(kind):
     no_table = {"event_torque": (), "motor_torque": ()}
+    more = {"out-of-phase closing": {"angle": 2.0}, "reclosing": {"clears_after": 0.1}}
+    shock = event(kind, **more.get(kind, {"clears_after": 0.1}))
     loose = with_backlash(
-        **no_table, motor_data=(SHEET,), motor_circuit=(CIRCUIT,), motor_events=(FAULT,)
+        **no_table, motor_data=(SHEET,), motor_circuit=(CIRCUIT,), motor_events=(shock,)
     )
     results = run(loose)
     (found,) = results.events
-    assert found.response is None
-    assert "brings the torque of 'Mesh' to zero, where teeth separate" in found.note
-    assert found.note in results.warnings
-    assert rows(results)["event", "Mesh"]["verdict"] == "not judged"
+    assert "not calculated" not in found.note
+    assert found.response.contacts[0].back_impacts > 0
+    assert rows(results)["event", "Mesh"]["minimum"] < 0.0
     together = run(replace(loose, effect_choices=(EffectChoiceRow("backlash", "off"),)))
     assert rows(together)["event", "Mesh"]["minimum"] < 0.0
     assert together.events[0].response.left_out is None
-    shaken = run(replace(loose, motor_events=(DIP,)))
+    apart, closed = (air_gap(r)["event"] for r in (results, together))
+    assert apart["closed_form"] == closed["closed_form"]
+    # until teeth separate both motors give the same torque
+    a, b = (r.events[0].history for r in (results, together))
+    until = 0.002
+    first = a.time < until
+    assert np.interp(a.time[first], b.time, b.air_gap) == pytest.approx(
+        a.air_gap[first], abs=2e-3 * BASE
+    )
+
+
+@pytest.mark.parametrize(
+    ("fields", "note", "calculated"),
+    [
+        ({"clears_after": 0.1, "clearing": "zeros of current"}, "zeros of current are not located", False),
+        ({"clears_after": "worst", "latest_clearing": 0.2}, "another one may be larger", True),
+    ],
+)  # fmt: skip
+def test_what_is_not_known_with_teeth_apart_is_said(fields, note, calculated):
+    no_table = {"event_torque": (), "motor_torque": ()}
+    shock = event("three-phase fault", **fields)
+    loose = with_backlash(
+        **no_table, motor_data=(SHEET,), motor_circuit=(CIRCUIT,), motor_events=(shock,)
+    )
+    (found,) = run(loose).events
+    assert note in found.note
+    assert (found.response is not None) is calculated
+    if found.response is not None:
+        assert found.response.left_out is None
+
+
+def test_teeth_that_stay_together_are_not_simulated_apart():
+    no_table = {"event_torque": (), "motor_torque": ()}
+    shaken = run(
+        with_backlash(
+            **no_table, motor_data=(SHEET,), motor_circuit=(CIRCUIT,), motor_events=(DIP,)
+        )
+    )
     assert rows(shaken)["dip", "Mesh"]["minimum"] > 0.0
+    assert shaken.events[0].response.contacts == ()
+
+
+def test_a_start_in_time_has_its_air_gap_torque():
+    case = replace(geared(), motor_torque=(), motor_data=(SHEET,), motor_circuit=(CIRCUIT,))
+    on, off = (
+        run(replace(case, effect_choices=(EffectChoiceRow("motor transient", choice),)))
+        for choice in ("on", "off")
+    )
+    found = air_gap(on)["start"]
+    at_rest = result_tables(on)["MotorCurves"][0]
+    assert found["largest"] > 1.1 * (at_rest["average"] + at_rest["pulsating"])
+    assert 0.0 < found["time"] < 0.2
+    assert air_gap(off) == {}
+    assert on.plans[-1].decision("motor transient").on
+    assert not off.plans[-1].decision("motor transient").on
+    assert off.start.left_out is None  # forced off although required: no bound
 
 
 def test_a_motor_that_loses_its_step_says_so():

@@ -23,6 +23,7 @@ from engine.results.results import Results, Verdict
 from engine.results.tables import Row, result_tables
 from engine.run import run
 from tests.trains import RATED, geared
+from tests.validation.test_start_from_motor_data import SHEET
 
 RATIO = 3.0
 #: Half a cycle of line frequency past the peak of a published three-phase fault, decaying.
@@ -187,6 +188,18 @@ def test_without_driving_torque_no_flank_is_known() -> None:
     assert verdict.coverage == "0 of 1 events"
     assert "'Mesh' carries no driving torque" in str(verdict.not_judged)
     assert check(results, "Overall").verdict != Judgement.PASS
+
+
+def test_amplitude_over_the_apparent_power() -> None:
+    """2.2 MVA over 188.5 rad/s; the rated torque is another base."""
+    row = EventTorqueRow("Dip", "Motor", 0.2, 1.0, None, 0.1)
+    torque = SHEET.apparent_power / (60.0 * math.pi)
+    of_torque = replace(row, amplitude=0.2 * torque / RATED)
+    ours = rows(run(train(replace(row, base="apparent power"), motor_data=(SHEET,))))
+    same = rows(run(train(of_torque, motor_data=(SHEET,))))
+    for name, row_of in ours.items():
+        assert row_of["maximum"] == pytest.approx(same[name]["maximum"], rel=1e-9)
+    assert abs(torque / RATED - 1.0) > 0.05
 
 
 def counted(times: float, **fields: object) -> Results:

@@ -1,0 +1,27 @@
+"""How much torque does the closing of the breaker bring beyond the curves?"""
+
+from engine.case.data import CaseData
+from engine.plan.decision import Finding, percent
+from engine.plan.evidence import CLOSING_GAIN, LARGEST_SMALL_SIGNAL, Evidence
+
+
+def finding(case: CaseData, e: Evidence, modelled: tuple[str, ...]) -> Finding:
+    """The torque that closing adds to an element, over its largest."""
+    share = e.closing_share
+    if share is None:
+        why = "The torque of a motor is typed, a motor has a row in Supply, or there is no motor: its fluxes are unknown."
+        return Finding.impossible(why, None)
+    limit, bound = e.tolerance / CLOSING_GAIN, CLOSING_GAIN * share
+    wanted = share > limit
+    why = (
+        f"Closing adds at most {percent(share)} of its largest torque to an element, "
+        f"{'above' if wanted else 'at most'} the limit {percent(limit)}."
+    )
+    if not wanted and e.electrical and e.electrical.number > LARGEST_SMALL_SIGNAL:
+        wanted = True
+        why += " What the motors damp of a mode, or drive, is too much for electrical damping, which is of small motions."
+    if case.shock_amplitude:
+        why += (
+            " While it is on the typed ShockAmplitude is not added: the fluxes have the transient."
+        )
+    return Finding(wanted, True, share, limit, bound, why)
