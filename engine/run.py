@@ -51,7 +51,6 @@ from engine.start.pieces import analysis_for_start, with_pieces_error
 from engine.start.prescribed import run_prescribed
 from engine.start.reversals import Reversal, torque_reversals
 from engine.start.settings import has_start
-from engine.start.side_by_side import side_by_side
 from engine.start.start import Start, prepared_start, run_start, with_left_out, with_peaks
 from engine.start.start_fatigue import starts_of
 from engine.start.start_model import shifted
@@ -171,14 +170,14 @@ def run(case: CaseData, on_stage: Callable[[str], None] | None = None) -> Result
 
 
 def _worst_of_phases(case: CaseData, analysis: ModalAnalysis) -> WorstOfPhases:
-    """The start at phases over a whole turn, each with a plan of its own; linear ones side by side."""
+    """The start at phases over a whole turn, each with a plan of its own."""
 
     def answers(phase: float) -> PhaseAnswers:
         asked = at_phase(case, phase)
         start, starts, errors = judged_starts(asked, planned_start(asked, analysis))
         return answers_at(case, phase, start, () if starts is None else starts.shafts, errors)
 
-    return worst_of_phases(lambda phases: side_by_side(answers, phases))
+    return worst_of_phases(lambda phases: [answers(phase) for phase in phases])
 
 
 def at_speed(case: CaseData) -> AtSpeed:

@@ -80,7 +80,7 @@ def build_train(
     if n_dof < len(ratio):
         incidence = np.zeros((len(a.rows), n_dof))
         np.add.at(incidence, (row, dof[node]), factor * scale[node])
-    dof_inertia = np.bincount(dof, inertia * scale**2, minlength=n_dof)
+    dof_inertia = np.asarray(np.bincount(dof, inertia * scale**2, n_dof), dtype=np.float64)
     if np.any(dof_inertia <= 0.0):
         massless = int(np.flatnonzero(dof == int(np.argmin(dof_inertia)))[0])
         raise ModelError(f"Station '{case.stations[massless].station}' has no inertia.")

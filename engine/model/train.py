@@ -184,9 +184,8 @@ class Train:
     @property
     def ground_damping(self) -> Floats:
         """Damping to ground of each degree of freedom, shape (n_dof,). [N m s/rad]"""
-        return np.bincount(
-            self.node_dof, self.node_damping * self.node_scale**2, minlength=self.n_dof
-        )
+        own = self.node_damping * self.node_scale**2
+        return np.asarray(np.bincount(self.node_dof, own, self.n_dof), dtype=np.float64)
 
     def node_matrix(self) -> Floats:
         """Node angles from degrees of freedom.
