@@ -450,7 +450,7 @@ def _prescribed(
     arrays = machine_arrays(case, motors, (), torques, stations)
     if event.machine is not None:
         # the train stands still where it runs with the line: the phase changes by its vibration alone
-        arrays["motors"] = (*arrays["motors"][:5], 0.0, arrays["motors"][6])
+        arrays["motors"] = (*arrays["motors"][:5], np.zeros(len(motors)), arrays["motors"][6])
         arrays["machines"] = (event.machine[1],)
         arrays["frame"] = event.machine[1].machine.line_omega
     model = EventModel(
