@@ -77,6 +77,8 @@ _OPTIONAL = frozenset(
         "Per life",
         "Event",
         "Clearing",
+        "Earliest clearing",
+        "Begins",
     }
 )
 
