@@ -170,14 +170,15 @@ def run(case: CaseData, on_stage: Callable[[str], None] | None = None) -> Result
 
 
 def _worst_of_phases(case: CaseData, analysis: ModalAnalysis) -> WorstOfPhases:
-    """The start at phases over a whole turn, each with a plan of its own."""
+    """The start at every phase, each with a plan of its own."""
 
     def answers(phase: float) -> PhaseAnswers:
         asked = at_phase(case, phase)
         start, starts, errors = judged_starts(asked, planned_start(asked, analysis))
         return answers_at(case, phase, start, () if starts is None else starts.shafts, errors)
 
-    return worst_of_phases(lambda phases: [answers(phase) for phase in phases])
+    turns = 2 if case.pulsates_at_slip else 1
+    return worst_of_phases(lambda phases: [answers(phase) for phase in phases], turns)
 
 
 def at_speed(case: CaseData) -> AtSpeed:

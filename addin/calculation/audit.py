@@ -55,8 +55,9 @@ EQUATIONS: tuple[tuple[str, str], ...] = (
      "of the transmitted torque at motor, gear and driven machine in turn (Szenasi & von Nimitz 1978)"),
     ("Allowable vibratory stress", f"UTS/25 ({MIL_STANDARD.cited}, as cited there)"),
     ("Pulsation", "T(ω) sin(2 (ω_line t − p θ) + phase); f = 2 f_line (1 − n/n_s) "
-     "(Szenasi & von Nimitz 1978)"),
-    ("Start-up crossing", "% speed = 100 (1 − f / 2 f_line) (Szenasi & von Nimitz 1978, Table 1)"),
+     "(Szenasi & von Nimitz 1978); Pulsation1: T₁(ω) sin(ω_line t − p θ + phase / 2), f = f_line (1 − n/n_s)"),
+    ("Start-up crossing", "% speed = 100 (1 − f / 2 f_line) (Szenasi & von Nimitz 1978, Table 1); "
+     "of Pulsation1 100 (1 − f / f_line)"),
     ("Start, exponential", "q̈ + 2ζω q̇ + ω² q = Φᵀ T(t, θ, ω), exact step for a force cubic in "
      f"time ({INTEGRATORS.cited})"),
     ("Start, Newmark", "average acceleration, eqs (1) to (3) of Szenasi & von Nimitz 1978; eq. (4) "

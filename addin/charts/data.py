@@ -366,6 +366,8 @@ def _crossing_rows(case: CaseData, run: RunView | None, labels: dict[str, Cell])
     for k, crossing in enumerate(crossings[:CROSSINGS]):
         rows[k] = plain([crossing["time"], _rpm(speed * crossing["percent_speed"])])
         words = f"Mode {crossing['mode']}: {crossing['frequency']:.1f} Hz"
+        if crossing.get("multiple_of_slip") == 1:
+            words += " (1 × slip)"
         if abs(last - crossing["percent_speed"]) < _SAME_LABEL:  # two names would cover each other
             labels[f"Crossing {named + 1}"] = (
                 f"{labels[f'Crossing {named + 1}']}; {words[0].lower()}{words[1:]}"
@@ -503,7 +505,7 @@ def _shape_labels(run: RunView | None, labels: dict[str, Cell]) -> None:
 def _interference_rows(
     case: CaseData, run: RunView | None, labels: dict[str, Cell]
 ) -> tuple[Rows, Rows]:
-    """Modes, excitation lines, the falling 2 × slip line and the speeds of continuous operation.
+    """Modes, excitation lines, the falling lines of 2 × slip and 1 × slip, and the speeds of continuous operation.
 
     The second block holds one row a line, always the same number: where its name stands.
     """
@@ -513,14 +515,14 @@ def _interference_rows(
     if diagram is None or not line or not sync or diagram.highest_speed is None:
         return [[None] * (8 + 2 * LINES)], names
     top, right = 2.5 * line, _rpm(diagram.highest_speed)
+    multiples = (2.0, 1.0) if case.pulsates_at_slip else (2.0,)
     modes = [float(f) for f in diagram.mode_frequency if 0.0 < f <= top]
     running = [_rpm(case.minimum_speed or sync), _rpm(case.maximum_speed or sync)]
     columns: list[Sequence[Cell]] = [
         *_segments([[(0.0, f), (right, f)] for f in modes]),
         plain([right] * len(modes)),
         plain(modes),
-        plain([0.0, _rpm(sync)]),
-        plain([2.0 * line, 0.0]),
+        *_segments([[(0.0, k * line), (_rpm(sync), 0.0)] for k in multiples]),
         *_segments([[(n, 0.0), (n, top)] for n in dict.fromkeys(running)]),
     ]
     lines = [

@@ -165,7 +165,7 @@ def _interference() -> ChartSpec:
         Axis("Frequency [Hz]", least=0, number="0"),
         (
             _curve(table, "Modes speed", "Modes", "Natural frequencies", "navy", 1.75),
-            _curve(table, "Slip speed", "2 x slip", "2 × slip frequency of the start", "rust", 2.0),
+            _curve(table, "Slip speed", "2 x slip", "Pulsation of the start", "rust", 2.0),
             Series(table, "Range speed", "Range", "Continuous operation", "gold", 1.5, "dash"),
             *(formula for pair in zip(lines, names, strict=True) for formula in pair),
             Series(table, "Label speed", "Label", "Labels", values_beside='0.0" Hz"', in_legend=False),

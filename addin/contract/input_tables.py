@@ -216,6 +216,11 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
                 "Phase of the pulsating torque at this speed, beside PulsationPhase: φ of T sin(2 (line − rotor angle) + φ).",
                 blank="0 at every speed",
             ),
+            number(
+                "Pulsation1", "torque",
+                "Pulsating torque at slip frequency itself, zero-to-peak, of a one-way discharge path: T of T sin((line − rotor angle) + PulsationPhase / 2).",
+                us="%", si="%", blank="none",
+            ),
         ),
     ),
     table(

@@ -643,7 +643,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
     ),
     table(
         "StartupCrossings", sheet="Start-up", caption="Crossings of 2 × slip frequency",
-        help="Where 2 × slip frequency crosses each mode.",
+        help="Where 2 × slip frequency crosses each mode, and 1 × slip where a motor has Pulsation1.",
         row_name=("Mode",), changes_shown=("Peak-to-peak torque", "Mesh minimum torque"),
         room=CROSSING_ROWS, of_the_start=True, rank=4,
         columns=(
@@ -657,8 +657,9 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             ),
             number(
                 "Percent speed", "fraction", "Speed of the crossing, as a share of synchronous speed.",
-                "100 (1 − f / 2 f_line)", f"{SLIP}; Table 1",
-                of_row=("StartupCrossings.Frequency",), of_case=LINE, format=shown.TWO_DECIMALS,
+                "100 (1 − f / k f_line), k = 2 or 1, the multiple of slip", f"{SLIP}; Table 1",
+                of_row=("StartupCrossings.Frequency", "StartupCrossings.Multiple of slip"),
+                of_case=LINE, format=shown.TWO_DECIMALS,
                 printed="Speed",
             ),
             number(
@@ -674,10 +675,12 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             ),
             number(
                 "Pulsating torque", "torque", "Pulsating torque there, zero-to-peak.",
-                "Monotone cubic through Pulsating at that speed, × Voltage²",
+                "Monotone cubic through Pulsating, or of 1 × slip through Pulsation1, at that speed, × Voltage²",
                 f"{PHILOSOPHY}; curves: {CURVES.paged}",
-                us="lbf*ft", of_row=("StartupCrossings.Percent speed",),
-                of_case=("MotorTorque.Speed", "MotorTorque.Pulsating", "Voltage"),
+                us="lbf*ft", of_row=("StartupCrossings.Percent speed", "StartupCrossings.Multiple of slip"),
+                of_case=(
+                    "MotorTorque.Speed", "MotorTorque.Pulsating", "MotorTorque.Pulsation1", "Voltage",
+                ),
             ),
             number(
                 "Load torque", "torque", "Load torque there, referred to motor speed.",
@@ -694,8 +697,8 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 of_case=("Stations.Inertia", "Stations.Speed ratio"),
             ),
             number(
-                "Sweep rate", "sweep rate", "How fast 2 × slip frequency falls.",
-                "2 f_line × acceleration / synchronous speed", SLIP,
+                "Sweep rate", "sweep rate", "How fast 2 × slip frequency falls, or 1 × slip.",
+                "k f_line × acceleration / synchronous speed, k = 2 or 1, the multiple of slip", SLIP,
                 of_row=("StartupCrossings.Acceleration",), of_case=LINE,
             ),
             text(
@@ -730,6 +733,11 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 f"docs/method.md, Crossings; {PHILOSOPHY}",
                 of_row=("StartupCrossings.Pulsating torque",), of_case=START, format=shown.ONE_DECIMAL,
                 error=ReportedError.PEAKS,
+            ),
+            integer(
+                "Multiple of slip", "2, or 1 of the torque of a one-way discharge path.",
+                "2 for each mode; 1 for those below 1.1 × line frequency where MotorTorque has Pulsation1",
+                "docs/method.md, Crossings", of_case=("MotorTorque.Pulsation1",),
             ),
             sentence(
                 "Note", "Assessment of the crossing.",

@@ -63,7 +63,7 @@ FACT_LINES: tuple[tuple[str, str, str, str, str, float], ...] = (
     (
         "Start-up",
         "B4",
-        "P4",
+        "Q4",
         _said(
             'IF(run_Outcome="","No start was calculated: neither motor torque nor torque against '
             'time is given on sheet Torque.",run_Outcome&IF(COUNT(StartupCrossings[Mode])=0,'
@@ -161,13 +161,13 @@ SHEETS: tuple[Sheet, ...] = (
     Sheet(
         "Torque",
         "input",
-        {"A": 1.5, "B": 14, "C:F": 10, "G": 2, "H": 14, "I": 10, "J": 13, "K": 2, "L": 14,
-         "M:N": 10, "O": 2, "P:W": 9},
-        {"MotorTorque": "B5", "LoadTorque": "H5", "TorqueTime": "L5"},
+        {"A": 1.5, "B": 14, "C:G": 10, "H": 2, "I": 14, "J": 10, "K": 13, "L": 2, "M": 14,
+         "N:O": 10, "P": 2, "Q:X": 9},
+        {"MotorTorque": "B5", "LoadTorque": "I5", "TorqueTime": "M5"},
         (
-            ChartAt("torque", "P5", 544, 334),
-            ChartAt("motor-typed", "P21", 544, 274),
-            ChartAt("load-typed", "P36", 544, 274),
+            ChartAt("torque", "Q5", 544, 334),
+            ChartAt("motor-typed", "Q21", 544, 274),
+            ChartAt("load-typed", "Q36", 544, 274),
         ),
         freeze="A8",
         intro="Torque against speed of the motor and of each driven machine; every curve begins "
@@ -240,12 +240,12 @@ SHEETS: tuple[Sheet, ...] = (
     Sheet(
         "Start-up",
         "result",
-        {"A": 1.5, "B": 20, "C:J": 10.4, "K": 20, "L:O": 10.4, "P": 74},
+        {"A": 1.5, "B": 20, "C:J": 10.4, "K": 20, "L:P": 10.4, "Q": 74},
         {"StartupCrossings": "B5", "StartupPeaks": f"B{9 + CROSSING_ROWS}"},
         (
-            ChartAt("speed-time", f"P{9 + CROSSING_ROWS}", 520, 304),
-            ChartAt("blow", f"P{25 + CROSSING_ROWS}", 520, 284),
-            ChartAt("pull-in", f"P{40 + CROSSING_ROWS}", 520, 284),
+            ChartAt("speed-time", f"Q{9 + CROSSING_ROWS}", 520, 304),
+            ChartAt("blow", f"Q{25 + CROSSING_ROWS}", 520, 284),
+            ChartAt("pull-in", f"Q{40 + CROSSING_ROWS}", 520, 284),
         ),
         one_page=True,
         intro="The start from rest to EndSpeed, or to the end of pull-in or coast-down. Torques "

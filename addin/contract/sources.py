@@ -176,6 +176,7 @@ MOTOR = (
     "MotorTorque.Average",
     "MotorTorque.Pulsating",
     "MotorTorque.Phase",
+    "MotorTorque.Pulsation1",
     "SupplyVoltage.Speed",
     "SupplyVoltage.Voltage",
     "Supply.Short-circuit power",

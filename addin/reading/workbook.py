@@ -70,6 +70,7 @@ _OPTIONAL = frozenset(
         "InitialState",
         "TorqueFollows",
         "MotorTorque.Phase",
+        "MotorTorque.Pulsation1",
         "EventTorque.Base",
         "MotorData.Time constants",
         "Latest clearing",

@@ -81,13 +81,14 @@ EQUATIONS: tuple[Equation, ...] = (
                 fence(formula("2", fence("ω_line t − p θ"), "+ φ_0")), ",~~ f = 2 f_line",
                 fence(formula("1 −", frac("n", "n_s")))),
         "p pole pairs, θ angle of the motor, n speed, nₛ synchronous speed: twice the slip "
-        "frequency, falling from 2 × line frequency to zero.",
+        "frequency, falling from 2 × line frequency to zero. Pulsation1 of a one-way discharge path has "
+        "half the angle and half the frequency.",
         _PAPER,
     ),
     Equation(
         "Start-up crossing",
         formula("%~speed = 100", fence(formula("1 −", frac("f", "2 f_line")))),
-        "the speed at which the pulsation crosses a natural frequency f.",
+        "the speed at which the pulsation crosses a natural frequency f; that of Pulsation1 at 100 (1 − f / f_line).",
         f"{_PAPER}, Table 1",
     ),
     Equation(

@@ -20,7 +20,7 @@ from engine.case.practice_limits import PRACTICE_LIMITS
 
 _CROSSINGS = (
     ("Mode", "Frequency", "Percent speed", "Time", "Average torque", "Pulsating torque", "Load torque",
-     "Acceleration", "Sweep rate"),
+     "Acceleration", "Sweep rate", "Multiple of slip"),
     ("Mode", "Frequency", "Governing element", "Peak-to-peak torque", "Peak-to-peak stress",
      "Mesh minimum torque"),
 )  # fmt: skip

@@ -375,7 +375,7 @@ def _example(design: str) -> Example:
             (_MATERIAL, 1000000, 19000),
         ),
     }
-    units = {("MotorTorque", "Average"): "pu", ("MotorTorque", "Pulsating"): "pu"}
+    units = {("MotorTorque", name): "pu" for name in ("Average", "Pulsating", "Pulsation1")}
     return Example(_scalars(design), units, tables, provenance=PROVENANCE)
 
 

@@ -457,6 +457,7 @@ class _Simulation:
     def _apply_field(self, t: float) -> None:
         self.field_time = t
         self.electrical[3][:] = t
+        self.electrical[8][self.model.of_discharge] = 0.0
         self.machines.apply_field()
         self.clock.fresh = 2
 

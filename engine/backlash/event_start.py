@@ -512,7 +512,8 @@ def _prescribed(
     if event.machine is not None:
         # the train stands still where it runs as before the event: the phase changes by its slip and its vibration
         line = event.machine[1].machine.line_omega
-        arrays["motors"] = (*arrays["motors"][:5], (1.0 - event.speed) * line, arrays["motors"][6])
+        slipping = np.full(len(motors), (1.0 - event.speed) * line)
+        arrays["motors"] = (*arrays["motors"][:5], slipping, arrays["motors"][6])
         arrays["machines"] = (event.machine[1],)
         arrays["frame"] = event.speed * line
     model = EventModel(

@@ -166,6 +166,8 @@ class MotorTorqueRow:
     average: float | None = None  #: Average torque at rated voltage. [N m]
     pulsating: float | None = None  #: Pulsating torque at twice slip frequency, zero-to-peak. [N m]
     phase: float | None = None  #: Of the pulsation, beside `pulsation_phase`; blank = 0. [rad]
+    #: Pulsating torque at the slip frequency itself, zero-to-peak, of a one-way discharge path; blank = none. [N m]
+    pulsation_1: float | None = None
 
 
 @dataclass(frozen=True)
@@ -581,6 +583,11 @@ class CaseData:
             }
             for share in sorted(shares)
         )
+
+    @property
+    def pulsates_at_slip(self) -> bool:
+        """Whether a motor has torque at the slip frequency itself, of a one-way discharge path. [flag]"""
+        return any(point.pulsation_1 for point in self.motor_torque)
 
     @property
     def looks_for_worst_phase(self) -> bool:

@@ -4,8 +4,9 @@ The pulsating torque has twice the slip frequency; its phase follows the rotor's
 T(ω) · sin(2 (ω_line t − p θ) + phase), so that a twisting shaft is fed back into the torque
 (the paper, "Transient torsional analyses"; Godwin, IEEE Trans. PAS-95 (1976)).
 
-At breaker closing a torque at line frequency dies out beside it, A e^(−t/τ) sin ω_line t. With the
-field on, the synchronising torque PullOutTorque · (1 − e^(−t/τ_f)) · sin δ joins it, where δ is the
+At breaker closing a torque at line frequency dies out beside it, A e^(−t/τ) sin ω_line t. A discharge path that
+carries the field's current one way alone adds T₁(ω) · sin(ω_line t − p θ + phase / 2), at the slip frequency itself, until the
+field is on. With the field on, the synchronising torque PullOutTorque · (1 − e^(−t/τ_f)) · sin δ joins it, where δ is the
 load angle, half the phase of the pulsation; the pulsation goes on as the saliency torque.
 """
 
@@ -32,7 +33,7 @@ from engine.motor.from_case import (
     motors_from_data,
 )
 from engine.motor.supply import STIFF
-from engine.numerics.same_bits import atan2, cos, hypot, sin, square
+from engine.numerics.same_bits import atan2, cos, hypot, sin, square, total
 from engine.numerics.torque_curve import TorqueCurve, fitted_curves, joined, torque_curve
 
 #: A linear start, which has no events, goes over from one connection of a motor to the next within so much of synchronous
@@ -56,8 +57,12 @@ class Motor:
     #: Where the phase changes with speed, of a data sheet or typed: the parts of the pulsation with sin 2δ
     #: and cos 2δ, δ the load angle, in place of one curve of unchanging phase. [N m]
     parts: tuple[TorqueCurve, TorqueCurve] | None = None
-    #: Whether it stands for the second part of another motor alone.
-    is_second_part: bool = False
+    #: Torque at the slip frequency itself, of a one-way discharge path, with half the phase; None = none. [N m]
+    at_slip: TorqueCurve | None = None
+    #: Of slip frequency that the pulsation has; 1 of the torque `at_slip` of another motor. [1]
+    multiple: int = 2
+    #: Whether it stands for a part of another motor's pulsation alone.
+    is_part: bool = False
     scale: float = 1.0  #: Voltage of the start, over that of the curves, squared. [1]
     #: Voltage that the line leaves it, against the fraction of synchronous speed; None = all of it. [1]
     supply: TorqueCurve | None = None
@@ -100,6 +105,23 @@ class Motor:
         voltage = self.supply(fraction)
         return np.asarray(self.scale * (voltage * voltage))
 
+    def pulsations_at(self, multiple: int) -> tuple[tuple[TorqueCurve, float], ...]:
+        """Curves of the torque at a multiple of slip frequency, each with its phase at t = 0.
+
+        Parameters
+        ----------
+        multiple : int
+            1 or 2. [1]
+
+        Returns
+        -------
+        tuple of (TorqueCurve, float)
+            None at the slip frequency itself without a one-way discharge path. [N m, rad]
+        """
+        if multiple == 2:
+            return self.pulsations
+        return () if self.at_slip is None else ((self.at_slip, 0.5 * self.phase),)
+
     @property
     def pulsations(self) -> tuple[tuple[TorqueCurve, float], ...]:
         """Curves of pulsating torque, each with its phase at t = 0. [N m, rad]"""
@@ -109,15 +131,24 @@ class Motor:
         return ((sine, self.phase), (cosine, self.phase + 0.5 * math.pi))
 
     @property
+    def largest_pulsation(self) -> float:
+        """Largest pulsating torque at any speed, of both frequencies together. [N m]"""
+        return total(
+            float(np.max(np.abs(curve.cubic[:, 0])))
+            for curve in (self.pulsating, self.at_slip)
+            if curve is not None
+        )
+
+    @property
     def curves(self) -> tuple[TorqueCurve, ...]:
-        """Average torque and every curve of the pulsation. [N m]"""
-        return (self.average, *(curve for curve, _ in self.pulsations))
+        """Average torque, every curve of the pulsation, then that at the slip frequency itself. [N m]"""
+        return (self.average, *(c for k in (2, 1) for c, _ in self.pulsations_at(k)))
 
 
 def drives_of(motors: Sequence[Motor]) -> tuple[Motor, ...]:
     """Motors as the compiled loop takes them: one pulsation each.
 
-    The second part of a pulsation is a motor of its own there, without average torque, behind all
+    Further parts of a pulsation are motors of their own there, without average torque, behind all
     others, so that the first is always a whole motor.
 
     Parameters
@@ -130,18 +161,18 @@ def drives_of(motors: Sequence[Motor]) -> tuple[Motor, ...]:
     tuple of Motor
         Motors with one pulsation. [SI]
     """
-    firsts, seconds = [], []
+    firsts, others = [], []
     nothing = TorqueCurve(np.zeros(1), np.zeros((1, 4)))
     for m in motors:
         (curve, phase), *second = m.pulsations
-        firsts.append(replace(m, pulsating=curve, phase=phase, parts=None))
-        for curve, phase in second:
-            seconds.append(
-                Motor(
-                    m.station, nothing, curve, m.synchronous_speed, m.pole_pairs, phase, None, True
-                )
-            )
-    return (*firsts, *seconds)
+        firsts.append(replace(m, pulsating=curve, phase=phase, parts=None, at_slip=None))
+        part = replace(firsts[-1], average=nothing, scale=1.0, supply=None, stages=(), is_part=True)
+        for multiple, parts in ((2, second), (1, m.pulsations_at(1))):
+            others += [
+                replace(part, pulsating=curve, phase=phase, multiple=multiple)
+                for curve, phase in parts
+            ]
+    return (*firsts, *others)
 
 
 def without_torque(motor: Motor) -> Motor:
@@ -158,7 +189,7 @@ def without_torque(motor: Motor) -> Motor:
         With its voltage and the phase of its rotor. [SI]
     """
     nothing = TorqueCurve(np.zeros(1), np.zeros((1, 4)))
-    return replace(motor, average=nothing, pulsating=nothing, parts=None)
+    return replace(motor, average=nothing, pulsating=nothing, parts=None, at_slip=None)
 
 
 def motors_of(case: CaseData, train: Train) -> tuple[Motor, ...]:
@@ -255,7 +286,11 @@ def _typed_motor(points: Sequence[MotorTorqueRow], place: _Place) -> Motor:
     parts = None
     if points[0].phase is not None:
         parts = _parts(pulsating, torque_curve(x, np.array([p.phase for p in points], float)))
-    return place.motor(average, pulsating, place.phase, parts)
+    motor = place.motor(average, pulsating, place.phase, parts)
+    if points[0].pulsation_1 is None:
+        return motor
+    at_slip = torque_curve(x, place.scale * np.array([p.pulsation_1 for p in points], dtype=float))
+    return replace(motor, at_slip=at_slip)
 
 
 def _stages_of_data(sheet: MotorFromData, place: _Place) -> list[tuple[float, Motor]]:
@@ -287,6 +322,9 @@ def _switched_over(stages: Sequence[tuple[float, Motor]]) -> Motor:
     parts = None
     if first.parts is not None and second.parts is not None:
         parts = both(first.parts[0], second.parts[0]), both(first.parts[1], second.parts[1])
+    at_slip = None
+    if first.at_slip is not None and second.at_slip is not None:
+        at_slip = both(first.at_slip, second.at_slip)
     supply = None
     if first.supply is not None and second.supply is not None:
         supply = both(first.supply, second.supply)
@@ -295,6 +333,7 @@ def _switched_over(stages: Sequence[tuple[float, Motor]]) -> Motor:
         average=both(first.average, second.average),
         pulsating=both(first.pulsating, second.pulsating),
         parts=parts,
+        at_slip=at_slip,
         supply=supply,
         stages=tuple(stages),
     )
@@ -352,6 +391,7 @@ def _on_supply(motor: Motor, voltage: TorqueCurve) -> Motor:
         )
 
     average, *parts = fitted_curves(exact, knots, CURVE_ERROR * largest)
+    at_slip = None if motor.at_slip is None else parts.pop()
     pulsating = parts[0]
     if motor.parts is not None:
         pulsating = torque_curve(pulsating.knots, hypot(*(part.cubic[:, 0] for part in parts)))
@@ -360,6 +400,7 @@ def _on_supply(motor: Motor, voltage: TorqueCurve) -> Motor:
         average=average,
         pulsating=pulsating,
         parts=None if motor.parts is None else (parts[0], parts[1]),
+        at_slip=at_slip,
         supply=voltage,
     )
 
@@ -404,7 +445,7 @@ def electrical_arrays(
     connected : ndarray, shape (n_motors,)
         1, or 0 once the motor has tripped. [1]
     """
-    n, whole = len(motors), np.array([not m.is_second_part for m in motors], dtype=bool)
+    n, whole = len(motors), np.array([not m.is_part for m in motors], dtype=bool)
     at_rest, in_step = (
         whole * np.array([float(m.torque_factor(speed)) for m in motors]) for speed in (0.0, 1.0)
     )

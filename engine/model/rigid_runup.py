@@ -32,6 +32,7 @@ class RigidRunup:
     #: the reference shaft. [N m] Shape (n,).
     average: Floats
     pulsating: Floats  #: Likewise. [N m] Shape (n,).
+    pulsating1: Floats  #: Likewise, at the slip frequency itself. [N m] Shape (n,).
     load: Floats  #: Likewise. [N m] Shape (n,).
     inertia: float  #: Inertia of the whole train, referred to the reference shaft. [kg m²]
     #: Lowest speed where the net torque is no longer positive; None if there is none. [rad/s]
@@ -102,7 +103,7 @@ def rigid_runup(
     """
     speed = _speeds(end_speed)
     ratio = train.speed_ratio
-    average, pulsating, load = np.zeros(N_GRID), np.zeros(N_GRID), np.zeros(N_GRID)
+    average, pulsating, pulsating1, load = np.zeros((4, N_GRID))
     for m in motors:
         x = speed * ratio[m.station] / m.synchronous_speed
         torque = m.average(x)
@@ -110,6 +111,8 @@ def rigid_runup(
             torque = np.where(x > 1.0 - field_slip, through_synchronism(m.average)(x), torque)
         average += ratio[m.station] * torque
         pulsating += ratio[m.station] * m.pulsating(x)
+        if m.at_slip is not None:
+            pulsating1 += ratio[m.station] * m.at_slip(x)
     for d in loads:
         load += ratio[d.station] * d.torque(speed * ratio[d.station] / d.synchronous_speed)
     load += float(product(train.node_damping, ratio[: len(train.node_damping)] ** 2)) * speed
@@ -129,4 +132,4 @@ def rigid_runup(
         slowness[stuck[0] :] = np.inf
     steps = 0.5 * (slowness[1:] + slowness[:-1]) * np.diff(speed)
     time = np.concatenate([[0.0], np.cumsum(steps)])
-    return RigidRunup(speed, average, pulsating, load, inertia, equilibrium, time)
+    return RigidRunup(speed, average, pulsating, pulsating1, load, inertia, equilibrium, time)

@@ -376,7 +376,7 @@ def _closing(
 def _largest_torque(motor: Motor) -> float:
     """Largest average and pulsating torque together. [N m]"""
     average = float(np.max(np.abs(motor.average.cubic[:, 0])))
-    return average + float(np.max(np.abs(motor.pulsating.cubic[:, 0])))
+    return average + motor.largest_pulsation
 
 
 def _rigid_speed(train: Train, modes: Modes, synchronous: float) -> Floats:

@@ -1,7 +1,7 @@
-"""How far a mode was built up where 2 × slip crossed it, against what the pulsation does statically.
+"""How far a mode was built up where 2 × slip (or 1 × slip) crossed it, against what the pulsation does statically.
 
 The modal coordinate follows from the elastic torques: ω² q = Σ row twist × torque, because modes are
-orthogonal in strain energy. Demodulated with the phase of the pulsation, θ' = 2 × slip, it leaves the
+orthogonal in strain energy. Demodulated with the phase of the pulsation, θ' = 2 × slip or 1 × slip, it leaves the
 amplitude that the pulsation drives; mean torque and other frequencies average out over a window of
 whole cycles. Amplification = the largest amplitude over φ T, the modal torque of the pulsation at that
 instant (both times 1/ω² as angles).
@@ -32,7 +32,9 @@ LEAST_SAMPLES = 3.0
 AT_NODE = 1e-6
 
 
-def modal_torque(motors: Sequence[Motor], modal: ModalTrain, mode: int, speed: float) -> float:
+def modal_torque(
+    motors: Sequence[Motor], modal: ModalTrain, mode: int, speed: float, multiple: int = 2
+) -> float:
     """Modal torque of the pulsation at a speed of the reference shaft.
 
     Parameters
@@ -45,6 +47,8 @@ def modal_torque(motors: Sequence[Motor], modal: ModalTrain, mode: int, speed: f
         Mode, rigid ones counted. [index]
     speed : float
         Speed of the reference shaft. [rad/s]
+    multiple : int, optional
+        Of slip frequency: 2, or 1 of one-way discharge paths. [1]
 
     Returns
     -------
@@ -56,7 +60,7 @@ def modal_torque(motors: Sequence[Motor], modal: ModalTrain, mode: int, speed: f
     for m in motors:
         x = speed * train.speed_ratio[m.station] / m.synchronous_speed
         at = shape[train.node_dof[m.station]] * train.node_scale[m.station]
-        for curve, phase in m.pulsations:
+        for curve, phase in m.pulsations_at(multiple):
             torque = float(curve(x))
             along += float(at[mode]) * torque * cos(phase)
             across += float(at[mode]) * torque * sin(phase)
@@ -66,7 +70,12 @@ def modal_torque(motors: Sequence[Motor], modal: ModalTrain, mode: int, speed: f
 
 
 def modal_amplitude(
-    start: Start, motor: Motor, modal: ModalTrain, mode: int, window: tuple[float, float]
+    start: Start,
+    motor: Motor,
+    modal: ModalTrain,
+    mode: int,
+    window: tuple[float, float],
+    multiple: int = 2,
 ) -> tuple[float, float] | None:
     """Largest demodulated amplitude of ω² q of a mode within a window, and when it occurs.
 
@@ -82,6 +91,8 @@ def modal_amplitude(
         Mode, rigid ones counted. [index]
     window : tuple of float
         When the mode responds. [s]
+    multiple : int, optional
+        Of slip frequency: 2, or 1 of one-way discharge paths. [1]
 
     Returns
     -------
@@ -95,8 +106,8 @@ def modal_amplitude(
     time = history.time[inside]
     if len(time) < LEAST_SAMPLES * CYCLES:
         return None
-    rate = 2.0 * motor.pole_pairs * motor.synchronous_speed - (
-        2.0
+    rate = multiple * motor.pole_pairs * motor.synchronous_speed - (
+        multiple
         * motor.pole_pairs
         * float(train.speed_ratio[motor.station])
         * history.mean_speed[inside]

@@ -1,6 +1,7 @@
 """Where the falling 2 × slip line crosses each mode during the start, and what happens there.
 
-One row a mode below twice line frequency, with the reasons the paper names: sweep rate, average
+A one-way discharge path adds torque at the slip frequency itself, which crosses each mode below line frequency once more.
+One row a crossing, with the reasons the paper names: sweep rate, average
 against pulsating torque, acceleration ("Philosophy of resonant response location").
 """
 
@@ -39,11 +40,11 @@ LEWIS_FACTOR = 3.67773
 
 @dataclass(frozen=True)
 class Crossing:
-    """One mode crossed by the 2 × slip pulsation, or just above where it begins."""
+    """One mode crossed by a pulsation, or just above where that begins."""
 
     mode: int  #: Elastic mode, counted from 1.
     frequency: float  #: Natural frequency. [Hz]
-    #: Speed of the crossing, 100 (1 − f / 2 f_line); None for a mode just above 2 × line, listed
+    #: Speed of the crossing, 100 (1 − f / k f_line) with k × slip; None for a mode just above k × line, listed
     #: because the initial shock excites it. [%]
     percent_speed: float | None
     time: float | None  #: When the mean speed passes there; None if the start ends before. [s]
@@ -61,13 +62,17 @@ class Crossing:
     #: Largest amplitude of the mode in that window over the static one of the pulsating torque then;
     #: with clearances the same of the governing element's torque. None where it cannot be seen. [1]
     amplification: float | None = None
+    #: Of slip frequency that crosses it: 2, or 1 of one-way discharge paths. [1]
+    multiple_of_slip: int = 2
     note: str = ""  #: The reasons, in words.
 
 
 def crossings_of(
     case: CaseData, modal: ModalTrain, start: Start, model: ModalTrain | None = None
 ) -> tuple[Crossing, ...]:
-    """Crossings of a start by the falling 2 × slip frequency, in rising frequency.
+    """Crossings of a start by the falling 2 × slip frequency, and by 1 × slip where a motor pulsates so.
+
+    They stand in falling speed.
 
     Empty where the speed of the motor or of its field is not known.
 
@@ -85,7 +90,7 @@ def crossings_of(
     Returns
     -------
     tuple of Crossing
-        One a mode below twice line frequency. [SI]
+        One a mode below twice line frequency, and one below line frequency for 1 × slip. [SI]
     """
     modes, damping = modal.modes, modal.damping
     runup, line_frequency = start.runup, case.ratings.line_frequency
@@ -93,24 +98,28 @@ def crossings_of(
     if runup is None or not line_frequency or not synchronous_speed:
         return ()
     highest = 2.0 * line_frequency * (1.0 + INITIAL_SHOCK_ZONE)
-    below = [
-        r
+    multiples = (2, 1) if np.any(runup.pulsating1) else (2,)
+    # 1 × slip crosses a mode where 2 × slip would cross one of twice its frequency
+    below = sorted(
+        (2.0 / k * float(modes.frequency[r]), r, k)
         for r in range(modes.n_rigid, modes.n_modes)
-        if modes.frequency[r] <= highest and modes.twists[r]
-    ]
-    frequencies = [float(modes.frequency[r]) for r in below]
+        for k in multiples
+        if modes.twists[r]
+    )
+    below = [place for place in below if place[0] <= highest]
+    frequencies = [twice_slip for twice_slip, _, _ in below]
     # elastic torques are all of a mode only where nothing else holds energy
     is_modal = not start.contacts and not modal.train.bodies and (model is None or model is modal)
     crossings, turning, doubts = [], start.turning_of_element(), doubts_of_minima(start)
-    for i, r in enumerate(below):
-        f = frequencies[i]
-        percent = percent_speed(f, line_frequency)
-        speed = synchronous_speed * max(1.0 - f / (2.0 * line_frequency), 0.0)
+    for i, (twice_slip, r, k) in enumerate(below):
+        percent = percent_speed(twice_slip, line_frequency)
+        speed = synchronous_speed * max(1.0 - twice_slip / (2.0 * line_frequency), 0.0)
         time = None if percent is None else _passing(start, speed)
         window = _window(start, frequencies, i, line_frequency, synchronous_speed)
         crossing = Crossing(
             mode=r - modes.n_rigid + 1,
-            frequency=f,
+            frequency=float(modes.frequency[r]),
+            multiple_of_slip=k,
             percent_speed=percent,
             time=time,
             **_response(case, turning, window),
@@ -120,10 +129,12 @@ def crossings_of(
             crossing = replace(
                 crossing,
                 average_torque=float(interp(speed, runup.speed, runup.average)),
-                pulsating_torque=float(interp(speed, runup.speed, runup.pulsating)),
+                pulsating_torque=float(
+                    interp(speed, runup.speed, runup.pulsating if k == 2 else runup.pulsating1)
+                ),
                 load_torque=float(interp(speed, runup.speed, runup.load)),
                 acceleration=acceleration,
-                sweep_rate=2.0 * line_frequency * acceleration / synchronous_speed,
+                sweep_rate=k * line_frequency * acceleration / synchronous_speed,
             )
             grown = _amplification(case, modal, start, (crossing, r), window, is_modal)
             crossing = replace(crossing, amplification=grown)
@@ -146,20 +157,20 @@ def _amplification(
     synchronous, motors = case.ratings.synchronous_speed, motors_of(case, modal.train)
     if window is None or crossing.time is None or not synchronous or not motors:
         return None
-    history = start.trajectory
+    history, multiple = start.trajectory, crossing.multiple_of_slip
 
     def speed_at(time: float) -> float:
         return float(interp(time, history.time, history.mean_speed))
 
     if is_modal:
         now = speed_at(crossing.time)
-        driving = max(motors, key=lambda m: modal_torque((m,), modal, mode, now))
-        found = modal_amplitude(start, driving, modal, mode, window)
+        driving = max(motors, key=lambda m: modal_torque((m,), modal, mode, now, multiple))
+        found = modal_amplitude(start, driving, modal, mode, window, multiple)
         if found is None:
             return None
-        static = modal_torque(motors, modal, mode, speed_at(found[1]))
+        static = modal_torque(motors, modal, mode, speed_at(found[1]), multiple)
         return found[0] / static if static > 0.0 else None
-    static = modal_torque(motors, modal, mode, speed_at(crossing.time))
+    static = modal_torque(motors, modal, mode, speed_at(crossing.time), multiple)
     index = next(
         (i for i, e in enumerate(case.elements) if e.element == crossing.governing_element), None
     )
@@ -186,7 +197,7 @@ def _passing(start: Start, speed: float) -> float | None:
 def _window(
     start: Start, frequencies: list[float], i: int, line_frequency: float, synchronous_speed: float
 ) -> tuple[float, float] | None:
-    """Time in which mode i responds: from just above it to half-way to the next mode below."""
+    """Time in which crossing i responds: from just above it to half-way to the next one below, by 2 × slip frequency."""
     f, twice = frequencies[i], 2.0 * line_frequency
     higher = frequencies[i + 1] if i + 1 < len(frequencies) else math.inf
     begin = min(WINDOW_BEGINS * f, math.sqrt(f * higher))
@@ -255,12 +266,15 @@ def _response(
 def _note(p: Crossing, ratio: float, line_frequency: float, mesh: str, is_modal: bool) -> str:
     """What happened at the crossing, and the paper's reasons in words."""
     notes = []
-    if p.frequency >= 2.0 * line_frequency * (1.0 - INITIAL_SHOCK_ZONE):
+    if p.multiple_of_slip == 1:
+        notes.append("Crossed by 1 × slip frequency.")
+    begins = p.multiple_of_slip * line_frequency
+    if p.frequency >= begins * (1.0 - INITIAL_SHOCK_ZONE):
         notes.append(
-            f"Within 10 % of 2 × line ({2 * line_frequency:.0f} Hz): breaker closing and the "
+            f"Within 10 % of {p.multiple_of_slip} × line ({begins:.0f} Hz): breaker closing and the "
             "first revolutions excite this mode; shift the mode."
         )
-    if p.frequency > 2.0 * line_frequency:
+    if p.frequency > begins:
         return " ".join([*notes, "The pulsation frequency stays below this mode."])
     if p.time is None:
         return " ".join([*notes, "Not reached: the start ends before this speed."])
@@ -304,6 +318,8 @@ def _built_up(p: Crossing, ratio: float, sweep: float, is_modal: bool) -> str:
     if not math.isfinite(dwelling):
         return f"{text} Acceleration alone limits it."
     taken = 1.0 - p.amplification / dwelling
+    if taken < -NOTABLE_REDUCTION:
+        return f"{text} That is more than dwelling gives: the mode still rings from before."
     if taken < NOTABLE_REDUCTION:
         return f"{text} Acceleration makes no difference here: damping limits it."
     return f"{text} Acceleration takes {taken:.0%} off the resonance."

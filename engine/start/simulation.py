@@ -162,7 +162,7 @@ def _machines_beside(models: Sequence[Machines]) -> tuple[Any, ...]:
     return (
         tuple(tables("curves", i) for i in range(3)),
         (*first.motors[:3], beside("motors", 3), beside("motors", 4),
-         np.array([m.motors[5] for m in models], dtype=np.float64), first.motors[6]),
+         beside("motors", 5), first.motors[6]),
         (*first.loads[:2], beside("loads", 2), beside("loads", 3)),
         (first.timed[0], *(tables("timed", i) for i in (1, 2, 3))),
         tuple(

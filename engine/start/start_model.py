@@ -75,12 +75,14 @@ class Machines:
     """Torques of motors, loads and tables against time, as arguments of the compiled loop."""
 
     curves: tuple[Any, ...]  #: Knots, cubics and counts of all curves of torque against speed. [SI]
-    motors: tuple[Any, ...]  #: Force, curves, speed and pole pairs of each. [SI]
+    motors: tuple[Any, ...]  #: Force, curves, speed, pole pairs and line frequency of each. [SI]
     loads: tuple[Any, ...]  #: Force, curve and speeds of each. [SI]
     timed: tuple[Any, ...]  #: As `torque_tables` gives them. [SI]
     #: Transient, field and connection of each motor, before anything was switched. [SI]
     electrical: tuple[Any, ...]
     phase: Floats  #: Phase of each pulsation at t = 0. [rad] Shape (n_motors,).
+    #: Those of a one-way discharge path, which end when the field is applied. [mask] Shape (n_motors,).
+    of_discharge: Mask
     #: Curves of average and pulsating torque of each motor before any and after each switch-over; empty: none.
     switched: tuple[tuple[Ints, Ints], ...]
     swings: Swings  #: Motors that answer to small oscillations of each mode. [SI]
@@ -323,6 +325,7 @@ def machine_arrays(
 
     motors = drives()
     n = len(motors)
+    line_omega = motors[0].pole_pairs * motors[0].synchronous_speed if motors else 0.0
     curves = [curve for m in motors for curve in (m.average, m.pulsating)]
     with_field = np.arange(0, 2 * n, 2)
     if effects.pull_in:
@@ -353,8 +356,9 @@ def machine_arrays(
             np.arange(0, 2 * n, 2),
             np.arange(1, 1 + 2 * n, 2),
             np.array([m.synchronous_speed for m in motors]),
-            np.array([m.pole_pairs for m in motors]),
-            motors[0].pole_pairs * motors[0].synchronous_speed if motors else 0.0,
+            # the loop turns a phase by twice the slip of line and rotor
+            np.array([0.5 * m.multiple * m.pole_pairs for m in motors]),
+            np.array([0.5 * m.multiple * line_omega for m in motors]),
             with_field,
         ),
         "loads": (
@@ -366,6 +370,7 @@ def machine_arrays(
         "timed": torque_tables(torques, stations),
         "electrical": electrical_arrays(motors, case, effects),
         "phase": np.array([m.phase for m in motors]),
+        "of_discharge": np.array([m.multiple == 1 for m in motors], dtype=np.bool_),
         "switched": tuple(switched),
         "swings": swings_of(case, motors, column)
         if effects.electrical_damping and not effects.motor_transient
@@ -551,9 +556,9 @@ def _force_sizes(
     for m in motors:
         i, pull_out = column[m.station], float(m.torque_factor(1.0)) * full_pull_out
         largest = float(np.max(np.abs(m.average.cubic[:, 0])))
-        pulsating = float(np.max(np.abs(m.pulsating.cubic[:, 0])))
+        pulsating = m.largest_pulsation
         initial = float(m.average(0.0))
-        for curve, phase in m.pulsations:
+        for curve, phase in (*m.pulsations, *m.pulsations_at(1)):
             initial += float(curve(0.0)) * sin(phase)
         switched = effects.aborted_start or bool(m.stages)
         switched_off = largest + pulsating + pull_out if switched else 0.0

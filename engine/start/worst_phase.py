@@ -1,7 +1,7 @@
 """The worst of starts that differ in the phase of the pulsation alone, `PulsationPhase` = worst.
 
-Nobody chooses at which instant a breaker closes, so that the phase is chance. Starts at phases spread evenly over a turn are
-calculated, then those half-way to the neighbours of each phase that is the worst of some peak or shaft: what these change is
+Nobody chooses at which instant a breaker closes, so that the phase is chance. Starts at phases spread evenly over a turn (two
+turns where a motor pulsates at 1 × slip frequency, whose phase is half as large) are calculated, then those half-way to the neighbours of each phase that is the worst of some peak or shaft: what these change is
 part of the stated error.
 """
 
@@ -96,7 +96,7 @@ def answers_at(
 
 
 def worst_of_phases(
-    answers_of: Callable[[Iterable[float]], Sequence[PhaseAnswers]],
+    answers_of: Callable[[Iterable[float]], Sequence[PhaseAnswers]], turns: int = 1
 ) -> WorstOfPhases:
     """The worst over all phases.
 
@@ -104,6 +104,8 @@ def worst_of_phases(
     ----------
     answers_of : callable
         Phases → what the start at each answers. [rad, SI]
+    turns : int, optional
+        After how many turns of the phase the start is the same. [count]
 
     Returns
     -------
@@ -111,27 +113,28 @@ def worst_of_phases(
         Errors hold the change against half the spacing. [SI]
     """
     spacing = 2.0 * math.pi / PHASES
-    coarse = list(answers_of(spacing * k for k in range(PHASES)))
+    n = turns * PHASES
+    coarse = list(answers_of(spacing * k for k in range(n)))
     worst = _worst(coarse)
     named = [p.phase for p in worst.peaks] + [s.phase for s in worst.shafts]
     for i in range(len(worst.peaks)):
         named += [_highest(coarse, i).phase, _lowest(coarse, i).phase]
     nodes = {round(phase / spacing) for phase in named if phase is not None}
-    between = {(2 * k + side) % (2 * PHASES) for k in nodes for side in (-1, 1)}
+    between = {(2 * k + side) % (2 * n) for k in nodes for side in (-1, 1)}
     every = [*coarse, *answers_of(0.5 * spacing * k for k in sorted(between))]
     finer = _worst(every)
     peaks = tuple(
         peak.with_error(
             max(
-                _beyond(coarse, every, partial(_rise, i)),
-                _beyond(coarse, every, partial(_fall, i)),
+                _beyond(coarse, every, turns, partial(_rise, i)),
+                _beyond(coarse, every, turns, partial(_fall, i)),
             )
         )
         for i, peak in enumerate(finer.peaks)
     )
     shafts, errors = [], []
     for j, ((name, error), a) in enumerate(zip(finer.errors, finer.shafts, strict=True)):
-        more = _beyond(coarse, every, partial(_damage, j))
+        more = _beyond(coarse, every, turns, partial(_damage, j))
         change = more / a.damage if a.damage > 0.0 else 0.0
         shafts.append(_with_more_damage(a, change))
         errors.append((name, None if error is None else error + change))
@@ -141,6 +144,7 @@ def worst_of_phases(
 def _beyond(
     coarse: Sequence[PhaseAnswers],
     every: Sequence[PhaseAnswers],
+    turns: int,
     size: Callable[[PhaseAnswers], float],
 ) -> float:
     """How far a size may go beyond the largest one: the change by half the spacing, or the top of the parabola's reach.
@@ -151,7 +155,7 @@ def _beyond(
     sizes = {round(2 * PHASES * a.phase / (2.0 * math.pi)): size(a) for a in every}
     top = max(sizes, key=sizes.__getitem__)
     # where all are equal, as without damage, the first has no neighbours
-    beside = [sizes.get((top + side) % (2 * PHASES), sizes[top]) for side in (-1, 1)]
+    beside = [sizes.get((top + side) % (2 * turns * PHASES), sizes[top]) for side in (-1, 1)]
     return max(sizes[top] - max(map(size, coarse)), (2.0 * sizes[top] - sum(beside)) / 8.0)
 
 

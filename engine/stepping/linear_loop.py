@@ -67,8 +67,8 @@ def drive_struct(
     curves : tuple
         Knots, cubics and counts of all torque curves. [1, N m]
     motors : tuple
-        Force, two curves, synchronous speed and pole pairs of each; line frequency; curve of the
-        average torque with the field on. [SI]
+        Force, two curves, synchronous speed, pole pairs and line frequency of each, halved of a torque at
+        1 × slip frequency; curve of the average torque with the field on. [SI]
     loads : tuple
         Force, curve, synchronous and standstill speed of each. [SI]
     timed : tuple
@@ -100,7 +100,7 @@ def drive_struct(
         ),
         "n_motors": len(force), "motor_force": force, "average": average, "pulsating": pulsating,
         "with_field": with_field, "motor_speed": speed, "pole_pairs": pole_pairs,
-        "line_omega": np.atleast_1d(np.asarray(line_omega, dtype=np.float64)),
+        "line_omega": line_omega,
         "n_loads": len(loads[0]), "load_force": loads[0], "load_curve": loads[1],
         "load_speed": loads[2], "soft_speed": loads[3],
         "n_timed": len(timed[0]), "most_timed": timed[1].shape[-1], "timed_force": timed[0],

@@ -42,7 +42,10 @@ _OWNERS = {
 _COLUMNS = {
     INERTIA: (("stations", "station", "inertia"),),
     AVERAGE_TORQUE: (("motor_torque", "station", "average"),),
-    PULSATING_TORQUE: (("motor_torque", "station", "pulsating"),),
+    PULSATING_TORQUE: (
+        ("motor_torque", "station", "pulsating"),
+        ("motor_torque", "station", "pulsation_1"),
+    ),
     LOAD_TORQUE: (("load_torque", "station", "torque"),),
     SN_LINE: (("sn_points", "material", "stress"), ("materials", "material", "endurance")),
 }

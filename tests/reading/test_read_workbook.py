@@ -597,10 +597,12 @@ def test_a_word_in_place_of_the_phase(workbook, read):
 
 
 def test_a_workbook_of_an_earlier_version_has_no_phase_of_its_curve(workbook, read):
-    workbook.headers[("MotorTorque", "Phase")] = None
+    for column in ("Phase", "Pulsation1"):
+        workbook.headers[("MotorTorque", column)] = None
     found = read(workbook)
     assert found.problems == ()
-    assert [row.phase for row in found.data.motor_torque] == [None] * len(found.data.motor_torque)
+    blank = [(row.phase, row.pulsation_1) for row in found.data.motor_torque]
+    assert blank == [(None, None)] * len(found.data.motor_torque)
 
 
 def test_a_workbook_of_an_earlier_version_has_no_events(workbook, read):

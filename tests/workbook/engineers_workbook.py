@@ -38,7 +38,7 @@ RENAMED = {
 MOVED = {
     "Verdicts": "H14",
     "Stations": "C9", "ModeDamping": "K9", "Elements": "C33", "Meshes": "C57",
-    "MotorTorque": "B8", "LoadTorque": "G8", "TorqueTime": "K9",
+    "MotorTorque": "B8", "LoadTorque": "H8", "TorqueTime": "L9",
     "Materials": "B7", "SNPoints": "I9",
     "Excitations": "C8", "EventTorque": "C27", "MotorEvents": "C52",
     "NaturalFrequencies": "B29", "ModeShapes": "L31",

@@ -40,6 +40,7 @@ CURVE_SPEED = Limit(
     "Write 50 % or 900 rpm; a plain number in JSON is a fraction of synchronous speed.",
 )
 PULSATING = Limit("Pulsating", NOT_NEGATIVE, "N m")
+PULSATION1 = Limit("Pulsation1", NOT_NEGATIVE, "N m")
 PHASE = Limit(
     "Phase",
     Allowed(lambda v: abs(v) <= 4.0 * math.pi, "between -720 and 720 degrees"),
@@ -100,22 +101,26 @@ def _single_points(case: CaseData, table: str, abscissa: str) -> Iterator[Proble
             )
 
 
+def _every_row_or_none(case: CaseData, column: str) -> Iterator[Problem]:
+    """A column of MotorTorque that is optional, but for a whole station."""
+    values = [value_of(point, column) for point in case.motor_torque]
+    given = {p.station for p, v in zip(case.motor_torque, values, strict=True) if v is not None}
+    for cells, point in each_row("MotorTorque", case.motor_torque):
+        if point.station in given and value_of(point, column) is None:
+            given.remove(point.station)  # told once
+            yield cells.blank(
+                column,
+                f"given in every row of '{point.station}', or in none",
+                "Type it, or clear the column.",
+            )
+
+
 def _phases(case: CaseData) -> Iterator[Problem]:
-    """Phases in every row of a station or in none, without jumps of a whole turn."""
+    """Phases without jumps of a whole turn."""
     before: dict[str | None, tuple[Cells, float]] = {}
-    with_phase = {point.station for point in case.motor_torque if point.phase is not None}
     for cells, point in each_row("MotorTorque", case.motor_torque):
         phase = point.phase
-        if phase is None:
-            if point.station in with_phase:
-                with_phase.remove(point.station)  # told once
-                yield cells.blank(
-                    "Phase",
-                    f"given in every row of '{point.station}', or in none",
-                    "Type it, or clear the column.",
-                )
-            continue
-        if not math.isfinite(phase):
+        if phase is None or not math.isfinite(phase):
             continue  # reported already
         if point.station in before and abs(phase - before[point.station][1]) > math.pi:
             above, last = before[point.station]
@@ -139,7 +144,9 @@ def check_torques(case: CaseData) -> Iterator[Problem]:
     yield from _single_points(case, "TorqueTime", "Time")
     yield from _supply(case)
     for cells, motor in each_row("MotorTorque", case.motor_torque):
-        yield from cells.numbers(motor, (CURVE_SPEED, PULSATING, PHASE))
+        yield from cells.numbers(motor, (CURVE_SPEED, PULSATING, PHASE, PULSATION1))
+    for column in ("Phase", "Pulsation1"):
+        yield from _every_row_or_none(case, column)
     yield from _phases(case)
     for cells, load in each_row("LoadTorque", case.load_torque):
         yield from cells.numbers(load, (CURVE_SPEED, LOAD))

@@ -117,12 +117,11 @@ static inline void motor_forces(const drive_t *d, lane_t t, lane_t inside, const
                                 const lane_t *read, const lane_t *read_rate, held_t *held, lane_t *force,
                                 lane_t *force_rate)
 {
-    const lane_t line = *lanes_of(d->line_omega);
     for (int64_t m = 0; m < d->n_motors; m++, held += CURVES_OF_MOTOR) {
         const int64_t f = d->motor_force[m];
         const lane_t own = lanes_of(d->motor_speed)[m];
         const lane_t x = read[m] / own, dx = read_rate[m] / own;
-        const lane_t phase_rate = 2.0 * (line - lanes_of(d->pole_pairs)[m] * speed[f]);
+        const lane_t phase_rate = 2.0 * (lanes_of(d->line_omega)[m] - lanes_of(d->pole_pairs)[m] * speed[f]);
         const mask_t on = inside >= lanes_of(d->field_time)[m];
         lane_t average, steepness, pulsating, growth, more = all(0.0), more_rate = all(0.0);
         waves_t wave;

@@ -42,7 +42,7 @@ typedef struct {
     int64_t n_motors;
     const int64_t *motor_force, *average, *pulsating, *with_field; /* (n_motors) force; curves */
     const double *motor_speed, *pole_pairs;     /* (n_motors; lanes) [rad/s, 1] */
-    const double *line_omega;                   /* (lanes) [rad/s] */
+    const double *line_omega;                   /* (n_motors; lanes) halved with the pole pairs: 1 × slip [rad/s] */
     const double *shock, *shock_rate;           /* (n_motors; lanes) transient at breaker closing [N m, 1/s] */
     const double *shock_omega;                  /* (lanes) [rad/s] */
     const double *field_time, *field_rate;      /* (n_motors; lanes) infinite: none, at once [s, 1/s] */

@@ -129,7 +129,7 @@ static inline void turn_phases(const drive_t *d, int64_t n, const lane_t *reach,
         const lane_t *row = reach + d->motor_force[m] * n;
         lane_t turned = all(0.0);
         for (int64_t i = 0; i < n; i++) turned += row[i] * (q1[i] - q0[i]);
-        phase1[m] = phase[m] + 2.0 * (*lanes_of(d->line_omega) * h - lanes_of(d->pole_pairs)[m] * turned);
+        phase1[m] = phase[m] + 2.0 * (lanes_of(d->line_omega)[m] * h - lanes_of(d->pole_pairs)[m] * turned);
     }
 }
 #endif

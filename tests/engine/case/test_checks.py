@@ -114,6 +114,12 @@ def event(**changes):
     return good(event_torque=(EventTorqueRow(**(fields | changes)),))
 
 
+def at_slip(*torques: float) -> Case:
+    """The good case with a torque at slip frequency in each row of its torque curve."""
+    rows = zip(good().motor_torque, torques, strict=True)
+    return good(motor_torque=tuple(replace(point, pulsation_1=torque) for point, torque in rows))
+
+
 def phases(*angles: float) -> Case:
     """The good case with a phase in each row of its torque curve."""
     rows = zip(good().motor_torque, angles, strict=True)
@@ -389,6 +395,8 @@ ROWS = [
     (phases(0.0, 0.5, 90.0), ("MotorTorque", 3, "Phase"), ["found 90 rad", "720 degrees", "typed as radians"]),
     (phases(0.0, 3.0, -3.0), ("MotorTorque", 3, "Phase"), ["within 180 degrees of 3 rad of row 2", "360 degrees"]),
     (phases(0.0, NAN, 0.0), ("MotorTorque", 2, "Phase"), ["found nan"]),
+    (row("motor_torque", 2, pulsation_1=100.0), ("MotorTorque", 1, "Pulsation1"), ["blank", "every row of 'motor', or in none"]),
+    (at_slip(100.0, -5.0, 0.0), ("MotorTorque", 2, "Pulsation1"), ["found -5 N m", "must be zero or positive"]),
     (more("motor_torque", MotorTorqueRow("gear", 0.0, 1.0, 1.0)),
      ("MotorTorque", 4, "Station"), ["one row only for 'gear'", "two points"]),
     (row("motor_torque", 1, station="moto"), ("MotorTorque", 1, "Station"), ["Did you mean 'motor'?"]),
