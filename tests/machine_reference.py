@@ -372,7 +372,8 @@ def start_reference(
             torque, rate = k[i] * s[1 + i], k[i] * (s[n + i] - s[n + i + 1])
             found[element.element] += [turning_points(t, torque, rate)[1], torque[[0, -1]]]
         air_gap = CubicSpline(t, torque_of(s[2 * n :], currents))
-        found[AIR_GAP] += [air_gap(np.linspace(first, last, 8 * len(t)))]
+        tops = air_gap.derivative().roots(extrapolate=False)
+        found[AIR_GAP] += [air_gap(np.append(tops[np.isfinite(tops)], [first, last]))]
     return {
         name: (float(np.concatenate(values).max()), float(np.concatenate(values).min()))
         for name, values in found.items()

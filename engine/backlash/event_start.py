@@ -309,7 +309,12 @@ def run_event_start(
         left_out=None if setup.drops_modes else 0.0,
         forces=force_histories(train, run),
         load_angle=None if pull_in is None else 0.5 * run.phase[0],
-        machines=_machine_torques(model, fine.events, coarse.events),
+        machines=_machine_torques(
+            model,
+            fine.events,
+            coarse.events,
+            min((p.relative_error for p in judged.peaks), default=LEAST_PEAK_ERROR),
+        ),
         gave_up=gave_up,
     )
 
@@ -621,9 +626,12 @@ def _event_model(
 
 
 def _machine_torques(
-    model: EventModel, fine: EventRun, coarse: EventRun
+    model: EventModel, fine: EventRun, coarse: EventRun, least: float
 ) -> tuple[MachineTorque, ...]:
-    """Torques of motors in time; the error is the change of both extremes: one alone may agree by chance."""
+    """Torques of motors in time; the error is the change of both extremes: one alone may agree by chance.
+
+    Both may, too: no error is below that of the element known best, `least`. [1]
+    """
     torques = []
     for k, (force, phase) in enumerate(zip(model.motors[0], fine.phase, strict=False)):
         if k == len(model.machines):
@@ -632,7 +640,7 @@ def _machine_torques(
         largest, when = ends[int(np.argmax(np.abs(ends[:, 0])))]
         change = float(np.max(np.abs(ends[:, 0] - coarse.air_gap_extremes[k, :, 0])))
         station = int(model.pieces.places.nodes[force])
-        error = max(change / (abs(largest) or 1.0), LEAST_PEAK_ERROR)
+        error = max(change / (abs(largest) or 1.0), least)
         torques.append(
             MachineTorque(
                 station, float(largest), float(when), error, fine.air_gap[k, 0], 0.5 * phase
