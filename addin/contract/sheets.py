@@ -176,9 +176,9 @@ SHEETS: tuple[Sheet, ...] = (
     Sheet(
         "Motor",
         "input",
-        {"A": 1.5, "B": 18, "C": 12, "D:W": 11, "X:AF": 8},
+        {"A": 1.5, "B": 18, "C": 12, "D:X": 11, "Y:AF": 8},
         {"MotorData": "B5", "MotorCircuit": "B15", "MotorCurves": "B25", "SupplyVoltage": "L46",
-         "Supply": "P46", "MotorTimeConstants": "W46"},
+         "Supply": "P46", "MotorTimeConstants": "X46"},
         (ChartAt("motor-curves", "L26", 640, 334),),
         freeze="A4",
         intro="Optional: the data sheet of a motor, from which its torque curves are calculated. Where sheet "
@@ -293,10 +293,11 @@ SHEETS: tuple[Sheet, ...] = (
          "S": 2, "T": 24, "U:AB": 12},
         {"EventPeaks": "B5", "AirGapTorque": "T5"},
         (ChartAt("air-gap", "T22", 640, 334), ChartAt("clearing", "T40", 640, 334)),
+        breaks=("S",),
         freeze="A8",
         header_rows=7,
         intro="Faults in operation: events of tables EventTorque and MotorEvents (sheet Excitation) upon the train that "
-        "runs at synchronous speed under its running loads. They count as no starts.",
+        "runs under its running loads. They count as no starts.",
     ),
     Sheet(
         "Effects",
