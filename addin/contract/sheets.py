@@ -176,9 +176,9 @@ SHEETS: tuple[Sheet, ...] = (
     Sheet(
         "Motor",
         "input",
-        {"A": 1.5, "B": 18, "C": 12, "D:W": 11, "X:AF": 8},
+        {"A": 1.5, "B": 18, "C": 12, "D:X": 11, "Y:AF": 8},
         {"MotorData": "B5", "MotorCircuit": "B15", "MotorCurves": "B25", "SupplyVoltage": "L46",
-         "Supply": "P46", "MotorTimeConstants": "W46"},
+         "Supply": "P46", "MotorTimeConstants": "X46"},
         (ChartAt("motor-curves", "L26", 640, 334),),
         freeze="A4",
         intro="Optional: the data sheet of a motor, from which its torque curves are calculated. Where sheet "

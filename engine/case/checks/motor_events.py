@@ -234,7 +234,7 @@ def _begins(case: CaseData, cells: Cells, row: MotorEventRow, takes: Takes) -> I
     elif case.supply:
         yield cells.wrong(
             "Begins", row.begins, "blank or running where table Supply has rows",
-            "What happens to the line while a starter is in it is not simulated: clear the cell, or the rows of Supply.",
+            "A fault between line and motor is not calculated in a start: clear the cell, or the rows of table Supply.",
         )  # fmt: skip
     elif case.looks_for_worst_phase:
         yield cells.wrong(

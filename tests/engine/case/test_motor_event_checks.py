@@ -7,7 +7,13 @@ from dataclasses import replace
 import pytest
 
 from engine.case.checks.find_problems import find_problems
-from engine.case.data import EventTorqueRow, MotorCircuitRow, MotorEventRow, MotorTorqueRow
+from engine.case.data import (
+    EventTorqueRow,
+    MotorCircuitRow,
+    MotorEventRow,
+    MotorTorqueRow,
+    SupplyRow,
+)
 from tests.engine.case.test_motor_checks import BY_CIRCUIT, CIRCUIT, INDUCTION, SHEET, case, places
 
 FAULT = MotorEventRow("fault", "motor", "three-phase fault", clears_after=0.1)
@@ -126,12 +132,13 @@ def test_an_induction_motor_may_have_a_fault_while_it_starts():
         ({"begins": -0.5}, {}, "Begins", "from the closing of the breaker"),
         ({"begins": 500.0}, {"maximum_time": 10.0}, "Begins", "below MaximumTime, 10 s"),
         ({}, {"initial_state": "running"}, "Begins", "There is no start in which it could begin"),
+        ({}, {"supply": (SupplyRow("motor", 1e9),)}, "Begins", "clear the cell, or the rows of table Supply"),
         ({}, {"pulsation_phase": "worst"}, "Begins", "type a number as PulsationPhase"),
         (
             {},
             {"motor_torque": (MotorTorqueRow("motor", 0.0, 1e4, 0.0), MotorTorqueRow("motor", 1.0, 1e4, 0.0))},
             "Begins",
-            "a row of every motor in table MotorData, and none in MotorTorque and Supply",
+            "a row of every motor in table MotorData, and none in MotorTorque",
         ),
         ({"kind": "out-of-phase closing", "angle": 1.0, "clears_after": None}, {}, "Begins", "closed already"),
         ({"kind": "reclosing", "angle": 1.0}, {}, "Angle", "no effect on a reclosing"),
