@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from addin.contract.field import Field, TableSpec, choice, integer, number, sentence, table, text
 from engine.case.choices import (
+    Begins,
     BelowEndurance,
     Clearing,
     EffectChoice,
@@ -425,6 +426,15 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
                 "Clearing", tuple(Clearing),
                 "Whether a fault clears in all phases at once, or in each where the motor's current next passes zero.",
                 blank="at once",
+            ),
+            number(
+                "Earliest clearing", "time",
+                "From then on the worst Clears after is looked for: relay and breaker take their time.", blank="0",
+            ),
+            number(
+                "Begins", "time",
+                "When, from the closing of the breaker, while the motor still starts; or running: in operation.",
+                blank="running", choices=tuple(Begins),
             ),
         ),
     ),

@@ -86,7 +86,7 @@ _WORST_INSTANT = tuple(
     for name, dimension, column, more in (
         ("Worst phase", "angle", "Phase", ()),
         ("Worst angle", "angle", "Angle", ()),
-        ("Worst clearing time", "time", "Clears after", ("MotorEvents.Latest clearing",)),
+        ("Worst clearing time", "time", "Clears after", ("MotorEvents.Earliest clearing", "MotorEvents.Latest clearing")),
     )
 )  # fmt: skip
 
@@ -950,7 +950,8 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
     ),
     table(
         "EventPeaks", sheet="Events", caption="Peaks of events in operation",
-        help="Extremes from the event on, the torques of operation included, at own speed; stress nominal without SCF.",
+        help="Extremes from the event on, the torques of operation or start included, at own speed; stress nominal without "
+        "SCF.",
         row_name=("Event", "Element"), changes_shown=("Maximum", "Minimum"), of_the_start=True, rank=7,
         later=True,
         columns=(
@@ -982,7 +983,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 of_row=("EventPeaks.Maximum", "EventPeaks.Minimum", *SECTION), error=ReportedError.EVENTS,
             ),
             number(
-                "Damage", "count", "Miner sum of one such event.",
+                "Damage", "count", "Miner sum of one such event; of one in a start, from it to the end of the start.",
                 f"Σ nᵢ/Nᵢ over the rainflow cycles of SCF · {STRESS}; amplitude = half range, mean ignored",
                 FIGURE_3, of_case=(*EVENT, *FATIGUE), format=shown.DAMAGE, error=ReportedError.EVENT_DAMAGE,
             ),
@@ -1020,7 +1021,8 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             ),
             number(
                 "Left out", "fraction", "Bound on the relative change by what is left out; blank: none is known.",
-                "0; no bound where teeth would separate and backlash is forced off, or MaximumTime ends the event early",
+                "0; no bound where teeth would separate and backlash is forced off, or MaximumTime ends the event, or the start "
+                "it begins in, early",
                 EVENT_METHOD, of_case=("EffectChoices.Choice", "MaximumTime", *CLEARANCES),
                 format=shown.ERROR, error=ReportedError.ESTIMATE, pane=Pane.MINOR,
             ),

@@ -293,10 +293,11 @@ SHEETS: tuple[Sheet, ...] = (
          "S": 2, "T": 24, "U:AB": 12},
         {"EventPeaks": "B5", "AirGapTorque": "T5"},
         (ChartAt("air-gap", "T22", 640, 334), ChartAt("clearing", "T40", 640, 334)),
+        breaks=("S",),
         freeze="A8",
         header_rows=7,
         intro="Faults in operation: events of tables EventTorque and MotorEvents (sheet Excitation) upon the train that "
-        "runs at synchronous speed under its running loads. They count as no starts.",
+        "runs under its running loads. They count as no starts.",
     ),
     Sheet(
         "Effects",

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 from addin.contract.problems import shortened
 from addin.contract.tables import Field
+from addin.contract.units import UnitError, parse_unit
 from addin.xlsx import ErrorValue
 
 Constant = None | bool | int | float | str | ErrorValue
@@ -184,14 +185,14 @@ def number_in_text(text: str) -> str:
 def _text_fault(text: str, spec: Field, unit_place: str) -> CellFault:
     """Why a text is not the number it may look like."""
     text = shortened(text)
-    why = _why_no_number(_trimmed(text), unit_place if spec.has_unit else "")
+    why = _why_no_number(_trimmed(text), unit_place if spec.has_unit else "", spec.dimension)
     words = f" or {' or '.join(spec.choices)}," if spec.choices else ""
     why = why or f"is not a number. Type a number{words} or leave the cell blank."
     return CellFault(text, _NUMBER, f"found '{text}', which {why}")
 
 
-def _why_no_number(trimmed: str, unit_place: str) -> str:
-    """What is wrong with a text that looks like a number; `unit_place` where it may have a unit."""
+def _why_no_number(trimmed: str, unit_place: str, dimension: str = "") -> str:
+    """What is wrong with a text that looks like a number; `unit_place` where it may have a unit of a dimension."""
     if _DIGITS.fullmatch(trimmed):
         return (
             "looks like a number but is text. Type it again, or use Data > Text to Columns; "
@@ -212,6 +213,10 @@ def _why_no_number(trimmed: str, unit_place: str) -> str:
         return ""
     number, unit = with_unit.groups()
     if unit_place:
+        try:
+            parse_unit(unit, dimension)
+        except UnitError as error:
+            return f"has a unit that does not fit: {error.message}"
         return (
             f"contains its unit. Leave only the number {number} and put the unit {unit} "
             f"{unit_place}."

@@ -658,7 +658,7 @@ _FOLLOWERS = {
     ("Elements", "Kind"): ("Stiffness", "To"),
     ("Excitations", "Frequency"): ("Order",),
     ("Meshes", "Mesh stiffness"): ("Backlash",),
-    ("MotorEvents", "Clears after"): ("Latest clearing",),
+    ("MotorEvents", "Clears after"): ("Earliest clearing", "Latest clearing"),
 }
 #: Kind of a reference → the column it refers to.
 _REFERRED = {

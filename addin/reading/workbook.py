@@ -76,6 +76,8 @@ _OPTIONAL = frozenset(
         "Per life",
         "Event",
         "Clearing",
+        "Earliest clearing",
+        "Begins",
     }
 )
 

@@ -53,7 +53,7 @@ def contact_records(
     out = []
     for c, flank in enumerate(basis.flanks):
         log = run.log[run.log[:, 1] == c]
-        met = log[log[:, 2] == events.FREE]
+        met = log[(log[:, 2] == events.FREE) & (log[:, 0] >= 0.0)]
         speeds = _recontact_speeds(run, c)
         speed = float(speeds[0])
         rows = np.flatnonzero(run.trajectory.output_element == flank.element)
@@ -80,7 +80,8 @@ def contact_records(
 def _recontact_speeds(run: EventRun, clearance: int) -> Floats:
     """The largest approach speeds at recontacts of one clearance, in falling order, zero where there are
     fewer, shape (COMPARED_SPEEDS,). [rad/s]"""
-    met = run.log[(run.log[:, 1] == clearance) & (run.log[:, 2] == events.FREE), 4]
+    here = (run.log[:, 1] == clearance) & (run.log[:, 0] >= 0.0)
+    met = run.log[here & (run.log[:, 2] == events.FREE), 4]
     found = np.zeros(COMPARED_SPEEDS)
     largest = np.sort(met)[::-1][:COMPARED_SPEEDS]
     found[: len(largest)] = largest
@@ -113,9 +114,9 @@ def _time_unloaded(log: Floats, end: float) -> float:
         back = (before if after == events.FREE else after) >= events.BACK
         loaded[bool(back)] = after != events.FREE
         if before_loaded and not any(loaded.values()):
-            since = time
+            since = max(time, 0.0)
         elif not before_loaded and any(loaded.values()):
-            total += time - since
+            total += max(time - since, 0.0)
     return float(total if any(loaded.values()) else total + end - since)
 
 

@@ -84,11 +84,14 @@ class EventSchedule:
     stops: tuple[float, ...] = ()  #: Times at which a step is made to end. [s]
     keep_state: bool = False  #: True: positions and velocities in the common basis are kept, too.
     keep_all: bool = False  #: True: no sample is left out, however much memory that takes.
+    #: Samples are kept from then on, and all times count from it. [s]
+    since: float = 0.0
+    least_time: float = 0.0  #: When it ends at the earliest, the end speed reached or settled. [s]
 
 
 @dataclass(frozen=True, eq=False)
 class EventRun:
-    """Sampled histories of one run; two samples share one time at an event."""
+    """Sampled histories of one run; two samples share one time at an event. Times count from `since` of its schedule."""
 
     trajectory: Trajectory  #: Torques and mean speed. [SI]
     phase: Floats  #: Phase of each pulsation, unbroken. [rad] Shape (n_motors, n_times).
@@ -117,8 +120,9 @@ class EventRun:
 class _Recorder:
     """Turns rows of modal states into rows of answers as they come."""
 
-    def __init__(self, model: EventModel, keep_state: bool, keep_all: bool) -> None:
-        self.model, self.keep_state = model, keep_state
+    def __init__(self, model: EventModel, script: EventSchedule) -> None:
+        self.model, self.keep_state, self.since = model, script.keep_state, script.since
+        self.is_empty = True
         m = model.pieces.basis.vectors.shape[1]
         self.position: list[Floats] = [np.empty((m, 0))]
         self.velocity: list[Floats] = [np.empty((m, 0))]
@@ -131,7 +135,8 @@ class _Recorder:
         self._phase = model.phase[:, None]  # last one as the loop has it, and its turns
         self._turns = np.zeros((len(model.phase), 1))
         self._samples = Recorder(
-            model.pieces.output_element, math.inf if keep_state or keep_all else KEPT_VALUES
+            model.pieces.output_element,
+            math.inf if script.keep_state or script.keep_all else KEPT_VALUES,
         )
 
     def seen(self) -> tuple[Floats, Floats, Floats]:
@@ -148,7 +153,17 @@ class _Recorder:
 
     def add(self, rows: dict[str, Any], n: int) -> None:
         """Take n rows."""
-        torque, rate, bearing = (rows[k][:, :n].copy() for k in ("torque", "rate", "bearing"))
+        phase = self._unbroken(rows["phase"][:n])
+        first = 0
+        if self.since:
+            first = int(np.searchsorted(rows["t"][:n], self.since * (1.0 - 1e-14)))
+            if first == n:
+                return
+        self.is_empty = False
+        kept_rows = slice(first, n)
+        torque, rate, bearing = (
+            rows[k][:, kept_rows].copy() for k in ("torque", "rate", "bearing")
+        )
         if self.keep_state:
             pieces, of_piece = self.model.pieces, rows["piece"][:n]
             for name, kept in (("q", self.position), ("v", self.velocity)):
@@ -157,15 +172,15 @@ class _Recorder:
                     here = of_piece == p
                     whole[:, here] = product(pieces.pieces[int(p)].turn, rows[name][:n][here].T)
                 kept.append(whole)
-        time = rows["t"][:n].copy()
+        time = np.maximum(rows["t"][kept_rows] - self.since, 0.0)
         for i, force in enumerate(bearing):
             top = int(np.argmax(force))
             if force[top] > self.largest[i, 0]:
                 self.largest[i] = force[top], time[top]
-        air_gap = rows["air_gap"][:n].reshape(n, 2 * len(self.model.machines)).T
+        air_gap = rows["air_gap"][kept_rows].reshape(len(time), 2 * len(self.model.machines)).T
         self._take_extremes(time, air_gap)
-        further = np.concatenate([self._unbroken(rows["phase"][:n]), air_gap, bearing])
-        self._samples.add(time, rows["speed"][:n].copy(), torque, rate, further)
+        further = np.concatenate([phase[:, first:], air_gap, bearing])
+        self._samples.add(time, rows["speed"][kept_rows].copy(), torque, rate, further)
 
     def _take_extremes(self, time: Floats, air_gap: Floats) -> None:
         """Extremes of the torques of machines, also between rows."""
@@ -286,10 +301,11 @@ class _Simulation:
         self.structs = self._structs()
         self.structs[0].piece = piece
         self._known, self._pieces = 0, None  #: So many pieces are in the tables of the loop.
-        self.recorder = _Recorder(model, script.keep_state, script.keep_all)
+        self.recorder = _Recorder(model, script)
         self.field_time: float | None = None
         self.trip_time: float | None = None
         self._waits_for_angle = False
+        self.past_end = False  # the end speed is passed before it may end
         self.steps = self.work = 0
         self.stuck = False
 
@@ -340,7 +356,9 @@ class _Simulation:
             elif reason == events.SPEED:
                 if not self._at_speed(t):
                     reached = self.trip_time is None
-                    break
+                    if not reached or t >= script.least_time:
+                        break
+                    self.past_end = True
             elif reason == events.ANGLE:
                 self._apply_field(t)
             elif reason == events.STUCK:
@@ -354,13 +372,16 @@ class _Simulation:
                     break
                 if t >= look * (1.0 - 1e-14):
                     look = t + script.look_every
-                    is_settled = settled is not None and settled(*self.recorder.seen())
+                    if settled is not None and t >= script.least_time:
+                        is_settled = settled(*self.recorder.seen())
                     if is_settled:
                         break
             if self.trip_time is not None:
                 end, look = min(script.maximum_time, self.trip_time + script.coast_time), math.inf
             elif self.field_time is not None:
                 end, look = script.maximum_time, min(look, t + script.look_every)
+            elif self.past_end:
+                end = min(script.maximum_time, script.least_time)
         return self._result(is_settled, reached)
 
     def _knots(self) -> Floats:
@@ -371,7 +392,7 @@ class _Simulation:
     def _awaited(self) -> dict[str, float]:
         """Mean speeds at which something follows on the way up; of two equal ones the first counts."""
         s = self.script
-        speeds = {"trip": s.trip_speed, "end": s.end_speed}
+        speeds = {"trip": s.trip_speed, "end": None if self.past_end else s.end_speed}
         if self.field_time is None and not self._waits_for_angle:
             speeds["field"] = s.field_speed
         if self.switched < len(s.switch_speeds):
@@ -396,6 +417,9 @@ class _Simulation:
             return False
         speeds = self._awaited()
         reached = min(speeds, key=speeds.__getitem__)
+        if t < self.script.since and reached in ("trip", "end"):
+            what = "the motor trips" if reached == "trip" else "the start ends"
+            raise ModelError(f"{what} after {t:.4g} s, before it begins. Type a shorter Begins")
         if reached == "trip":
             self.trip_time = t
             self.electrical[8][:] = 0.0
@@ -456,8 +480,14 @@ class _Simulation:
                 return reason
 
     def _result(self, settled: bool, reached: bool) -> EventRun:
-        r = self.recorder
+        r, since = self.recorder, self.script.since
+        if r.is_empty:
+            raise ModelError(
+                f"a start is followed to {self.clock.time:.4g} s at most: it takes too many steps"
+            )
         trajectory, phase, air_gap, bearing = r.result(reached, self.steps)
+        log = np.concatenate(r.log) if r.log else np.empty((0, 5))
+        log[:, 0] -= since
         return EventRun(
             trajectory,
             phase,
@@ -465,9 +495,9 @@ class _Simulation:
             r.air_gap,
             bearing,
             r.largest,
-            np.concatenate(r.log) if r.log else np.empty((0, 5)),
-            self.field_time,
-            self.trip_time,
+            log,
+            None if self.field_time is None else self.field_time - since,
+            None if self.trip_time is None else self.trip_time - since,
             settled,
             self.stuck or self.work > self.most_work,
             self.work,

@@ -48,6 +48,7 @@ from engine.numerics.distinct import distinct
 from engine.numerics.same_bits import interp, product, square
 from engine.start.decaying_harmonics import DecayingHarmonic, as_the_loop_takes_them
 from engine.start.event_results import MachineTorque, PullIn, Repeatability, prediction_interval
+from engine.start.machine_motion import Supply
 from engine.start.outcome import StartOutcome, outcome_of, run_length
 from engine.start.peaks import JudgedRun, judge_run
 from engine.start.prescribed import run_prescribed
@@ -131,6 +132,41 @@ class EventTorques:
     #: A motor in time, and the phase of its pulsation in the loop at t = 0. [pu, rad]
     machine: tuple[Motor, MachineInTime] | None = None
     held: float = 0.0  #: Torque that the motor gives before the event. [N m]
+    speed: float = 1.0  #: Of the train before the event, over synchronous speed. [1]
+
+
+@dataclass(frozen=True)
+class StartEvent:
+    """A change of the supply of one motor while it starts. The answers are those from it on, and times count from it."""
+
+    station: int  #: Where the motor acts. [index]
+    #: What it is connected to from then on, times from breaker closing; voltages over that of the start. [s, pu, rad]
+    supplies: tuple[Supply, ...]
+    followed: float  #: How long it is followed after the last of them where the start has ended sooner. [s]
+
+    @property
+    def begins(self) -> float:
+        """When, from breaker closing. [s]"""
+        return self.supplies[0].begins
+
+    def upon(self, machine: MachineInTime) -> MachineInTime:
+        """The motor with what happens to it.
+
+        Parameters
+        ----------
+        machine : MachineInTime
+            As it starts. [pu]
+        """
+        share = machine.supplies[-1].forward[0]
+        changes = (
+            replace(
+                s,
+                forward=(share * s.forward[0], s.forward[1]),
+                backward=(share * s.backward[0], s.backward[1]),
+            )
+            for s in self.supplies
+        )
+        return replace(machine, supplies=(*machine.supplies, *changes))
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,9 +191,9 @@ def run_event_start(
     modal: ModalTrain,
     effects: StartEffects,
     linear: Start | None = None,
-    event: EventTorques | None = None,
+    event: EventTorques | StartEvent | None = None,
 ) -> Start:
-    """Calculate a start with clearances, lateral motion, field application or trip, or an event in operation.
+    """Calculate a start with clearances, lateral motion, field application or trip, or an event in operation or in it.
 
     `modal` has all teeth in contact. The linear start of the same case gives the scale of each torque; it
     is calculated if it is not given, that of an event always is. Raises `ModelError` if the train cannot turn or has no motor, or an
@@ -372,12 +408,13 @@ def _set_up(
     effects: StartEffects,
     linear: Start,
     tolerance: float,
-    event: EventTorques | None = None,
+    event: EventTorques | StartEvent | None = None,
 ) -> _Setup:
-    if linear.runup is None:
-        torques = event or EventTorques(prescribed_torques(case, modal.train))
-        return _prescribed(case, modal, effects, linear, torques)
-    return _start(case, modal, effects, linear, tolerance)
+    if event is None and linear.runup is None:
+        event = EventTorques(prescribed_torques(case, modal.train))
+    if isinstance(event, EventTorques):
+        return _prescribed(case, modal, effects, linear, event)
+    return _start(case, modal, effects, linear, tolerance, event)
 
 
 def _start(
@@ -386,6 +423,7 @@ def _start(
     effects: StartEffects,
     linear: Start,
     tolerance: float,
+    event: StartEvent | None = None,
 ) -> _Setup:
     """A start with its motors."""
     train, settings = modal.train, settings_of(case)
@@ -420,6 +458,22 @@ def _start(
     judge: Settled | None = _settled_judge(case, waited, motors[0], synchronous)
     if effects.full_length and case.maximum_time:
         judge = None  # asked to go on to MaximumTime although the train has settled
+    if event is not None:
+        least = event.supplies[-1].begins + event.followed  # it may delay the start so long, too
+        script = replace(
+            script,
+            since=event.begins,
+            least_time=least,
+            maximum_time=min(script.maximum_time + least, settings.maximum_time or LONGEST_START),
+            waiting_time=script.waiting_time + least,
+        )
+        model = replace(
+            model,
+            machines=tuple(
+                event.upon(machine) if motor.station == event.station else machine
+                for motor, machine in zip(motors, model.machines, strict=True)
+            ),
+        )
     drops = not bool(np.all(plain.keep))
     return _Setup(model, script, step, plain.truncation, drops, judge, plain.uncoupled_dampers)
 
@@ -449,10 +503,11 @@ def _prescribed(
     step = linear.step * 2.0 ** (linear.halvings + 1)
     arrays = machine_arrays(case, motors, (), torques, stations)
     if event.machine is not None:
-        # the train stands still where it runs with the line: the phase changes by its vibration alone
-        arrays["motors"] = (*arrays["motors"][:5], 0.0, arrays["motors"][6])
+        # the train stands still where it runs as before the event: the phase changes by its slip and its vibration
+        line = event.machine[1].machine.line_omega
+        arrays["motors"] = (*arrays["motors"][:5], (1.0 - event.speed) * line, arrays["motors"][6])
         arrays["machines"] = (event.machine[1],)
-        arrays["frame"] = event.machine[1].machine.line_omega
+        arrays["frame"] = event.speed * line
     model = EventModel(
         pieces=pieces,
         **arrays,

@@ -90,6 +90,9 @@ class Machines:
 
     def trip(self, phase: Floats) -> None:
         """The breakers of all motors open."""
+        self._waiting = [
+            [] for _ in self._machines
+        ]  # what happens to the line reaches none any more
         for k in range(len(self._machines)):
             self._connect(k, Supply(0.0, is_open=True), phase)
 

@@ -1,7 +1,8 @@
 """Faults and switching of a motor in operation: rows of table `MotorEvents`, by the two-axis machine in time.
 
-Before it the motor runs in step, its field excited by its power factor, and balances the running loads; a motor
-that is closed out of phase runs without current, and the loads decelerate the train. What the line does is written
+Before it the motor balances the running loads: one with a field runs in step, excited by its power factor, an
+induction motor at the slip of that torque. A motor that is closed out of phase runs without current, and the loads
+decelerate the train. What the line does is written
 as voltages that turn with it and against it, so that every kind of event is a short list of supplies.
 """
 
@@ -14,6 +15,7 @@ import numpy as np
 
 from engine.arrays import Floats, Mask
 from engine.backlash.current_zeros import clearing_by_phase
+from engine.backlash.event_start import StartEvent
 from engine.backlash.machines import MachineInTime
 from engine.case.choices import Clearing, MotorEventKind
 from engine.case.data import CaseData, MotorEventRow
@@ -24,6 +26,7 @@ from engine.model.modal_train import ModalTrain
 from engine.model.motor import Motor
 from engine.model.train import Train
 from engine.motor.circuit import Circuit, line_omega, starting_circuit
+from engine.motor.curves import running_slip, stalls_at
 from engine.motor.fault_torques import largest_of_constant_fluxes
 from engine.motor.from_case import MotorFromData, motors_from_data
 from engine.motor.two_axis import (
@@ -31,6 +34,7 @@ from engine.motor.two_axis import (
     flux_system,
     open_circuit_state,
     running_state,
+    slipping_state,
 )
 from engine.numerics.same_bits import product
 from engine.numerics.torque_curve import TorqueCurve
@@ -50,6 +54,8 @@ from engine.stepping.linear_loop import turning_points
 
 #: Largest phase of the line in a step: the fluxes of the stator turn so far in the rotor's axes. [rad]
 LINE_PHASE = 0.15
+#: The slip at the end of an event is the mean over this share of it. [1]
+LAST_PART = 0.1
 #: An event of a motor is followed so long after the last change of its supply: several swings of the rotor, whose
 #: frequency is 1 to 10 Hz. [s]
 MOTOR_FOLLOWED = 2.0
@@ -65,6 +71,7 @@ class MotorEvent:
     state: MachineState  #: Its fluxes just before. [pu]
     held: float  #: Its torque in operation, with which the train is in balance. [N m]
     released: bool  #: Whether it gives no torque before the event. [flag]
+    slip: float  #: In operation; 0 in step. [1]
     #: Axes of the currents that must pass zero before a phase clears; empty: all clear at once. [rad]
     poles: tuple[float, ...] = ()
 
@@ -104,8 +111,13 @@ class MotorEvent:
         before, state = self.beginning(system)
         return clearing_by_phase(
             system, self.machine, self.supplies[0], self.last_change, self.poles, state, before,
-            Balance(self.held),
+            self.balance,
         )  # fmt: skip
+
+    @property
+    def balance(self) -> Balance:
+        """Torque and speed of the motor with which the train is in balance."""
+        return Balance(self.held, 1.0 - self.slip)
 
     @property
     def last_change(self) -> float:
@@ -127,6 +139,8 @@ class AirGapTorque:
     slipped: int
     #: From when on the rotor is more than half a turn from where it was; infinite: never. [s]
     slips_from: float
+    #: Slip at the end of an induction motor that does not return to its speed; None: it does, or it has a field. [1]
+    stalled: float | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,14 +186,18 @@ def motor_event(case: CaseData, train: Train, row: MotorEventRow) -> MotorEvent:
     )
     station = train.stations.index(motor.station)
     held = float(transmitted_torque(case, train).motor[station])
-    released = row.kind == MotorEventKind.OUT_OF_PHASE_CLOSING
-    if released:
+    released, slip = row.kind == MotorEventKind.OUT_OF_PHASE_CLOSING, 0.0
+    if circuit.field is None:
+        slip = running_slip(circuit, held / motor.torque_base)
+        state = slipping_state(circuit, slip)
+    elif released:
         voltage = 1.0 if row.residual_voltage is None else row.residual_voltage
         state = open_circuit_state(circuit, voltage, number(row.angle) or 0.0)
     else:
         # its current leads unless typed otherwise: a synchronous motor is rated with an excited field
         state = running_state(circuit, held / motor.torque_base, -(sheet.power_factor or 1.0))
-    return MotorEvent(machine, station, _supplies(row), state, held, released, _poles(row))
+    supplies = _supplies(row, 1.0 - slip)
+    return MotorEvent(machine, station, supplies, state, held, released, slip, _poles(row))
 
 
 def _motor_of(case: CaseData, station: str | None) -> MotorFromData:
@@ -189,14 +207,18 @@ def _motor_of(case: CaseData, station: str | None) -> MotorFromData:
     raise InternalError(f"an event of station '{station}' without a data sheet was not refused")
 
 
-def _supplies(row: MotorEventRow) -> tuple[Supply, ...]:
-    """What the line does, with the phase `row.phase` of the healthy phase, or of the one that changes."""
+def _supplies(row: MotorEventRow, speed: float) -> tuple[Supply, ...]:
+    """What the line does, with the phase `row.phase` of the healthy phase, or of the one that changes.
+
+    The voltage of an open stator is that of its fluxes times the speed of the rotor, over synchronous speed.
+    """
     clears = number(row.clears_after)
     match row.kind:
         case MotorEventKind.OUT_OF_PHASE_CLOSING:
             return (Supply(0.0),)
         case MotorEventKind.RECLOSING:
-            closing = Supply(clears or 0.0, residual=row.residual_voltage, ahead=number(row.angle))
+            residual = None if row.residual_voltage is None else row.residual_voltage / speed
+            closing = Supply(clears or 0.0, residual=residual, ahead=number(row.angle))
             return Supply(0.0, is_open=True), closing
         case MotorEventKind.THREE_PHASE_FAULT:
             left, against = 0.0, 0.0
@@ -219,6 +241,33 @@ def _poles(row: MotorEventRow) -> tuple[float, ...]:
     if row.kind == MotorEventKind.LINE_TO_LINE_FAULT:
         return (first + 0.5 * math.pi,)
     return tuple(first + k * 2.0 * math.pi / 3.0 for k in range(3))
+
+
+def start_event(case: CaseData, train: Train, row: MotorEventRow) -> StartEvent:
+    """A row of `MotorEvents` that begins while the motor starts.
+
+    Parameters
+    ----------
+    case : CaseData
+        Checked. [SI]
+    train : Train
+        Its train. [SI]
+    row : MotorEventRow
+        The event. [pu, rad, s]
+
+    Returns
+    -------
+    StartEvent
+        [s, pu, rad]
+    """
+    begins, omega = row.in_start or 0.0, line_omega(case.ratings.line_frequency or 0.0)
+    # its voltages turn from the event on, those of the start from breaker closing on
+    turned = 2.0 * omega * begins
+    supplies = tuple(
+        replace(s, begins=begins + s.begins, backward=(s.backward[0], s.backward[1] + turned))
+        for s in _supplies(row, 1.0)  # it takes no residual voltage
+    )
+    return StartEvent(train.stations.index(str(row.station)), supplies, MOTOR_FOLLOWED)
 
 
 def number(value: float | str | None) -> float | None:
@@ -269,7 +318,7 @@ def motor_drive(modal: ModalTrain, event: MotorEvent) -> MotorDrive:
             supplies.extend(event.supplies_of(system))
         motion = machine_motion(
             system, machine, supplies, state, end, end / count,
-            balance=Balance(event.held), before=before,
+            balance=event.balance, before=before,
         )  # fmt: skip
         motions[:] = [*motions[-1:], motion]
         return motion.response(system, event.held)
@@ -306,11 +355,12 @@ def air_gap_torque_of(drive: MotorDrive) -> AirGapTorque:
     # of both extremes: one alone may agree by chance
     change = max(abs(float(f(fine[1]) - f(coarse[1]))) for f in (np.max, np.min))
     change /= abs(largest) or 1.0
-    motion = drive.motions[-1]
-    lag = -drive.event.machine.pole_pairs * motion.rotor
+    motion, event = drive.motions[-1], drive.event
+    machine = event.machine
+    lag = event.slip * machine.line_omega * motion.time - machine.pole_pairs * motion.rotor
     return AirGapTorque(
         largest, time, max(change, LEAST_PEAK_ERROR),
-        _closed_form(drive.event), *_slip(drive.event, motion.time, lag),
+        _closed_form(event), *_slip(event, motion.time, lag), _stalled(event, motion.time, lag),
     )  # fmt: skip
 
 
@@ -331,11 +381,11 @@ def with_teeth_apart(air_gap: AirGapTorque, event: MotorEvent, response: Start) 
     AirGapTorque
         [N m, s]
     """
-    (torque,) = response.machines
-    turns, since = _slip(event, response.trajectory.time, torque.lag)
+    (torque,), when = response.machines, response.trajectory.time
+    turns, since = _slip(event, when, torque.lag)
     return replace(
         air_gap, largest=torque.largest, time=torque.time, error=torque.error, slipped=turns,
-        slips_from=since,
+        slips_from=since, stalled=_stalled(event, when, torque.lag),
     )  # fmt: skip
 
 
@@ -361,14 +411,29 @@ def machine_in_time(event: MotorEvent) -> tuple[Motor, MachineInTime]:
 
 
 def _slip(event: MotorEvent, time: Floats, lag: Floats) -> tuple[int, float]:
-    """Turns of the rotor against a line with voltage since its last change, in electrical angle, and when half one is done."""
-    if event.supplies[-1].forward[0] == 0.0:
+    """Turns of the rotor against a line with voltage since its last change, in electrical angle, and when half one is done.
+
+    An induction motor has no step to lose.
+    """
+    if event.supplies[-1].forward[0] == 0.0 or event.machine.circuit.field is None:
         return 0, math.inf
     since = time >= event.last_change
     turned = np.abs(lag[since] - lag[since][:1])
     beyond = time[since][turned > math.pi]
     turns = round(float(turned[-1]) / (2.0 * math.pi)) if len(turned) else 0
     return turns, float(beyond[0]) if len(beyond) else math.inf
+
+
+def _stalled(event: MotorEvent, time: Floats, lag: Floats) -> float | None:
+    """Mean slip of an induction motor over the last part of an event, if its line no longer carries its load there."""
+    machine, voltage = event.machine, event.supplies[-1].forward[0]
+    if machine.circuit.field is not None or voltage == 0.0:
+        return None
+    late = time >= (1.0 - LAST_PART) * time[-1]
+    turned, lasted = (float(a[late][-1] - a[late][0]) for a in (lag, time))
+    slip = turned / (lasted * machine.line_omega)
+    needed = event.held / (machine.torque_base * voltage * voltage)
+    return slip if stalls_at(machine.circuit, slip, needed) else None
 
 
 def _turning(motion: MachineMotion) -> tuple[Floats, Floats]:

@@ -20,7 +20,7 @@ from engine.case.data import CaseData, MotorEventRow
 from engine.case.defaults import DEFAULT_LATEST_CLEARING, DEFAULT_TOLERANCE_PEAK
 from engine.model.excitation import transmitted_torque
 from engine.model.modal_train import ModalTrain
-from engine.start.machine_motion import Balance, MachineMotion, machine_motion, stretch_of
+from engine.start.machine_motion import MachineMotion, machine_motion, stretch_of
 from engine.start.prescribed import first_step
 from engine.start.time_response import ModalSystem, modal_system
 from engine.stepping.linear_loop import turning_points
@@ -158,11 +158,12 @@ class _Scan:
         train, modes, damping = modal
         turn = next((name for name in row.scanned if name != "clears_after"), "")
         latest = row.latest_clearing or DEFAULT_LATEST_CLEARING
-        periods = (case.ratings.line_frequency or 0.0) * latest
+        range_ = latest - (row.earliest_clearing or 0.0)
+        periods = (case.ratings.line_frequency or 0.0) * range_
         count = max(math.ceil(TIMES_PER_PERIOD * periods - 1e-9), FEWEST_TIMES)
         spacing = (
             2.0 * math.pi / PHASES if turn else 0.0,
-            latest / count if "clears_after" in row.scanned else 0.0,
+            range_ / count if "clears_after" in row.scanned else 0.0,
         )
         drive = motor_drive(modal, motor_event(case, train, any_instant(row)))
         step, keep, _ = first_step(train, modes, drive, TOLERANCE, latest + FOLLOWED)
@@ -180,27 +181,40 @@ class _Scan:
         return tuple((k + first) * self.spacing[0] for k in range(count))
 
     @property
-    def latest(self) -> float:
-        """Latest clearing time of the scan. [s]"""
-        return self.row.latest_clearing or DEFAULT_LATEST_CLEARING
+    def limits(self) -> tuple[float, float]:
+        """Earliest and latest clearing time of the scan. [s]"""
+        return (
+            self.row.earliest_clearing or 0.0,
+            self.row.latest_clearing or DEFAULT_LATEST_CLEARING,
+        )
 
     @property
     def times(self) -> tuple[float | None, ...]:
-        """Clearing times of the scan. [s]"""
+        """Clearing times of the scan; nothing clears before it begins. [s]"""
         if not self.spacing[1]:
             return (number(self.row.clears_after),)
-        count = round(self.latest / self.spacing[1])
-        return tuple((k + 1) / count * self.latest for k in range(count))
+        earliest, latest = self.limits
+        count = round((latest - earliest) / self.spacing[1])
+        first = 0 if earliest else 1
+        times = (earliest + k / count * (latest - earliest) for k in range(first, count + 1))
+        return tuple(min(time, latest) for time in times)
 
     def row_of(self, turn: float | None, time: float | None) -> MotorEventRow:
         """One combination as an event of its own."""
         turned = {self.turn: turn} if self.turn else {}
-        return replace(self.row, **turned, clears_after=time, latest_clearing=None)  # type: ignore[arg-type]
+        return replace(
+            self.row, **turned, clears_after=time, earliest_clearing=None, latest_clearing=None  # type: ignore[arg-type]
+        )  # fmt: skip
 
     def around(self, place: Place, halvings: int) -> dict[Place, Floats]:
         """Largest torques of a combination and of those beside it, at a spacing that was halved so often."""
         (turn, time), share = place, math.ldexp(1.0, -halvings)
-        times = [t for t in _beside(time, share * self.spacing[1]) if t is None or t <= self.latest]
+        earliest, latest = self.limits
+        times = [
+            t
+            for t in _beside(time, share * self.spacing[1])
+            if t is None or earliest <= t <= latest
+        ]
         return {
             (other, when): sizes
             for other in _beside(turn, share * self.spacing[0])
@@ -212,10 +226,10 @@ class _Scan:
     ) -> Floats:
         """Largest torque of each element and of the motor. [N m] Shape (n_times, n_elements + 1).
 
-        Clearing times are multiples of that share of their spacing.
+        Clearing times are multiples of that share of their spacing from the earliest on.
         """
         event = motor_event(self.case, self.modal.train, self.row_of(turn, times[-1]))
-        system, machine, balance = self.system, event.machine, Balance(event.held)
+        system, machine, balance = self.system, event.machine, event.balance
         before, state = event.beginning(system)
         if not self.spacing[1]:
             end = min(event.last_change + MOTOR_FOLLOWED, self.case.maximum_time or math.inf)
@@ -234,9 +248,17 @@ class _Scan:
         step /= math.ceil(step / self.step)
         changed, cleared = event.supplies
         stretch, now = stretch_of(system, machine, changed, state, (*before, state.flux), balance)
-        motion = stretch.motion(now, float(times[-1] or 0.0), step)
-        at = [round(float(t or 0.0) / step) for t in times]
+        earliest, sooner = self.limits[0], np.zeros(1)
+        if earliest:
+            motion = stretch.motion(now, earliest, self.step)
+            sooner = self._largest(motion, event.held, [math.inf])
+            now = motion.q[:, -1], motion.v[:, -1], motion.flux[:, -1]
+            changed = replace(changed, begins=earliest)
+            stretch, now = stretch_of(system, machine, changed, state, now, balance)
+        motion = stretch.motion(now, max(float(times[-1] or 0.0), earliest + step), step)
+        at = [round((float(t or 0.0) - earliest) / step) for t in times]
         until = self._largest(motion, event.held, [float(motion.time[i]) for i in at])
+        until = np.maximum(until, sooner)
         follows, prepared, after = math.ceil(FOLLOWED / step) * step, None, []
         for i in at:
             begins = float(motion.time[i])

@@ -4,7 +4,8 @@ Before the event the running loads twist the train and the motor balances them. 
 the torques of the running train stay and the response to the torques of the event is added; the motor's torque
 in operation goes on unchanged beside them. Events are those of table `EventTorque`, sums of decaying
 harmonics, those of table `MotorEvents`, where the torque follows from the motor's fluxes and its motion, and table
-`TorqueTime` where `InitialState` is ``running``. An event is no start and none is counted.
+`TorqueTime` where `InitialState` is ``running``. An event is no start and none is counted. One of `MotorEvents` may
+begin while the motor starts: it is then a start with the fluxes in time whose supply changes.
 
 Where the torque of an element with a clearance may fall to zero, teeth separate: the response is then simulated contact
 by contact, as a start is, from the twisted train.
@@ -31,6 +32,7 @@ from engine.backlash.motor_events import (
     motor_drive,
     motor_event,
     number,
+    start_event,
     with_teeth_apart,
 )
 from engine.backlash.motor_scan import WorstInstants, any_instant, worst_instants
@@ -39,6 +41,7 @@ from engine.case.data import CaseData, EventTorqueRow, MotorEventRow
 from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, LONGEST_START, NOTABLE_REVERSAL
 from engine.case.effect import StartEffects
 from engine.case.effects import choice_of
+from engine.case.result_words import Outcome
 from engine.errors import ModelError
 from engine.fatigue.allowable_starts import ShaftFatigue
 from engine.model.excitation import transmitted_torque
@@ -136,6 +139,8 @@ def operating_events(case: CaseData, analysis: ModalAnalysis) -> tuple[Operating
 def _event(case: CaseData, analysis: ModalAnalysis, name: str) -> OperatingEvent:
     tolerance = case.tolerance_peak or DEFAULT_TOLERANCE_PEAK
     row = _motor_row(case, name)
+    if row is not None and row.in_start is not None:
+        return _event_in_start(case, analysis, row)
     if row is not None and row.scanned:
         return _worst_event(case, analysis, row)
     if row is None:
@@ -168,10 +173,7 @@ def _event(case: CaseData, analysis: ModalAnalysis, name: str) -> OperatingEvent
     if names := list(_separating(modal.train, response)):
         quoted = ", ".join(f"'{element}'" for element in names)
         if choice_of(case, "backlash") == EffectChoice.OFF:
-            notes.append(
-                f"Event '{name}' brings the torque of {quoted} to zero, but teeth stay together, since backlash is "
-                "forced off."
-            )
+            notes.append(_kept_together(name, names))
         elif idle := [e for e in names if running[modal.train.elements.index(e)] <= 0.0]:
             return OperatingEvent(
                 name,
@@ -195,21 +197,18 @@ def _event(case: CaseData, analysis: ModalAnalysis, name: str) -> OperatingEvent
             response = _with_errors(response, pieces, tolerance)
             if air_gap and event:
                 air_gap = with_teeth_apart(air_gap, event, response)
-            if response.gave_up:
-                notes.append(
-                    f"Event '{name}' with separating teeth was stopped after {response.outcome.time:.3g} s: it takes too "
-                    "many steps."
-                )
-    if reversing := ", ".join(_reversing(case, response)):
-        notes.append(
-            f"Event '{name}' reverses the torque of {reversing}, but teeth stay together, since no clearance is given. "
-            "Type Backlash or Angular backlash in table Meshes, 0 where there is none."
-        )
+            notes += _stopped(name, response)
+    notes += _without_clearance(case, name, response)
     unbounded = bool(notes)
     if air_gap and air_gap.slipped:
         notes.append(
             f"Event '{name}' throws the motor out of step (pole pairs slipped within {end:g} s: {air_gap.slipped}). "
             "Its loads keep their torque meanwhile, and no protection trips it."
+        )
+    if air_gap and air_gap.stalled is not None:
+        notes.append(
+            f"Event '{name}' stalls the motor: after {end:g} s its slip is {100.0 * air_gap.stalled:.3g} %, where it gives less "
+            "torque than its loads take. They keep their torque meanwhile, and no protection trips it."
         )
     if dies_out > end:
         over = row is not None and end >= _followed(row) and _falls(response, end)
@@ -226,7 +225,59 @@ def _event(case: CaseData, analysis: ModalAnalysis, name: str) -> OperatingEvent
         () if starts is None else starts.shafts,
         errors,
         air_gap,
-        _history(response, drive, modal.train.elements),
+        _history_of(response, drive, modal.train.elements),
+        note=" ".join(notes),
+    )
+
+
+def _event_in_start(case: CaseData, analysis: ModalAnalysis, row: MotorEventRow) -> OperatingEvent:
+    """An event while the motor starts: the start with its fluxes in time, from the event on."""
+    name, modal = str(row.event), analysis.reported
+    tolerance = case.tolerance_peak or DEFAULT_TOLERANCE_PEAK
+    loose = tuple(modal.train.elements[f.element] for f in clearances_of(modal.train))
+    together = choice_of(case, "backlash") == EffectChoice.OFF
+    pulls_in = case.field_slip is not None and case.pull_out_torque is not None
+    effects = StartEffects(
+        clearances=() if together else loose,
+        pull_in=pulls_in and choice_of(case, "pull-in") != EffectChoice.OFF,
+        aborted_start=bool(case.trip_speed)
+        and choice_of(case, "aborted start") != EffectChoice.OFF,
+        coupled_damping=True,
+        motor_transient=True,
+        contact_law=case.contact_law or ContactLaw.LIMITED,
+    )
+    event = start_event(case, modal.train, row)
+    try:
+        response = run_event_start(case, modal, effects, event=event)
+    except ModelError as error:
+        words = str(error).rstrip(".")
+        return OperatingEvent(name, None, note=f"Event '{name}' is not calculated: {words}.")
+    response = _with_errors(response, dict(analysis.pieces_error), tolerance)
+    notes = _stopped(name, response)
+    if together and (names := list(_separating(modal.train, response))):
+        notes.append(_kept_together(name, names))
+    notes += _without_clearance(case, name, response)
+    ended = response.outcome
+    if ended.outcome in (Outcome.TIME_OUT, Outcome.STALLED) and not response.gave_up:
+        notes.append(
+            f"Event '{name}' is followed to {ended.time:.4g} s, by which the start has not ended: larger torques may follow."
+        )
+    if notes:
+        response = with_left_out(response, None, tolerance)
+    starts, errors = starts_of(case, response)
+    torque = next(m for m in response.machines if m.station == event.station)
+    return OperatingEvent(
+        name,
+        response,
+        () if starts is None else starts.shafts,
+        errors,
+        AirGapTorque(torque.largest, torque.time, torque.error, None, 0, math.inf, None),
+        _history(
+            response,
+            torque.torque,
+            event.supplies[-1].begins - event.begins,
+            modal.train.elements,
+        ),
         note=" ".join(notes),
     )
 
@@ -308,16 +359,24 @@ def _with_errors(response: Start, pieces: Mapping[str, float], tolerance: float)
     return replace(response, peaks=peaks, estimated_error=response.estimated_error + faded)
 
 
-def _history(response: Start, drive: Drive, elements: Sequence[str]) -> EventHistory | None:
+def _history_of(response: Start, drive: Drive, elements: Sequence[str]) -> EventHistory | None:
+    if not isinstance(drive, MotorDrive):
+        return None
+    machines = response.machines
+    air_gap = machines[0].torque if machines else drive.motions[-1].torque
+    return _history(response, air_gap, drive.event.last_change, elements)
+
+
+def _history(
+    response: Start, air_gap: Floats, last_change: float, elements: Sequence[str]
+) -> EventHistory | None:
     """What a chart shows of an event of a motor: until a little after the last change of its supply."""
-    if not isinstance(drive, MotorDrive) or not response.peaks:
+    if not response.peaks:
         return None
     name = max(response.peaks, key=lambda p: p.size).element
     output = response.output_of_element[elements.index(name)]
     time, torque = response.trajectory.time, response.trajectory.torque[output]
-    machines = response.machines
-    air_gap = machines[0].torque if machines else drive.motions[-1].torque
-    last = int(np.searchsorted(time, drive.event.last_change + DRAWN_AFTER, "right"))
+    last = int(np.searchsorted(time, last_change + DRAWN_AFTER, "right"))
     drawn = slice(0, last, max(last // MOST_DRAWN, 1))
     return EventHistory(time[drawn], air_gap[drawn], name, torque[drawn])
 
@@ -352,6 +411,29 @@ def _reversing(case: CaseData, response: Start) -> Iterator[str]:
             yield f"'{p.element}'"
 
 
+def _kept_together(name: str, elements: Sequence[str]) -> str:
+    quoted = ", ".join(f"'{element}'" for element in elements)
+    return f"Event '{name}' brings the torque of {quoted} to zero, but teeth stay together, since backlash is forced off."
+
+
+def _stopped(name: str, response: Start) -> list[str]:
+    if not response.gave_up:
+        return []
+    return [
+        f"Event '{name}' with separating teeth was stopped after {response.outcome.time:.3g} s: it takes too many steps."
+    ]
+
+
+def _without_clearance(case: CaseData, name: str, response: Start) -> list[str]:
+    reversing = ", ".join(_reversing(case, response))
+    if not reversing:
+        return []
+    return [
+        f"Event '{name}' reverses the torque of {reversing}, but teeth stay together, since no clearance is given. "
+        "Type Backlash or Angular backlash in table Meshes, 0 where there is none."
+    ]
+
+
 def _separating(train: Train, response: Start) -> Iterator[str]:
     """Elements with a clearance whose torque may fall to zero."""
     lowest = {p.element: p.extremes[1][0] for p in response.peaks}
@@ -377,7 +459,7 @@ def _with_clearances(
     before = [(i, float(net[i])) for i in np.flatnonzero(net).tolist()]
     if motor is not None:
         held = 0.0 if motor.released else motor.held
-        event = EventTorques((), (), before, machine_in_time(motor), held)
+        event = EventTorques((), (), before, machine_in_time(motor), held, 1.0 - motor.slip)
     else:
         event = EventTorques(*_torques(case, train, name), before)
     return run_event_start(case, modal, effects, linear, event)

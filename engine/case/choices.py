@@ -170,6 +170,12 @@ class Scanned(StrEnum):
     WORST = "worst"
 
 
+class Begins(StrEnum):
+    """What stands in the place of a time of the start."""
+
+    RUNNING = "running"
+
+
 class Clearing(StrEnum):
     """How a fault clears: all phases at once, or each where the motor's current in it passes zero."""
 

@@ -343,6 +343,15 @@ class MotorEventRow:
     latest_clearing: float | None = None
     per_life: float | None = None  #: Such events in the life of the train; blank = 0. [1]
     clearing: str | None = None  #: ``at once`` (default) or ``zeros of current``.
+    #: From then on a worst `clears_after` is looked for: no breaker opens sooner; blank = 0. [s]
+    earliest_clearing: float | None = None
+    #: When, from breaker closing on, while the motor still starts; blank or ``running`` = in operation. [s]
+    begins: float | str | None = None
+
+    @property
+    def in_start(self) -> float | None:
+        """When it begins in the start; None: it comes upon the running train. [s]"""
+        return None if isinstance(self.begins, str) else self.begins
 
     @property
     def scanned(self) -> tuple[str, ...]:

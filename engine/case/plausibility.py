@@ -134,6 +134,14 @@ def _of_rated(name: str, case: CaseData) -> Values:
     return [(None, torque / rated)] if torque and rated else []
 
 
+def _of_rated_power(case: CaseData) -> Values:
+    """Apparent power of a motor that is alone: of several, rated power is shared."""
+    rated = case.ratings.rated_power
+    if not rated or len(case.motor_stations) > 1 or len(case.motor_data) > 1:
+        return []
+    return [(m.station, m.apparent_power / rated) for m in case.motor_data if m.apparent_power]
+
+
 def _column(table: str, column: str, name: str, case: CaseData) -> Values:
     rows = getattr(case, table)
     return [(str(value_of(row, name)), value_of(row, column)) for row in rows]
@@ -315,6 +323,14 @@ USUAL: tuple[tuple[UsualRange, Callable[[CaseData], Values]], ...] = (
             "Check its unit (20 % is 0.2 pu) and RatedTorque.",
         ),
         partial(_curve_over_rated, "Pulsating"),
+    ),
+    (
+        UsualRange(
+            "MotorData", "Apparent power", 0.5, 5.0, "× RatedPower", 1.0, "1 to 1.5",
+            "It is in kVA: check that it is not typed in MVA, and RatedPower.",
+            possible=(0.05, 50.0),
+        ),
+        lambda case: _of_rated_power(case),
     ),
     (
         UsualRange(

@@ -17,14 +17,20 @@ where the voltage lies along the axis of the poles at t = 0.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from engine.arrays import Complexes, Floats
+from engine.errors import ModelError
 from engine.motor.circuit import Circuit, Winding
 from engine.numerics.same_bits import atan2, hypot, inverse, modulus, times
+
+#: Slips on which the largest torque is looked for; their cube roots are equally apart, so that it is found to 5e-5 where
+#: it is at a slip of 0.5 % or more. [count]
+SLIPS = 1001
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,6 +95,76 @@ def operational_reactances(circuit: Circuit, slip: Floats) -> tuple[Complexes, C
         leakage + inverse(1.0 / circuit.magnetising_d + rotor_d),
         leakage + inverse(1.0 / circuit.magnetising_q + rotor_q),
     )
+
+
+def running_slip(circuit: Circuit, torque: float) -> float:
+    """Slip at which a motor without field gives a torque in operation.
+
+    Parameters
+    ----------
+    circuit : Circuit
+        The motor, with equal axes. [pu]
+    torque : float
+        Air-gap torque; one that brakes is given above synchronous speed. [pu]
+
+    Returns
+    -------
+    float
+        Nearer to 0 than that of the largest torque, so that the motor returns to its speed. [1]
+
+    Raises
+    ------
+    ModelError
+        If the motor does not give so much.
+    """
+    wanted, sign = abs(torque), math.copysign(1.0, torque)
+    slips, torques = _rising_branch(circuit, sign)
+    if torques[-1] < wanted:
+        raise ModelError(
+            f"does not carry its torque in operation, {torque:.4g} pu: it gives at most {sign * torques[-1]:.4g} pu, at a "
+            f"slip of {100.0 * sign * slips[-1]:.3g} %"
+        )
+    after = int(np.searchsorted(torques, wanted))
+    below, above = float(slips[max(after - 1, 0)]), float(slips[after])
+    while below < (middle := 0.5 * (below + above)) < above:
+        if sign * float(slip_curves(circuit, np.array([sign * middle])).average[0]) < wanted:
+            below = middle
+        else:
+            above = middle
+    return sign * above
+
+
+def stalls_at(circuit: Circuit, slip: float, torque: float) -> bool:
+    """Whether a motor without field slows down further at a slip, as it gives less there than its load takes.
+
+    Parameters
+    ----------
+    circuit : Circuit
+        The motor, with equal axes. [pu]
+    slip : float
+        Where it has come to. [1]
+    torque : float
+        What its load takes, at rated voltage. [pu]
+
+    Returns
+    -------
+    bool
+        [flag]
+    """
+    sign = math.copysign(1.0, torque)
+    slips, _ = _rising_branch(circuit, sign)
+    given = slip_curves(circuit, np.array([slip])).average[0]
+    return bool(sign * slip > slips[-1] and sign * given < abs(torque))
+
+
+def _rising_branch(circuit: Circuit, sign: float) -> tuple[Floats, Floats]:
+    """Magnitudes of slip and torque from 0 to the first largest torque, that drives (sign 1) or brakes (−1). [1, pu]"""
+    root = np.linspace(0.0, 1.0, SLIPS)
+    slips = root * root * root
+    torques = sign * slip_curves(circuit, sign * slips).average
+    falls = np.flatnonzero(np.diff(torques) <= 0.0)
+    until = int(falls[0]) + 1 if len(falls) else len(slips)
+    return slips[:until], torques[:until]
 
 
 def slip_curves(circuit: Circuit, slip: Floats) -> SlipCurves:

@@ -228,6 +228,33 @@ def running_state(circuit: Circuit, torque: float, power_factor: float) -> Machi
     return MachineState(product(x, current), circuit.field.resistance * i_f, angle)
 
 
+def slipping_state(circuit: Circuit, slip: float) -> MachineState:
+    """A motor without field that turns steadily with a slip, when the voltage of the line lies along its axis d.
+
+    Its fluxes turn in its axes with slip frequency, j s Ψ = A Ψ + B U; with equal axes its torque is constant.
+
+    Parameters
+    ----------
+    circuit : Circuit
+        The motor. [pu]
+    slip : float
+        0 in step, negative above synchronous speed. [1]
+
+    Returns
+    -------
+    MachineState
+        [pu]
+    """
+    system = flux_system(circuit, 1.0, 1.0 - slip, 0.0, is_open=False)
+    n = len(system.rate)
+    # U = (1, −j); real parts above, imaginary ones below
+    both = np.zeros((2 * n, 2 * n))
+    both[:n, :n] = both[n:, n:] = -system.rate
+    both[:n, n:], both[n:, :n] = -slip * np.eye(n), slip * np.eye(n)
+    driven = np.concatenate([system.voltage[:, 0], -system.voltage[:, 1]])
+    return MachineState(np.asarray(solve(both, driven[:, None])[:n, 0]), 0.0, 0.0)
+
+
 def open_circuit_state(circuit: Circuit, voltage: float, angle: float) -> MachineState:
     """The machine in step with its stator open.
 

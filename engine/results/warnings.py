@@ -264,7 +264,9 @@ def _event_warnings(results: Results) -> Iterator[str]:
     """What an event in operation left open."""
     case = results.case
     wanted = case.tolerance_peak or DEFAULT_TOLERANCE_PEAK
-    if results.events and not np.any(transmitted_torque(case, results.train).element):
+    in_start = {row.event for row in case.motor_events if row.in_start is not None}
+    running = [e for e in results.events if e.name not in in_start]
+    if running and not np.any(transmitted_torque(case, results.train).element):
         yield (
             "No running load is known, so events in operation begin with an untwisted train. Type Running load "
             "or LoadTorque."

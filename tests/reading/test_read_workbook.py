@@ -221,6 +221,10 @@ WRONG_NUMBERS = [
     ("1.2e5 ", "looks like a number but is text"),
     ("300", "looks like a number but is text"),
     ("10 kg*m^2", "Leave only the number 10 and put the unit kg*m^2 in the cell above the header"),
+    (
+        "10 ohm",
+        "which has a unit that does not fit: 'ohm' is not a unit of inertia; write a unit such as",
+    ),
     ("tbd", "is not a number. Type a number or leave the cell blank"),
     (True, "found TRUE; type a number"),
     (Formatted(45000, "dd/mm/yyyy"), "formatted as a date"),

@@ -25,9 +25,10 @@ from engine.motor.circuit import (
     starting_circuit,
     stator_resistance,
 )
-from engine.motor.curves import slip_curves
+from engine.motor.curves import running_slip, slip_curves
 from engine.motor.damping import electrical_damping
 from engine.motor.from_case import circuit_of
+from engine.motor.two_axis import air_gap_torque, flux_system, slipping_state
 
 SM04 = load_case("SM04")
 SM06 = load_case("SM06")["sets"][0]
@@ -213,3 +214,25 @@ def test_torque_of_an_induction_motor_from_its_equivalent_circuit(name):
     average = slip_curves(circuit_of(row, None, 60.0), slips).average
     found = average * power / (2.0 * np.pi * 60.0 / 2.0)
     assert found == pytest.approx(list(torques.values()), rel=1e-9)
+
+
+@pytest.mark.parametrize("name", KRAUSE)
+def test_an_induction_motor_in_operation_turns_with_the_slip_of_its_torque(name):
+    """Slip and fluxes give the torque of the Thevenin equivalent."""
+    (voltage, *ohm), torques = KRAUSE[name]
+    power = 1e4 * voltage
+    r1, x1, xm, r2, x2 = (z * power / voltage**2 for z in ohm)
+    row = MotorDataRow("motor", "induction", power, r_1=r1, x_1=x1, xm=xm, r_2=r2, x_2=x2)
+    circuit, wanted = circuit_of(row, None, 60.0), torques[0.005] * 60.0 * np.pi / power
+    slip = running_slip(circuit, wanted)
+    assert slip == pytest.approx(0.005, rel=1e-9)
+    flux = slipping_state(circuit, slip).flux[:, None]
+    system = flux_system(circuit, 1.0, 1.0 - slip, 0.0, is_open=False)
+    assert air_gap_torque(system, flux)[0] == pytest.approx(wanted, rel=1e-9)
+
+
+def test_a_braking_induction_motor_runs_above_synchronous_speed():
+    slip = running_slip(INDUCTION, -0.5)
+    assert slip < 0.0
+    assert slip_curves(INDUCTION, np.array([slip])).average[0] == pytest.approx(-0.5, rel=1e-12)
+    assert running_slip(INDUCTION, 0.0) == pytest.approx(0.0, abs=1e-15)

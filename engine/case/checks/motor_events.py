@@ -16,9 +16,11 @@ from engine.case.checks.problem import (
     has_possible_ratings,
     suggestion,
 )
-from engine.case.choices import Clearing, Scanned
+from engine.case.choices import Begins, Clearing, InitialState, MotorKind, Scanned
 from engine.case.choices import MotorEventKind as Kind
-from engine.case.data import TABLED_EVENT, CaseData, MotorEventRow, value_of
+from engine.case.data import TABLED_EVENT, CaseData, MotorCircuitRow, MotorEventRow, value_of
+from engine.case.defaults import DEFAULT_LATEST_CLEARING, LONGEST_START
+from engine.case.effects.motor_transient import MOTOR_TRANSIENT, has_only_motors_from_data
 from engine.errors import Problem
 
 TABLE = "MotorEvents"
@@ -50,6 +52,22 @@ NUMBERS = (
         Allowed(lambda v: 0.0 < v <= LONGEST_SCANNED, f"above 0 and at most {LONGEST_SCANNED:g} s"),
         "s",
         "It counts from the event; milliseconds typed as seconds? Write 300 ms or 0.3 s.",
+    ),
+    Limit(
+        "Earliest clearing",
+        Allowed(
+            lambda v: 0.0 <= v < LONGEST_SCANNED, f"at least 0 and below {LONGEST_SCANNED:g} s"
+        ),
+        "s",
+        "It counts from the event; milliseconds typed as seconds? Write 50 ms or 0.05 s.",
+    ),
+    Limit(
+        "Begins",
+        Allowed(
+            lambda v: 0.0 < v < LONGEST_START, f"above 0 and below {LONGEST_START:g} s, or running"
+        ),
+        "s",
+        "It counts from the closing of the breaker; milliseconds typed as seconds?",
     ),
     PER_LIFE,
 )
@@ -103,20 +121,23 @@ def check_motor_events(case: CaseData) -> Iterator[Problem]:
             takes = COLUMNS[Kind(row.kind)]
             if row.clearing == Clearing.ZEROS and row.kind == Kind.THREE_PHASE_FAULT:
                 takes = Takes(takes.needs, (*takes.may, "Phase"))
+            if row.in_start is not None:
+                takes = Takes(takes.needs, tuple(c for c in takes.may if c not in _OF_OPERATION))
             yield from _columns(cells, row, takes)
             yield from _clearing(cells, row)
+            yield from _begins(case, cells, row, takes)
     if case.motor_events and has_possible_ratings(case):
         ratings = case.ratings
         if ratings.line_frequency is None or ratings.synchronous_speed is None:
             yield SCALARS.blank(
                 "LineFrequency",
                 "given where MotorEvents is",
-                "Type two of LineFrequency, Poles and SynchronousSpeed: the motor runs in step.",
+                "Type two of LineFrequency, Poles and SynchronousSpeed: they give the motor's pole pairs.",
             )
 
 
 def _motor(case: CaseData, cells: Cells, row: MotorEventRow) -> Iterator[Problem]:
-    """An event happens to a motor with data and a field."""
+    """An event happens to a motor with data, and with a field or the cages of an induction motor."""
     sheets = {m.station: m for m in case.motor_data if m.station}
     circuits = {c.station: c for c in case.motor_circuit}
     if row.station is None:
@@ -130,15 +151,38 @@ def _motor(case: CaseData, cells: Cells, row: MotorEventRow) -> Iterator[Problem
         )
         yield cells.wrong("Station", row.station, "a station of table MotorData", action)
     else:
-        circuit = circuits.get(row.station)
-        field = sheets[row.station].xd_transient if circuit is None else circuit.rf
-        if field is None:
+        sheet, circuit = sheets[row.station], circuits.get(row.station)
+        field = sheet.xd_transient if circuit is None else circuit.rf
+        induction = sheet.kind == MotorKind.INDUCTION and (
+            circuit is None or _has_equal_axes(circuit)
+        )
+        if induction and row.kind == Kind.OUT_OF_PHASE_CLOSING:
+            yield cells.wrong(
+                "Kind", row.kind, "an event of a motor on its line, where Kind in table MotorData is induction",
+                "An induction motor off the line has no voltage to be out of phase. Choose reclosing for one whose "
+                "flux has not yet decayed.",
+            )  # fmt: skip
+        elif (
+            field is None
+            and row.in_start is None
+            and not induction
+            and (circuit or sheet.r_1 is None)  # else its Kind is wrong
+        ):
             yield cells.wrong(
                 "Station",
                 row.station,
-                "a motor with a field winding, which keeps it in step",
-                "Type Xd transient in its row of table MotorData, or Rf and Xlf in MotorCircuit.",
+                "a motor with a field winding, which keeps it in step, or an induction motor, alike in both axes",
+                "Type Xd transient in its row of table MotorData, or Rf and Xlf in MotorCircuit; of an induction motor "
+                "choose Kind induction in table MotorData, and type R1, X1, Xm, R2 and X2 there, or the same windings "
+                "in both axes in MotorCircuit.",
             )
+
+
+def _has_equal_axes(circuit: MotorCircuitRow) -> bool:
+    """Whether a motor without a field turns steadily under any load: its torque pulsates otherwise."""
+    of_d = circuit.xmd, circuit.rkd, circuit.xlkd, circuit.rkd_2, circuit.xlkd_2
+    of_q = circuit.xmq, circuit.rkq, circuit.xlkq, circuit.rkq_2, circuit.xlkq_2
+    return circuit.rf is None and not circuit.xc and of_d == of_q
 
 
 def _clearing(cells: Cells, row: MotorEventRow) -> Iterator[Problem]:
@@ -164,6 +208,54 @@ def _clearing(cells: Cells, row: MotorEventRow) -> Iterator[Problem]:
         )  # fmt: skip
 
 
+#: What a reclosing in a start does not take: rotor and line turn with unlike frequencies.
+_OF_OPERATION = ("Angle", "Residual voltage")
+
+
+def _begins(case: CaseData, cells: Cells, row: MotorEventRow, takes: Takes) -> Iterator[Problem]:
+    """An event in the start needs one with the motor's fluxes in time, and numbers."""
+    yield from cells.choice("Begins", _word(row, "Begins"), Begins, "a number, or running")
+    if row.in_start is None:
+        return
+    if row.kind == Kind.OUT_OF_PHASE_CLOSING:
+        yield cells.wrong(
+            "Begins", row.begins, f"blank or running for a {row.kind}",
+            "The motor of a start is closed already: choose reclosing, or clear the cell.",
+        )  # fmt: skip
+    elif case.initial_state == InitialState.RUNNING:
+        yield cells.wrong(
+            "Begins", row.begins, "blank or running where InitialState is running",
+            "There is no start in which it could begin: clear the cell, or InitialState.",
+        )  # fmt: skip
+    elif not has_only_motors_from_data(case):
+        assert MOTOR_TRANSIENT.inputs is not None
+        yield cells.wrong(
+            "Begins", row.begins, "blank or running without the fluxes of every motor in the start",
+            f"It needs {MOTOR_TRANSIENT.inputs.cells}. Fill and clear these, or clear the cell.",
+        )  # fmt: skip
+    elif case.looks_for_worst_phase:
+        yield cells.wrong(
+            "Begins", row.begins, "blank or running where PulsationPhase is worst",
+            "It begins in one start: type a number as PulsationPhase, or clear the cell.",
+        )  # fmt: skip
+    elif case.maximum_time is not None and row.in_start >= case.maximum_time:
+        yield cells.wrong(
+            "Begins", row.begins, f"below MaximumTime, {case.maximum_time:g} s",
+            "The start is followed no longer: raise MaximumTime, or type a shorter time.",
+        )  # fmt: skip
+    for column in SCANNED:
+        if column in takes.may and value_of(row, column) == Scanned.WORST:
+            yield cells.wrong(
+                column, Scanned.WORST, "a number where Begins is one",
+                "The worst is looked for in operation alone: type a number, or clear Begins.",
+            )  # fmt: skip
+    if row.clearing == Clearing.ZEROS:
+        yield cells.wrong(
+            "Clearing", row.clearing, "blank or at once where Begins is a number",
+            "Zeros of current are located in operation alone: clear the cell, or Begins.",
+        )  # fmt: skip
+
+
 def _word(row: MotorEventRow, column: str) -> str | None:
     value = value_of(row, column)
     return value if isinstance(value, str) else None
@@ -183,12 +275,23 @@ def _columns(cells: Cells, row: MotorEventRow, takes: Takes) -> Iterator[Problem
             )
     for column in SCANNED:
         yield from cells.choice(column, _word(row, column), Scanned, "a number, or worst")
-    if row.latest_clearing is not None and row.clears_after != Scanned.WORST:
-        yield cells.problem(
-            "Latest clearing",
-            row.latest_clearing,
-            "blank where Clears after is not worst",
-            "it has no effect unless Clears after is worst. Type worst there, or clear the cell.",
+    if row.clears_after != Scanned.WORST:
+        for column in ("Earliest clearing", "Latest clearing"):
+            value = value_of(row, column)
+            if value is not None:
+                yield cells.problem(
+                    column,
+                    value,
+                    "blank where Clears after is not worst",
+                    "it has no effect unless Clears after is worst. Type worst there, or clear the cell.",
+                )
+    elif (row.earliest_clearing or 0.0) >= (row.latest_clearing or DEFAULT_LATEST_CLEARING):
+        latest = row.latest_clearing or DEFAULT_LATEST_CLEARING
+        yield cells.wrong(
+            "Earliest clearing",
+            row.earliest_clearing,
+            f"below Latest clearing, {latest:g} s",
+            "The worst Clears after is looked for between the two. Correct one of them.",
         )
     if row.residual_voltage == 0.0 and row.kind in (Kind.RECLOSING, Kind.OUT_OF_PHASE_CLOSING):
         yield cells.wrong(

@@ -145,7 +145,12 @@ def check_motors(case: CaseData) -> Iterator[Problem]:
         elif motor.kind == MotorKind.INDUCTION:
             yield from _induction(cells, motor)
         else:
-            yield from _only(cells, motor, (*INDUCTION, *SECOND_CAGE), "Kind is induction")
+            of_induction = list(
+                _only(cells, motor, (*INDUCTION, *SECOND_CAGE), "Kind is induction")
+            )
+            yield from of_induction
+            if of_induction and all(value_of(motor, c) is None for c in SYNCHRONOUS):
+                continue  # it is the Kind that is wrong
             yield from _sheet(cells, motor)
             yield from _measured(cells, motor)
         yield from _field_in_the_start(cells, motor)

@@ -64,9 +64,11 @@ typedef struct {
     double *before, *after;          /* motion of the flanks at both ends: x, y, z of `motion_t`, (3, n_flanks) */
     double *base_q, *base_v, *u, *r, *end_q, *end_v, *end_a, *speed, *acceleration;
     double *read, *read_rate;        /* speeds at which curves are read */
+    double *jerk;                    /* rates of accelerations */
     held_t *held;                    /* pieces of the curves */
     double *free, *forced, *solver, *matrix, *rotated; /* of a step of any length; room */
     fluxes_t *fluxes, *fluxes1;      /* of each motor in time: in the state, and at the end of the step */
+    inverse_t *inverses;             /* of the matrix of its step */
     point_t *air_gap1;               /* its torque there */
     int unsettled;                   /* torque and motion of a motor did not agree in a step */
     double *torque, *torque_rate, *share, *share_rate, *direct_rate, *centre, *centre_rate; /* of a row of output */
@@ -74,14 +76,14 @@ typedef struct {
 
 typedef struct { int64_t which, kind; double at; } event_t; /* flank or target; share of the step (2: none) */
 
-enum { FLUX_ROOM = (2 * sizeof(fluxes_t) + sizeof(point_t)) / sizeof(double) };
+enum { FLUX_ROOM = (2 * sizeof(fluxes_t) + sizeof(inverse_t) + sizeof(point_t)) / sizeof(double) };
 
 static int64_t largest_of(int64_t a, int64_t b) { return a > b ? a : b; }
 
 int64_t contact_room(const pieces_t *p, const drive_t *drive)
 {
     int64_t wide = largest_of(largest_of(p->n, p->n_forces), p->n_dampers);
-    return 14 * p->n + 6 * p->n_flanks + 3 * p->n_forces + 4 * wide + 3 * drive->n_motors + 12 * p->n
+    return 15 * p->n + 6 * p->n_flanks + 3 * p->n_forces + 4 * wide + 3 * drive->n_motors + 12 * p->n
            + 8 * p->n_dampers * p->n_dampers + held_room(drive) + 5 * p->n_outputs + 4 * p->n_bodies
            + FLUX_ROOM * drive->machines.n;
 }
@@ -98,7 +100,7 @@ static void lay_out(loop_t *l, double *room)
     int64_t n = l->pieces->n, nf = l->pieces->n_forces, nd = l->pieces->n_dampers;
     int64_t wide = largest_of(largest_of(n, nf), nd);
     double **of_modes[] = {&l->q1, &l->v1, &l->a1, &l->a0, &l->base_q, &l->base_v, &l->u, &l->r,
-                           &l->u0, &l->r0, &l->end_q, &l->end_v, &l->end_a, &l->rotated};
+                           &l->u0, &l->r0, &l->end_q, &l->end_v, &l->end_a, &l->rotated, &l->jerk};
     for (size_t i = 0; i < sizeof of_modes / sizeof *of_modes; i++) *of_modes[i] = take(&room, n);
     l->before = take(&room, 3 * l->pieces->n_flanks);
     l->after = take(&room, 3 * l->pieces->n_flanks);
@@ -125,7 +127,8 @@ static void lay_out(loop_t *l, double *room)
     l->centre_rate = take(&room, 2 * l->pieces->n_bodies);
     l->fluxes = (fluxes_t *)take(&room, FLUX_ROOM * l->drive->machines.n);
     l->fluxes1 = l->fluxes + l->drive->machines.n;
-    l->air_gap1 = (point_t *)(l->fluxes1 + l->drive->machines.n);
+    l->inverses = (inverse_t *)(l->fluxes1 + l->drive->machines.n);
+    l->air_gap1 = (point_t *)(l->inverses + l->drive->machines.n);
     l->held = (held_t *)take(&room, held_room(l->drive));
     hold_none(l->drive, l->held);
 }
@@ -327,37 +330,67 @@ static void read_speeds(const loop_t *l, const double *v, const double *a, doubl
         along(s->n_read, s->read_speed + m * s->n_read, v, a, read + m, read_rate + m);
 }
 
-/* What acts on the fluxes of a motor; `inside` is a time within the step. */
-static acting_t acting_on(const loop_t *l, int64_t k, double t, double inside, const double *phase)
+/* What acts on the fluxes of a motor under the motion of the modes; `inside` is a time within the step. */
+static acting_t acting_on(const loop_t *l, int64_t k, double t, double inside, const double *phase, const double *v,
+                          const double *a, const double *jerk)
 {
-    const int64_t m = l->drive->machines.motor[k], f = l->drive->motor_force[m];
-    acting_t a;
-    acting(l->drive, k, t, inside, phase[m], l->speed[f], l->acceleration[f], l->read[m], l->read_rate[m], &a);
-    return a;
+    const system_t *s = &l->system;
+    const int64_t m = l->drive->machines.motor[k];
+    const double *rows[2] = {s->reach + l->drive->motor_force[m] * s->n, s->read_speed + m * s->n_read};
+    const int64_t n_rows[2] = {s->n, s->n_read};
+    jet_t moves[2] = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+    rotor_t rotor;
+    acting_t found;
+    for (int j = 0; j < (l->drive->machines.voltage[k] < 0 ? 1 : 2); j++)
+        for (int64_t i = 0; i < n_rows[j]; i++) {
+            moves[j].value += rows[j][i] * v[i];
+            moves[j].slope += rows[j][i] * a[i];
+            moves[j].curve += rows[j][i] * jerk[i];
+        }
+    rotor = (rotor_t){moves[0], moves[1]};
+    acting(l->drive, k, t, inside, phase[m], &rotor, &found);
+    return found;
+}
+
+/* Rates of accelerations. */
+static void jerks(const loop_t *l, const double *v, const double *a, const double *r)
+{
+    const system_t *s = &l->system;
+    for (int64_t i = 0; i < s->n; i++) l->jerk[i] = r[i] - s->rate[i] * a[i] - s->stiffness[i] * v[i];
 }
 
 /* Fluxes of the state with their derivatives; their torques join the forces. */
-static void fresh_fluxes(loop_t *l, double t)
+static void fresh_fluxes(loop_t *l, double t, const double *a, const double *r)
 {
     const machines_t *m = &l->drive->machines;
+    if (m->n > 0) jerks(l, l->state->v, a, r);
     for (int64_t k = 0; k < m->n; k++) {
-        const acting_t a = acting_on(l, k, t, t + SHORTLY * l->clock->base_step, l->state->phase);
+        const acting_t now = acting_on(l, k, t, t + SHORTLY * l->clock->base_step, l->state->phase, l->state->v, a, l->jerk);
         const int64_t f = l->drive->motor_force[m->motor[k]];
         point_t torque;
         copy(m->n_flux[k], m->flux + k * m->most, l->fluxes[k].psi);
-        derivatives(m, k, &a, l->fluxes + k);
+        derivatives(m, k, &now, l->fluxes + k);
         torque = air_gap(m, k, l->fluxes + k);
         l->state->force[f] += torque.value;
         l->state->force_rate[f] += torque.slope;
     }
 }
 
-/* Torques at the end of a step that goes on as it began: what its first motion is found with. */
+/* Fluxes at the end of a step that go on as they began, and their torques: what its first motion is found with. */
 static void goes_on(loop_t *l, double h)
 {
-    for (int64_t k = 0; k < l->drive->machines.n; k++) {
-        const point_t now = air_gap(&l->drive->machines, k, l->fluxes + k);
-        l->air_gap1[k] = (point_t){now.value + h * now.slope, now.slope};
+    const machines_t *m = &l->drive->machines;
+    const system_t *s = &l->system;
+    for (int64_t k = 0; k < m->n; k++) {
+        const point_t now = air_gap(m, k, l->fluxes + k);
+        const double *row = s->reach + l->drive->motor_force[m->motor[k]] * s->n;
+        point_t *then = l->air_gap1 + k;
+        fluxes_go_on(m->n_flux[k], h, l->fluxes + k, l->fluxes1 + k);
+        *then = air_gap(m, k, l->fluxes1 + k);
+        for (int64_t i = 0; i < s->n; i++) {
+            l->u[i] += row[i] * (then->value - now.value - h * now.slope);
+            l->r[i] += row[i] * (then->slope - now.slope);
+        }
     }
 }
 
@@ -368,12 +401,12 @@ static double end_fluxes(loop_t *l, double h)
     const machines_t *m = &l->drive->machines;
     const double t = l->clock->time;
     double change = 0.0;
+    if (m->n > 0) jerks(l, l->v1, l->a1, l->r);
     for (int64_t k = 0; k < m->n; k++) {
-        const acting_t a = acting_on(l, k, t + h, t + 0.5 * h, l->phase1);
+        const acting_t a = acting_on(l, k, t + h, t + 0.5 * h, l->phase1, l->v1, l->a1, l->jerk);
         const int64_t f = l->drive->motor_force[m->motor[k]];
         point_t torque;
-        if (!step_fluxes(m, k, h, &a, l->fluxes + k, l->fluxes1 + k)) return HUGE_VAL;
-        derivatives(m, k, &a, l->fluxes1 + k);
+        if (!step_fluxes(m, k, h, &a, l->fluxes + k, l->fluxes1 + k, l->inverses + k)) return HUGE_VAL;
         torque = air_gap(m, k, l->fluxes1 + k);
         change = fmax(change, fabs(torque.value - l->air_gap1[k].value) / m->base[k]);
         l->air_gap1[k] = torque;
@@ -401,7 +434,7 @@ static void fresh_forces(loop_t *l, double t, double *a)
                      l->read_rate, l->drive, s, (double *)l->held, state->force, state->force_rate);
         swing_forces(s, l->drive, state->v, a, l->read, l->read_rate, state->force, state->force_rate);
         limited_forces(l, state->q, l->speed, state->force, state->force_rate);
-        fresh_fluxes(l, t);
+        fresh_fluxes(l, t, a, l->r0);
         modal_forces(l, state->force, state->force_rate, l->u0, l->r0);
         accelerations(l, a);
         for (int64_t f = 0; f < s->n_forces; f++) {
@@ -410,9 +443,11 @@ static void fresh_forces(loop_t *l, double t, double *a)
         }
         read_speeds(l, a, a, l->read_rate, l->read_rate);
     }
+    if (l->drive->machines.n > 0) jerks(l, state->v, a, l->r0);
     for (int64_t k = 0; k < l->drive->machines.n; k++) { /* with the acceleration found */
-        const acting_t now = acting_on(l, k, t, t + SHORTLY * l->clock->base_step, state->phase);
+        const acting_t now = acting_on(l, k, t, t + SHORTLY * l->clock->base_step, state->phase, state->v, a, l->jerk);
         derivatives(&l->drive->machines, k, &now, l->fluxes + k);
+        l->inverses[k].h = 0.0; /* what is connected may have changed */
     }
 }
 

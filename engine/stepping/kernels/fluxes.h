@@ -1,12 +1,14 @@
 /* Flux linkages of motors in time: one step beside that of the modes.
  *
  * dψ/dt = A ψ + ω W ψ + ω₀ u + e in the axes of the rotor, whose electrical speed ω and angle are those of its station.
- * A step has values and first two derivatives at both ends (Hermite and Obreshkov: fourth order, A-stable, its error
- * that of the cubic in the step which the modes take torques as):
+ * A step has values and first three derivatives at both ends (Hermite and Obreshkov: sixth order, A-stable; at one
+ * speed the Padé approximant of the exponential). Its error is far below that of the cubic which the modes take
+ * torques as:
  *
- *     ψ₁ = ψ₀ + h/2 (ψ'₀ + ψ'₁) + h²/12 (ψ''₀ − ψ''₁)
+ *     ψ₁ = ψ₀ + h/2 (ψ'₀ + ψ'₁) + h²/10 (ψ''₀ − ψ''₁) + h³/120 (ψ'''₀ + ψ'''₁)
  *
- * which is linear in ψ₁ where the motion of the rotor is known.
+ * which is linear in ψ₁ where the motion of the rotor is known. The inverse of its matrix is kept for a speed nearby,
+ * and the fluxes are corrected by it as often as the motion.
  */
 #ifndef TORSION_FLUXES_H
 #define TORSION_FLUXES_H
@@ -14,11 +16,24 @@
 
 enum { MOST_FLUX = 8 };
 
-/* What acts on the fluxes of a motor at one time: voltages, the electrical speed of its rotor, and their rates. */
-typedef struct { double b[MOST_FLUX], rate[MOST_FLUX], speed, speed_rate; } acting_t;
+/* The inverse holds up to this change of half the electrical angle that a step turns [rad]: a correction leaves
+ * that share of what it corrects, as much as the motion leaves of a change of the torque. */
+static const double NEARBY = 2.5e-4;
 
-/* Fluxes of a motor and their first two derivatives. */
-typedef struct { double psi[MOST_FLUX], slope[MOST_FLUX], curve[MOST_FLUX]; } fluxes_t;
+/* A quantity and its first two rates. */
+typedef struct { double value, slope, curve; } jet_t;
+
+/* How a rotor moves: its speed, and the speed at which the voltage is read [rad/s, rad/s², rad/s³]. */
+typedef struct { jet_t speed, read; } rotor_t;
+
+/* What acts on the fluxes of a motor at one time: voltages, the electrical speed of its rotor, and their rates. */
+typedef struct { double b[MOST_FLUX], rate[MOST_FLUX], curve[MOST_FLUX]; jet_t speed; } acting_t;
+
+/* Fluxes of a motor and their first three derivatives. */
+typedef struct { double psi[MOST_FLUX], slope[MOST_FLUX], curve[MOST_FLUX], third[MOST_FLUX]; } fluxes_t;
+
+/* Inverse of the matrix of a step, and the step and the electrical speed that it was made for. */
+typedef struct { double h, speed, inverse[MOST_FLUX * MOST_FLUX]; } inverse_t;
 
 static inline double times_row(int64_t n, const double *row, const double *x)
 {
@@ -28,52 +43,78 @@ static inline double times_row(int64_t n, const double *row, const double *x)
 }
 
 /* Voltage that the line leaves a motor at a speed. */
-static inline point_t line_voltage(const drive_t *d, int64_t k, double read, double read_rate)
+static inline jet_t line_voltage(const drive_t *d, int64_t k, jet_t read)
 {
     const machines_t *m = &d->machines;
     const double own = d->motor_speed[m->motor[k]];
+    const double dx = read.slope / own, ddx = read.curve / own;
+    const double *c;
     held_t piece;
-    double x = read / own;
-    if (m->voltage[k] < 0) return (point_t){1.0, 0.0};
+    double x = read.value / own, slope, bend;
+    if (m->voltage[k] < 0) return (jet_t){1.0, 0.0, 0.0};
     hold(&d->curves, m->voltage[k], 0, x, &piece);
+    c = piece.cubic;
     x -= piece.knot;
-    return (point_t){piece.cubic[0] + x * (piece.cubic[1] + x * (piece.cubic[2] + x * piece.cubic[3])),
-                     (piece.cubic[1] + x * (2.0 * piece.cubic[2] + 3.0 * x * piece.cubic[3])) * (read_rate / own)};
+    slope = c[1] + x * (2.0 * c[2] + 3.0 * x * c[3]);
+    bend = 2.0 * c[2] + 6.0 * x * c[3];
+    return (jet_t){c[0] + x * (c[1] + x * (c[2] + x * c[3])), slope * dx, bend * dx * dx + slope * ddx};
 }
 
-/* `phase` is twice the angle of the line ahead of the rotor; speed and its rate are those of the station. */
-static inline void acting(const drive_t *d, int64_t k, double t, double inside, double phase, double speed,
-                          double acceleration, double read, double read_rate, acting_t *a)
+/* Adds size × (cos, sin) of an angle to the jets of both axes. */
+static inline void turning_voltage(double size, jet_t angle, jet_t *d, jet_t *q)
+{
+    const sincos_t wave = sin_cos(angle.value);
+    const double c = size * wave.cosine, s = size * wave.sine, square = angle.slope * angle.slope;
+    d->value += c;
+    q->value += s;
+    d->slope -= angle.slope * s;
+    q->slope += angle.slope * c;
+    d->curve -= angle.curve * s + square * c;
+    q->curve += angle.curve * c - square * s;
+}
+
+/* What a voltage does that grows and falls with another. */
+static inline jet_t both(jet_t a, jet_t b)
+{
+    return (jet_t){a.value * b.value, a.slope * b.value + a.value * b.slope,
+                   a.curve * b.value + 2.0 * a.slope * b.slope + a.value * b.curve};
+}
+
+/* `phase` is twice the angle of the line ahead of the rotor. */
+static inline void acting(const drive_t *d, int64_t k, double t, double inside, double phase, const rotor_t *rotor,
+                          acting_t *a)
 {
     const machines_t *m = &d->machines;
     const int64_t n = m->n_flux[k], q = m->q[k], motor = m->motor[k];
-    const double pairs = d->pole_pairs[motor], line = m->line_omega;
-    const point_t v = line_voltage(d, k, read, read_rate);
-    const double f = m->forward[2 * k], b = m->backward[2 * k];
-    const sincos_t ahead = sin_cos(0.5 * phase + m->forward[2 * k + 1]);
-    const sincos_t back = sin_cos(0.5 * phase + m->backward[2 * k + 1] - 2.0 * line * t);
-    const double c = f * ahead.cosine + b * back.cosine, s = f * ahead.sine + b * back.sine;
-    double turns, turns_back, grown = 1.0, growth = 0.0;
-    a->speed = m->frame + pairs * speed;
-    a->speed_rate = pairs * acceleration;
-    turns = line - a->speed;
-    turns_back = -line - a->speed;
+    const double pairs = d->pole_pairs[motor], line = m->line_omega, share = m->stator[k] * line;
+    const double *forward = m->forward + 2 * k, *backward = m->backward + 2 * k;
+    const jet_t v = line_voltage(d, k, rotor->read);
+    jet_t on_d = {0.0, 0.0, 0.0}, on_q = {0.0, 0.0, 0.0}, grown = {1.0, 0.0, 0.0};
+    a->speed = (jet_t){m->frame + pairs * rotor->speed.value, pairs * rotor->speed.slope, pairs * rotor->speed.curve};
+    turning_voltage(forward[0], (jet_t){0.5 * phase + forward[1], line - a->speed.value, -a->speed.slope}, &on_d, &on_q);
+    if (backward[0] != 0.0)
+        turning_voltage(backward[0],
+                        (jet_t){0.5 * phase + backward[1] - 2.0 * line * t, -line - a->speed.value, -a->speed.slope},
+                        &on_d, &on_q);
     if (inside >= d->field_time[motor] && !isinf(d->field_rate[motor])) {
-        const double since = t - d->field_time[motor];
-        const double left = exponential(-d->field_rate[motor] * (since > 0.0 ? since : 0.0));
-        grown = 1.0 - left;
-        growth = d->field_rate[motor] * left;
+        const double since = t - d->field_time[motor], rate = d->field_rate[motor];
+        const double left = exponential(-rate * (since > 0.0 ? since : 0.0));
+        grown = (jet_t){1.0 - left, rate * left, -rate * rate * left};
     }
     for (int64_t i = 0; i < n; i++) {
-        a->b[i] = m->field[k * m->most + i] * grown;
-        a->rate[i] = m->field[k * m->most + i] * growth;
+        const double field = m->field[k * m->most + i];
+        a->b[i] = field * grown.value;
+        a->rate[i] = field * grown.slope;
+        a->curve[i] = field * grown.curve;
     }
-    a->b[0] += m->stator[k] * line * (v.value * c);
-    a->b[q] += m->stator[k] * line * (v.value * s);
-    a->rate[0] += m->stator[k] * line
-                  * (v.slope * c - v.value * (f * turns * ahead.sine + b * turns_back * back.sine));
-    a->rate[q] += m->stator[k] * line
-                  * (v.slope * s + v.value * (f * turns * ahead.cosine + b * turns_back * back.cosine));
+    on_d = both(v, on_d);
+    on_q = both(v, on_q);
+    a->b[0] += share * on_d.value;
+    a->b[q] += share * on_q.value;
+    a->rate[0] += share * on_d.slope;
+    a->rate[q] += share * on_q.slope;
+    a->curve[0] += share * on_d.curve;
+    a->curve[q] += share * on_q.curve;
 }
 
 /* out = A x + ω W x. */
@@ -89,35 +130,65 @@ static inline void flux_rates(const machines_t *m, int64_t k, double speed, cons
 static inline void derivatives(const machines_t *m, int64_t k, const acting_t *a, fluxes_t *x)
 {
     const int64_t n = m->n_flux[k], q = m->q[k];
-    const double w = m->stator[k] * a->speed_rate;
-    flux_rates(m, k, a->speed, x->psi, x->slope);
+    const double w = m->stator[k] * a->speed.slope, z = m->stator[k] * a->speed.curve;
+    flux_rates(m, k, a->speed.value, x->psi, x->slope);
     for (int64_t i = 0; i < n; i++) x->slope[i] += a->b[i];
-    flux_rates(m, k, a->speed, x->slope, x->curve);
+    flux_rates(m, k, a->speed.value, x->slope, x->curve);
     for (int64_t i = 0; i < n; i++) x->curve[i] += a->rate[i];
     x->curve[0] += w * x->psi[q];
     x->curve[q] -= w * x->psi[0];
+    flux_rates(m, k, a->speed.value, x->curve, x->third);
+    for (int64_t i = 0; i < n; i++) x->third[i] += a->curve[i];
+    x->third[0] += 2.0 * w * x->slope[q] + z * x->psi[q];
+    x->third[q] -= 2.0 * w * x->slope[0] + z * x->psi[0];
 }
 
-/* The end of a step; 0 where it has no solution. */
-static inline int step_fluxes(const machines_t *m, int64_t k, double h, const acting_t *a, const fluxes_t *x0,
-                              fluxes_t *x1)
+/* Fluxes that go on as their derivatives say, and their rates. */
+static inline void fluxes_go_on(int64_t n, double h, const fluxes_t *x0, fluxes_t *x1)
 {
-    const int64_t n = m->n_flux[k], q = m->q[k];
-    const double half = 0.5 * h, twelfth = h * h / 12.0, w = m->stator[k] * a->speed_rate;
-    double pushed[MOST_FLUX], column[MOST_FLUX], once[MOST_FLUX], twice[MOST_FLUX], matrix[MOST_FLUX * MOST_FLUX];
-    flux_rates(m, k, a->speed, a->b, pushed);
+    for (int64_t i = 0; i < n; i++) {
+        x1->psi[i] = x0->psi[i] + h * (x0->slope[i] + 0.5 * h * (x0->curve[i] + h / 3.0 * x0->third[i]));
+        x1->slope[i] = x0->slope[i] + h * (x0->curve[i] + 0.5 * h * x0->third[i]);
+    }
+}
+
+/* The inverse for a step and a speed; 0 where there is none. */
+static inline int make_inverse(const machines_t *m, int64_t k, double h, double speed, inverse_t *inverse)
+{
+    const int64_t n = m->n_flux[k];
+    double column[MOST_FLUX], once[MOST_FLUX], twice[MOST_FLUX], thrice[MOST_FLUX], matrix[MOST_FLUX * MOST_FLUX];
     for (int64_t j = 0; j < n; j++) {
         for (int64_t i = 0; i < n; i++) column[i] = i == j ? 1.0 : 0.0;
-        flux_rates(m, k, a->speed, column, once);
-        flux_rates(m, k, a->speed, once, twice);
-        twice[0] += w * column[q];
-        twice[q] -= w * column[0];
-        for (int64_t i = 0; i < n; i++) matrix[i * n + j] = column[i] - half * once[i] + twelfth * twice[i];
+        flux_rates(m, k, speed, column, once);
+        flux_rates(m, k, speed, once, twice);
+        flux_rates(m, k, speed, twice, thrice);
+        for (int64_t i = 0; i < n; i++) {
+            matrix[i * n + j] = column[i] - 0.5 * h * once[i] + h * h / 10.0 * twice[i] - h * h * h / 120.0 * thrice[i];
+            inverse->inverse[i * n + j] = i == j ? 1.0 : 0.0;
+        }
     }
+    inverse->h = h;
+    inverse->speed = speed;
+    return (int)solve_real(n, n, matrix, inverse->inverse);
+}
+
+/* Corrects the end of a step; 0 where it has no solution. */
+static inline int step_fluxes(const machines_t *m, int64_t k, double h, const acting_t *a, const fluxes_t *x0,
+                              fluxes_t *x1, inverse_t *inverse)
+{
+    const int64_t n = m->n_flux[k];
+    const double half = 0.5 * h, tenth = h * h / 10.0, least = h * h * h / 120.0;
+    double left[MOST_FLUX];
+    if (!(inverse->h == h && half * fabs(a->speed.value - inverse->speed) <= NEARBY)
+        && !make_inverse(m, k, h, a->speed.value, inverse))
+        return 0;
+    derivatives(m, k, a, x1);
     for (int64_t i = 0; i < n; i++)
-        x1->psi[i] = x0->psi[i] + half * (x0->slope[i] + a->b[i])
-                     + twelfth * (x0->curve[i] - pushed[i] - a->rate[i]);
-    return (int)solve_real(n, 1, matrix, x1->psi);
+        left[i] = x0->psi[i] - x1->psi[i] + half * (x0->slope[i] + x1->slope[i]) + tenth * (x0->curve[i] - x1->curve[i])
+                  + least * (x0->third[i] + x1->third[i]);
+    for (int64_t i = 0; i < n; i++) x1->psi[i] += times_row(n, inverse->inverse + i * n, left);
+    derivatives(m, k, a, x1);
+    return 1;
 }
 
 /* Torque of a motor and its rate. */

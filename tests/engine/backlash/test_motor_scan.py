@@ -14,8 +14,8 @@ from engine.case.data import EffectChoiceRow, MotorEventRow, StationRow
 from engine.model.modal_train import ModalTrain
 from engine.results.tables import result_tables
 from engine.run import run
-from tests.engine.results.test_motor_events import BASE, CIRCUIT, FAULT, SHEET, event, motor
-from tests.engine.results.test_operating_events import rows, train, with_backlash
+from tests.engine.results.test_motor_events import BASE, CIRCUIT, FAULT, event, motor
+from tests.engine.results.test_operating_events import rows, train
 from tests.trains import RATED
 
 TOGETHER = (EffectChoiceRow("backlash", "off"),)
@@ -83,6 +83,29 @@ def test_no_clearing_time_is_worse_than_the_worst_one_with_its_error():
         )
 
 
+@pytest.mark.parametrize("earliest", [0.0437, 0.07])
+def test_no_breaker_opens_before_the_earliest_clearing(earliest):
+    """The worst of all is that of a clearing before 0.05 s; beside every event of a finer grid, calculated alone."""
+    case = motor(replace(FREE, earliest_clearing=earliest), effect_choices=TOGETHER)
+    (found,) = run(case).events
+    assert min(found.worst.clearing) == earliest
+    assert max(found.worst.clearing) == 0.1
+    times = np.linspace(earliest, 0.1, 81)
+    events = [event("three-phase fault", f"{t:.6f}", clears_after=float(t)) for t in times]
+    alone = rows(run(replace(case, motor_events=tuple(events))))
+    for peak in found.response.peaks:
+        assert earliest <= found.worst.of_element[peak.element].row.clears_after <= 0.1
+        sizes = [
+            max(abs(r["maximum"]), abs(r["minimum"]))
+            for (_, e), r in alone.items()
+            if e == peak.element
+        ]
+        assert max(sizes) <= peak.size * (1.0 + peak.relative_error)
+        assert peak.size <= max(sizes) * 1.02
+    unlimited = run(motor(FREE, effect_choices=TOGETHER)).events[0]
+    assert found.worst.of_motor.largest <= unlimited.worst.of_motor.largest * 1.001
+
+
 def test_the_worst_instant_typed_gives_the_same_peaks():
     case = motor(
         replace(LL_FAULT, clears_after="worst", latest_clearing=0.05), effect_choices=TOGETHER
@@ -97,11 +120,11 @@ def test_the_worst_instant_typed_gives_the_same_peaks():
             assert alone[key] == row[key]
         assert "worst_angle" not in row
         assert "worst_phase" not in alone
-    (air_gap,) = result_tables(results)["AirGapTorque"]
+    air_gap = result_tables(results)["AirGapTorque"][-1]
     typed = replace(
         LL_FAULT, phase=air_gap["worst_phase"], clears_after=air_gap["worst_clearing_time"]
     )
-    (alone,) = result_tables(run(replace(case, motor_events=(typed,))))["AirGapTorque"]
+    alone = result_tables(run(replace(case, motor_events=(typed,))))["AirGapTorque"][-1]
     assert alone["largest"] == air_gap["largest"]
     assert air_gap["error"] > alone["error"]
 
@@ -118,16 +141,6 @@ def test_what_is_drawn_is_the_largest_torque_at_each_clearing_time():
     assert worst.torque[20] == pytest.approx(peak.size, rel=5e-3)
     (largest,) = (p for p in found.response.peaks if p.element == worst.element)
     assert largest.size == max(p.size for p in found.response.peaks)
-
-
-def test_a_worst_event_with_separating_teeth_is_not_calculated():
-    loose = with_backlash(
-        event_torque=(), motor_torque=(), motor_data=(SHEET,), motor_circuit=(CIRCUIT,),
-        motor_events=(FREE,),
-    )  # fmt: skip
-    (found,) = run(loose).events
-    assert found.response is None
-    assert "teeth" in found.note
 
 
 def test_a_motor_that_cannot_carry_its_load_is_not_scanned():

@@ -172,3 +172,8 @@ def test_wrong_induction_motors_are_found_at_their_cell(change, column, words):
 
 def test_an_equivalent_circuit_of_no_kind_is_told():
     assert ("MotorData", 1, "R1") in places(case(replace(INDUCTION, kind=None)))
+
+
+def test_an_equivalent_circuit_of_the_wrong_kind_is_one_problem():
+    (found,) = places(case(replace(INDUCTION, kind=None)))
+    assert found[-1] == "R1"

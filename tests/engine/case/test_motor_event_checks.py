@@ -7,8 +7,8 @@ from dataclasses import replace
 import pytest
 
 from engine.case.checks.find_problems import find_problems
-from engine.case.data import EventTorqueRow, MotorEventRow
-from tests.engine.case.test_motor_checks import BY_CIRCUIT, CIRCUIT, SHEET, case, places
+from engine.case.data import EventTorqueRow, MotorCircuitRow, MotorEventRow, MotorTorqueRow
+from tests.engine.case.test_motor_checks import BY_CIRCUIT, CIRCUIT, INDUCTION, SHEET, case, places
 
 FAULT = MotorEventRow("fault", "motor", "three-phase fault", clears_after=0.1)
 RIGHT = (
@@ -23,8 +23,11 @@ RIGHT = (
     MotorEventRow("worst", "motor", "line-to-line fault", "worst", clears_after="worst"),
     MotorEventRow("angle", "motor", "out-of-phase closing", angle="worst"),
     replace(FAULT, event="zeros", phase=0.3, clearing="zeros of current"),
-    replace(FAULT, event="late", clears_after="worst", latest_clearing=0.3),
+    replace(FAULT, event="late", clears_after="worst", latest_clearing=0.3, earliest_clearing=0.05),
 )
+
+
+IN_START = replace(FAULT, begins=0.5, clears_after=0.1)
 
 
 def problems(*events, motors=(SHEET,), **fields):
@@ -74,6 +77,21 @@ def test_right_events_pass():
             "Latest clearing",
             "Write 300 ms or 0.3 s",
         ),
+        (
+            replace(FAULT, earliest_clearing=0.05),
+            "Earliest clearing",
+            "unless Clears after is worst",
+        ),
+        (
+            replace(FAULT, clears_after="worst", earliest_clearing=50.0),
+            "Earliest clearing",
+            "Write 50 ms or 0.05 s",
+        ),
+        (
+            replace(FAULT, clears_after="worst", earliest_clearing=0.5),
+            "Earliest clearing",
+            "below Latest clearing, 0.5 s",
+        ),
         (replace(FAULT, phase=0.5), "Phase", "no effect on a three-phase fault"),
         (replace(FAULT, angle=float("nan")), "Angle", "found nan"),
         (replace(RIGHT[2], angle=None), "Angle", "given for a out-of-phase closing"),
@@ -87,6 +105,45 @@ def test_right_events_pass():
 def test_wrong_events_are_found(event, column, words):
     (problem,) = problems(event)
     assert (problem.table, problem.row, problem.column) == ("MotorEvents", 1, column)
+    assert words in problem.message
+
+
+@pytest.mark.parametrize("begins", [None, "running", 0.5])
+def test_an_event_begins_in_operation_or_in_the_start(begins):
+    events = [replace(e, begins=begins) for e in RIGHT[:2]]
+    assert problems(*events) == []
+
+
+def test_an_induction_motor_may_have_a_fault_while_it_starts():
+    """It needs no field that keeps it in step."""
+    assert problems(IN_START, motors=(INDUCTION,)) == []
+
+
+@pytest.mark.parametrize(
+    ("change", "fields", "column", "words"),
+    [
+        ({"begins": "now"}, {}, "Begins", "it must be a number, or running"),
+        ({"begins": -0.5}, {}, "Begins", "from the closing of the breaker"),
+        ({"begins": 500.0}, {"maximum_time": 10.0}, "Begins", "below MaximumTime, 10 s"),
+        ({}, {"initial_state": "running"}, "Begins", "There is no start in which it could begin"),
+        ({}, {"pulsation_phase": "worst"}, "Begins", "type a number as PulsationPhase"),
+        (
+            {},
+            {"motor_torque": (MotorTorqueRow("motor", 0.0, 1e4, 0.0), MotorTorqueRow("motor", 1.0, 1e4, 0.0))},
+            "Begins",
+            "a row of every motor in table MotorData, and none in MotorTorque and Supply",
+        ),
+        ({"kind": "out-of-phase closing", "angle": 1.0, "clears_after": None}, {}, "Begins", "closed already"),
+        ({"kind": "reclosing", "angle": 1.0}, {}, "Angle", "no effect on a reclosing"),
+        ({"kind": "reclosing", "residual_voltage": 0.7}, {}, "Residual voltage", "no effect on a reclosing"),
+        ({"clears_after": "worst"}, {}, "Clears after", "a number where Begins is one"),
+        ({"clearing": "zeros of current"}, {}, "Clearing", "located in operation alone"),
+    ],
+)  # fmt: skip
+def test_what_cannot_begin_in_a_start_is_refused(change, fields, column, words):
+    found = [p for p in problems(replace(IN_START, **change), **fields) if p.table == "MotorEvents"]
+    (problem,) = found
+    assert (problem.row, problem.column) == (1, column)
     assert words in problem.message
 
 
@@ -113,3 +170,20 @@ def test_a_motor_without_a_field_does_not_run_in_step():
 def test_the_speed_must_be_known():
     found = problems(FAULT, poles=None, line_frequency=None)
     assert "LineFrequency" in {p.column for p in found}
+
+
+def test_an_induction_motor_is_not_closed_out_of_phase():
+    events = [e for e in RIGHT if e.kind != "out-of-phase closing"]
+    assert problems(*events, motors=(INDUCTION,)) == []
+    (found,) = problems(RIGHT[2], motors=(INDUCTION,))
+    assert (found.table, found.row, found.column) == ("MotorEvents", 1, "Kind")
+    assert "has no voltage to be out of phase. Choose reclosing" in found.message
+
+
+def test_an_induction_motor_by_its_circuit_is_alike_in_both_axes():
+    sheet = replace(BY_CIRCUIT, kind="induction", discharge_resistance=None)
+    alike = MotorCircuitRow("motor", 0.01, 0.1, 4.0, 4.0, rkd=0.01, xlkd=0.1, rkq=0.01, xlkq=0.1)
+    assert problems(FAULT, motors=(sheet,), circuits=(alike,)) == []
+    (found,) = problems(FAULT, motors=(sheet,), circuits=(replace(alike, xmq=3.0),))
+    assert found.column == "Station"
+    assert "alike in both axes" in found.message

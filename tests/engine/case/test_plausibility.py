@@ -128,6 +128,21 @@ def test_torques_a_hundred_times_too_small_are_told(table, column):
 
 
 @pytest.mark.parametrize(
+    ("share", "said"),
+    [(1.1, ""), (4.0, ""), (0.4, "0.4 × RatedPower is unusual"), (1e-3, "no verdict")],
+)
+def test_apparent_power_is_near_the_rated_power(share, said):
+    case = CaseData(**vars(sample_case("modified")))
+    motor = MotorDataRow(case.motor_stations[0], apparent_power=share * case.ratings.rated_power)
+    case = replace(case, motor_data=(motor,))
+    notes = said_of(case)
+    assert said in notes
+    assert bool(said) == bool(notes)
+    impossible = [one.finding for one in impossible_inputs(case)]
+    assert impossible == (["Apparent power of 'Motor' 0.001 × RatedPower"] if share < 0.05 else [])
+
+
+@pytest.mark.parametrize(
     ("voltage", "discharge", "said"),
     [
         (3810.0, 9.0, "3810 V is 6600 V divided by √3"),
