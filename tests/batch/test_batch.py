@@ -202,7 +202,7 @@ def test_resuming_does_nothing_twice_but_what_may_succeed_now(whole):
     finally:
         (folder / "in" / "~$open.xlsx").write_bytes(b"\x03Ada")
     assert "6 done" in said.stdout
-    assert "(8 of them in an earlier batch)" in said.stdout
+    assert ", 8 of them in an earlier batch" in said.stdout
     assert {p: p.stat().st_mtime_ns for p in before} == before
     assert (copy / "out" / "open.xlsx").is_file()
 
@@ -523,7 +523,8 @@ def test_ctrl_c_ends_it_cleanly_and_resume_completes(tmp_path, times):
     assert 3 <= len(done) < 10
     again = torsionbook("batch", "in", "--out", "out", "--resume", cwd=tmp_path)
     assert again.returncode == 0, again.stderr
-    assert f"10 done ({len(done)} of them in an earlier batch)" in again.stdout
+    assert f", {len(done)} of them in an earlier batch" in again.stdout
+    assert " 10 done\n" in again.stdout
 
 
 # --- text that looks like a formula ---------------------------------------------------------------
@@ -610,7 +611,7 @@ def test_the_verdict_says_what_was_not_judged(tmp_path):
     said = torsionbook("batch", "in", "--out", "out", "--jobs", 1, cwd=tmp_path)
     cell = pd.read_csv(tmp_path / "out" / "summary.csv", encoding="utf-8-sig")["Verdict"][0]
     assert cell == "incomplete, 1 not judged"
-    assert f"Verdicts: 1 {cell}." in said.stdout
+    assert f" 1 × {cell}\n" in said.stdout
 
 
 def test_an_unreadable_file_is_told_by_its_name_in_the_batch(tmp_path):

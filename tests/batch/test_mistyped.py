@@ -135,7 +135,7 @@ def test_a_summary_replaces_a_summary_and_nothing_else(tmp_path):
     for _ in range(2):
         done = torsionbook(*words, "--summary", "all.xlsx", cwd=tmp_path)
         assert done.returncode == 0, done.stderr
-    assert "Verdicts: 1 fail, 2 not judged." in done.stdout
+    assert " 1 × fail, 2 not judged\n" in done.stdout
 
 
 def test_errors_of_an_input_as_json_are_no_case(tmp_path):
