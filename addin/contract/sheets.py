@@ -66,7 +66,9 @@ FACT_LINES: tuple[tuple[str, str, str, str, str, float], ...] = (
         "Q4",
         _said(
             'IF(run_Outcome="","No start was calculated: neither motor torque nor torque against '
-            'time is given on sheet Torque.",run_Outcome&IF(COUNT(StartupCrossings[Mode])=0,'
+            'time is given on sheet Torque.",run_Outcome&IF(OR(COUNT(NaturalFrequencies[Percent speed])=0,'
+            # by the inputs: each table that formulas name counts for the calculator, `MOST_COLUMNS`
+            'AND(SUM(MotorTorque[Pulsating])=0,COUNTIF(MotorData[Station],"?*")=0)),'
             '"   No crossings: no pulsating torque of the motor crosses a mode.",""))'
         ),
         "fact",
@@ -80,7 +82,7 @@ FACT_LINES: tuple[tuple[str, str, str, str, str, float], ...] = (
             'IF(run_Outcome="","No start: no motor torque is given.",'
             'IF(COUNTIF(TorqueReversals[Element],"?*")=0,"The train has no gear mesh and no geared coupling '
             'with backlash, so no torque reversal is judged.",'
-            'IF(COUNT(BearingForces[Force])=0,"No bearing forces: no gear moves on its bearings in this '
+            'IF(COUNT(Meshes[Bearing stiffness drive])+COUNT(Meshes[Bearing stiffness driven])=0,"No bearing forces: no gear moves on its bearings in this '
             'start. Type bearing data on sheet Train; see the plan on sheet Effects.","")))'
         ),
         "note",
@@ -91,7 +93,6 @@ FACT_LINES: tuple[tuple[str, str, str, str, str, float], ...] = (
         "B4",
         "N4",
         _said(
-            # by the inputs: each table that formulas name counts for the calculator, `MOST_COLUMNS`
             'IF(AND(COUNTIF(EventTorque[Event],"?*")=0,COUNTIF(MotorEvents[Event],"?*")=0,'
             'InitialState<>"running"),"No event in operation: tables EventTorque and MotorEvents on sheet '
             'Excitation are blank.","")'

@@ -441,6 +441,7 @@ ADMINISTRATIVE = frozenset(
         "document",
         "revision",
         "prepared_by",
+        "source",
         "checked_by",
         "description",
         "keep_history",

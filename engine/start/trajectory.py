@@ -253,6 +253,8 @@ class SingleRun:
     def extremes(self) -> Floats:
         """Highest and lowest torque of every output, shape (2, n_outputs). [N m]"""
         values = [value for _, value in self.turning]
+        if not values:
+            return np.zeros((2, 0))
         begins = np.concatenate([[0], np.cumsum([len(value) for value in values[:-1]], dtype=int)])
         joined = np.concatenate(values)
         return np.stack([of.reduceat(joined, begins) for of in (np.maximum, np.minimum)])

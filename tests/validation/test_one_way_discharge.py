@@ -15,9 +15,11 @@ from engine.backlash.event_start import run_event_start
 from engine.case.case import Case
 from engine.case.data import MotorTorqueRow, StationRow, SupplyVoltageRow
 from engine.case.effect import StartEffects
+from engine.model.build_train import build_train
+from engine.model.modal_train import ModalTrain
+from engine.model.modes import modes_of
 from engine.run import run
-from engine.start.side_by_side import side_by_side
-from engine.start.start import Start
+from engine.start.start import Start, prepared_start, starts_to_their_ends
 from tests.trains import geared, peaks, prepared, started
 from tests.validation.test_start_from_motor_data import between
 
@@ -102,12 +104,14 @@ def test_it_goes_with_the_square_of_the_voltage_against_speed():
 
 def test_several_starts_side_by_side_are_those_alone():
     cases = [with_curves(geared(**FREE), f * AT_SLIP) for f in (0.5, 0.8, 1.0, 1.2, 1.5)]
-    together = side_by_side(
-        lambda f: started(with_curves(geared(**FREE), f * AT_SLIP)), (0.5, 0.8, 1.0, 1.2, 1.5)
-    )
-    for case, found in zip(cases, together, strict=True):
-        for name, ends in peaks(started(case)).items():
-            assert np.array_equal(ends, peaks(found)[name])
+    starts = []
+    for case in cases:
+        modal = ModalTrain.of(case, train := build_train(case), modes_of(train))
+        starts.append((prepared_start(case, modal), 2e-3))
+    together = starts_to_their_ends(starts)
+    for alone, (_, found) in zip(starts, together, strict=True):
+        ((_, single),) = starts_to_their_ends([alone])
+        assert np.array_equal(single.extremes, found.extremes)
 
 
 def test_it_ends_when_the_field_is_applied():
@@ -184,7 +188,7 @@ def test_the_worst_phase_is_looked_for_over_two_turns():
     worst = run(replace(case, pulsation_phase="worst")).start
     assert worst is not None
     phases = np.arange(0.0, 4.0 * math.pi, math.pi / 9.0)
-    single = side_by_side(lambda p: started(replace(case, pulsation_phase=float(p))), phases)
+    single = [started(replace(case, pulsation_phase=float(p))) for p in phases]
     for i, peak in enumerate(worst.peaks):
         maxima = [s.peaks[i].maximum for s in single]
         assert max(maxima) <= peak.maximum + peak.error
