@@ -66,10 +66,9 @@ FACT_LINES: tuple[tuple[str, str, str, str, str, float], ...] = (
         "Q4",
         _said(
             'IF(run_Outcome="","No start was calculated: neither motor torque nor torque against '
-            'time is given on sheet Torque.",run_Outcome&IF(OR(COUNT(NaturalFrequencies[Percent speed])=0,'
+            'time is given on sheet Torque.",run_Outcome&IF(COUNT(NaturalFrequencies[Percent speed])=0,'
             # by the inputs: each table that formulas name counts for the calculator, `MOST_COLUMNS`
-            'AND(SUM(MotorTorque[Pulsating])=0,COUNTIF(MotorData[Station],"?*")=0)),'
-            '"   No crossings: no pulsating torque of the motor crosses a mode.",""))'
+            '"   No crossings: no mode is below twice the line frequency.",""))'
         ),
         "fact",
         18.0,
