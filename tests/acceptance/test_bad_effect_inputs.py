@@ -55,7 +55,7 @@ def checked(path: Path) -> tuple[int, str]:
          "one of auto, on, off"),
         ({"EffectChoices/3/Effect": "gears", "EffectChoices/3/Choice": "on"},
          "Sheet Case, table EffectChoices, row 3, Effect", "one of bearings"),
-        ({"EffectChoices/7/Choice": "on"}, "Sheet Case, table EffectChoices, row 7, Choice",
+        ({"EffectChoices/8/Choice": "on"}, "Sheet Case, table EffectChoices, row 8, Choice",
          "TripSpeed"),
     ],
     ids=lambda value: ", ".join(value) if isinstance(value, dict) else "",

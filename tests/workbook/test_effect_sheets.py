@@ -42,11 +42,11 @@ def test_the_live_margin_follows_retyped_units(retyped: SaveReport) -> None:
 @pytest.mark.slow
 def test_effects_say_on_or_off_with_number_bound_and_reason(written: Path) -> None:
     rows = {row["Effect"]: row for row in rows_of(written, "Effects")}
-    assert [row["On"] for row in rows.values()] == [*["on", "off"] * 5, "on"]
+    assert [row["On"] for row in rows.values()] == ["on", "off"] * 6
     assert rows["backlash"]["Choice"] == "on"
     assert rows["bearings"]["Deciding number"] == pytest.approx(-0.889)
     assert rows["bearings"]["Bound"] is None
-    assert rows["breaker closing"]["Bound"] == 0
+    assert rows["motor transient"]["Bound"] == 0
     assert rows["coupled damping"]["Bound"] == pytest.approx(0.024)
     assert rows["coupled damping"]["Time"] == pytest.approx(4.2)
     assert "decided by the number beside" in rows["run length"]["Why"]

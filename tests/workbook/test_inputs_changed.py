@@ -174,8 +174,8 @@ def test_a_unit_exchanged_with_its_values_is_no_change(calculated: Path, calc: A
     steps: list[tuple[object, ...]] = [("open", calculated)]
     expected = []
     for one in places(read_workbook(calculated)):
-        if not one.unit:
-            continue
+        if not one.unit or any(isinstance(value, str) for value in one.values):
+            continue  # nothing that a unit could change
         dimension = one.field.dimension
         # of the torque transmitted, or of the base of a motor: known to a calculation only
         is_share = dimension in ("excitation torque", "per unit")

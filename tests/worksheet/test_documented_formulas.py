@@ -64,6 +64,10 @@ def test_the_example_of_each_function_answers_with_numbers(name, handle, monkeyp
     if name.startswith("TV_MOTOR"):  # nor a data sheet: its table is blank
         assert set(MOTOR[1]) <= set(given[0][1])
         given[0] = MOTOR
+    if name == "TV_SECTIONS":  # likewise
+        headers = given[0][1]
+        cells = {"Element": "Shaft", "Section": 1, "Length": 10.0, "OD": 5.0}
+        given[0] = [*given[0][:2], [cells.get(header) for header in headers]]
     rows = call(name, given)
     assert any(isinstance(cell, float) for row in rows for cell in row)
 
