@@ -66,7 +66,9 @@ def geared_and_judged(short: Case) -> Case:
 
 @pytest.fixture(scope="module", params=["geared", pytest.param("paper", marks=pytest.mark.slow)])
 def judged(request: pytest.FixtureRequest, short: Case) -> Case:
-    return short if request.param == "paper" else geared_and_judged(short)
+    # with curves at the mean speed both ways differ by 3.2 % of the largest: still to be understood
+    paper = Case(**{**vars(short), "torque_follows": "own speed"})
+    return paper if request.param == "paper" else geared_and_judged(short)
 
 
 @pytest.fixture(scope="module")
