@@ -29,7 +29,7 @@ CHANGED = "INPUTS CHANGED SINCE CALCULATION"
 #: Inputs that belong to the document and change no result.
 OF_THE_DOCUMENT = {
     "TemplateVersion", "Title", "Tag", "Client", "Document", "Revision", "PreparedBy", "CheckedBy",
-    "KeepHistory", "Description",
+    "KeepHistory", "Description", "Source",
 }  # fmt: skip
 #: Rows that each table gets; those of the torque curves belong to the stations of the example.
 ROWS = 3
