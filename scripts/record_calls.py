@@ -210,7 +210,7 @@ def record() -> Recorder:
     motor = read_workbook(ROOT / "templates" / "example_motor.xlsx").case()
     run(replace(motor, event_torque=()))
     links = np.eye(LARGE - 1, LARGE, 1) - np.eye(LARGE - 1, LARGE)
-    singular_triplets(np.ones(LARGE - 1), links, np.ones(LARGE), LARGE - 1)
+    singular_triplets(np.ones((1, LARGE - 1)), links, np.ones((1, LARGE)), LARGE - 1)
 
     check_all_are_called(recorder.expected)
     return recorder

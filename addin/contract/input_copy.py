@@ -166,7 +166,9 @@ def is_renamed(header: str, name: str) -> str:
 
 def word_in_copy(words: Sequence[str], word: str) -> float:
     """What stands in a copy for a word in the place of a number: no quantity is as large."""
-    return (words.index(word) + 1) * 1e99
+    return (
+        words.index(word) + 1
+    ) * 123456789012345.0  # all digits: programs write exponents in their own way
 
 
 def changed_numbers(
@@ -200,7 +202,7 @@ def changed_numbers(
     # one side of a number both are below it or neither; which is the lower one depends on the sign.
     other = f"({live}<>{then})*(({live}>{then}*(1+{_SAME}))=({live}>{then}*(1-{_SAME})))"
     for word in words:
-        other += f'*(1-({live}="{word}")*({copy}={word_in_copy(words, word):G}))'
+        other += f'*(1-({live}="{word}")*({copy}={word_in_copy(words, word):.0f}))'
     filled = f'({live}<>"")<>({copy}<>"")'
     return _unless_resized(live, copy, f'SUMPRODUCT(({filled})+({copy}<>"")*{other})', renamed)
 
