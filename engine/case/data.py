@@ -569,20 +569,23 @@ class CaseData:
     def switch_over_speeds(self) -> tuple[float, ...]:
         """Speeds of the reference shaft at which motors are put on the line, rising, each once. [rad/s]"""
         synchronous = self.ratings.synchronous_speed or 0.0
-        shares = {row.switch_over_speed for row in self.supply if row.switch_over_speed}
-        return tuple(share * synchronous for share in sorted(shares))
+        return tuple(share * synchronous for share in self._switch_over_shares)
+
+    @property
+    def _switch_over_shares(self) -> list[float]:
+        """The same as fractions of synchronous speed. [1]"""
+        return sorted({row.switch_over_speed for row in self.supply if row.switch_over_speed})
 
     @property
     def open_times(self) -> tuple[dict[str, float], ...]:
         """At each of these speeds the stations whose motor is off the line first, and how long. [s]"""
-        shares = {row.switch_over_speed for row in self.supply if row.switch_over_speed}
         return tuple(
             {
                 str(row.station): row.open_time
                 for row in self.supply
                 if row.open_time and row.switch_over_speed == share
             }
-            for share in sorted(shares)
+            for share in self._switch_over_shares
         )
 
     @property

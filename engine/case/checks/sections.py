@@ -15,7 +15,7 @@ from engine.case.checks.problem import (
     each_row,
     quote_quantity,
 )
-from engine.case.checks.train import DIAMETER, SHAFT_GEOMETRY
+from engine.case.checks.train import DIAMETER, typed_geometry
 from engine.case.choices import ElementKind
 from engine.case.data import CaseData, ElementRow, SectionRow, value_of
 from engine.errors import Problem
@@ -223,13 +223,9 @@ def _said_twice(case: CaseData, stepped: set[str]) -> Iterator[Problem]:
     for cells, e in each_row("Elements", case.elements):
         if e.element not in stepped or e.kind == ElementKind.GEAR_MESH:
             continue
-        for column, unit in SHAFT_GEOMETRY.items():
-            value = value_of(e, column)
-            if value is not None:
-                yield cells.wrong(
-                    column,
-                    value,
-                    "blank where table Sections has rows of the element",
-                    "Its sections state the geometry: clear it, or clear these rows of Sections.",
-                    unit,
-                )
+        yield from typed_geometry(
+            cells,
+            e,
+            "blank where table Sections has rows of the element",
+            "Its sections state the geometry: clear it, or clear these rows of Sections.",
+        )

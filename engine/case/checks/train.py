@@ -202,17 +202,21 @@ def check_elements(case: CaseData) -> Iterator[Problem]:
 
 def _no_shaft(cells: Cells, e: ElementRow) -> Iterator[Problem]:
     """What a gear mesh cannot have."""
+    return typed_geometry(
+        cells,
+        e,
+        "blank for a gear mesh",
+        "A mesh has no shaft geometry: a blank Stiffness means rigid, and the gears' "
+        "inertias belong to their stations.",
+    )
+
+
+def typed_geometry(cells: Cells, e: ElementRow, allowed: str, action: str) -> Iterator[Problem]:
+    """Geometry of a shaft in the row of an element that may have none, each cell a problem."""
     for column, unit in SHAFT_GEOMETRY.items():
         value = value_of(e, column)
         if value is not None:
-            yield cells.wrong(
-                column,
-                value,
-                "blank for a gear mesh",
-                "A mesh has no shaft geometry: a blank Stiffness means rigid, and the gears' "
-                "inertias belong to their stations.",
-                unit,
-            )
+            yield cells.wrong(column, value, allowed, action, unit)
 
 
 def check_connected(case: CaseData) -> Iterator[Problem]:
