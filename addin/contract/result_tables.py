@@ -153,7 +153,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
     table(
         "StandardRequirements", sheet="Margins", caption="What the standard asks for",
         help="Margins and analyses that scalar Standard asks for, each with its source and the checks that show it.",
-        row_name=("Requirement",), rank=9, room=8,
+        row_name=("Requirement",), rank=9, room=8, later=True,
         columns=(
             text(
                 "Requirement", "Margin or analysis that is asked for.", "Profile of Standard; no rows where that is blank",
