@@ -7,7 +7,7 @@ Only what bears on dependence is recognised. Whatever this module does not under
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -87,8 +87,9 @@ class Parsed:
 
     @property
     def names(self) -> list[str]:
-        """The names that it refers to; not those within spans."""
-        return [one.name for one in self.references if isinstance(one, NameReference)]
+        """The names that it refers to."""
+        ends = [one.within if isinstance(one, Span) else one for one in self.references]
+        return [one.name for one in ends if isinstance(one, NameReference)]
 
 
 _KINDS: dict[str, type[Reference] | type[TableReference] | type[NameReference]] = {
@@ -96,6 +97,11 @@ _KINDS: dict[str, type[Reference] | type[TableReference] | type[NameReference]] 
     "table": TableReference,
     "name": NameReference,
 }
+
+
+#: A piece of a formula as written; of a token its match, whose last group is its kind; of a bracket what it holds, None
+#: where it is never closed.
+Piece = tuple[str, re.Match[str] | None, str | None]
 
 
 @lru_cache(maxsize=65_536)
@@ -163,7 +169,7 @@ def _tokens(text: str) -> Iterator[tuple[str, str, str]]:
         if kind == "ref":
             yield from _cell_token(match)
         elif kind == "function":
-            yield "function", _bare_function(match["function"]), ""
+            yield "function", bare_function(match["function"]), ""
         elif kind in ("bracket", "lone"):
             inside, position = _bracketed(text, position)
             if inside is None:
@@ -188,7 +194,8 @@ def _cell_token(match: re.Match[str]) -> Iterator[tuple[str, str, str]]:
     yield "cells", sheet, text
 
 
-def _bare_function(name: str) -> str:
+def bare_function(name: str) -> str:
+    """Name of a function in capitals, without what files of newer functions put before it."""
     bare = name.upper()
     for prefix in ("_XLFN.", "_XLWS.", "_XLUDF."):
         bare = bare.removeprefix(prefix)
@@ -221,28 +228,12 @@ def shifted_formula(text: str, rows: int, columns: int) -> str:
         (match["sheet"] or "") + shifted_range(match["ref"], rows, columns)
         if match is not None and match.lastgroup == "ref"
         else piece
-        for piece, match, _ in _pieces(text)
+        for piece, match, _ in pieces(text)
     )
 
 
-def with_plain_ranges(text: str, cells: Callable[[str, str], str]) -> str:
-    """The formula with plain ranges in the place of structured references.
-
-    Parameters
-    ----------
-    text : str
-        The formula.
-    cells : callable
-        The range of a structured reference, by its table and what stands in the brackets.
-    """
-    return "".join(
-        piece if match is None or inside is None else cells(match["name"] or "", inside)
-        for piece, match, inside in _pieces(text)
-    )
-
-
-def _pieces(text: str) -> Iterator[tuple[str, re.Match[str] | None, str | None]]:
-    """A formula cut into its tokens, what is between them, and what stands inside of brackets."""
+def pieces(text: str) -> Iterator[Piece]:
+    """A formula cut into its tokens, and what is before, between and behind them."""
     position = 0
     while (match := _TOKEN.search(text, position)) is not None:
         yield text[position : match.start()], None, None
