@@ -619,6 +619,9 @@ def test_formulas_that_name_many_tables_are_all_renewed(tmp_path: Path) -> None:
     [
         b'<c r="B1"><f>INDIRECT("Data!A1")</f>',
         b'<c r="B1"><f>INDIRECT("Wide_7["&amp;"c1]")</f>',
+        b'<c r="B1"><f>IFERROR(SUM(INDIRECT("Wide_7[c1]")),In!A1)</f>',
+        b'<c r="B1"><f>COUNT(INDIRECT(In!B1),In!A1)</f>',
+        b'<c r="B1"><f>_xlfn.FORMULATEXT(A1)</f>',
         b'<c r="B1"><f>GETPIVOTDATA("Sum",Data!$A$1)</f>',
         b'<c r="B1" cm="1"><f t="array" ref="B1">INDIRECT("Data!A"&amp;A1)</f>',
         b'<c r="B1"><f>In!A1+%s1%s</f>' % (b"(" * 300, b")" * 300),
