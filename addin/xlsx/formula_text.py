@@ -29,6 +29,7 @@ _TOKEN = re.compile(
     """,
     re.VERBOSE,
 )
+_QUOTED_TEXT = re.compile(r'"[^"]*"')
 _CELL_PARTS = re.compile(r"(\$?)([A-Za-z]{1,3})(\$?)([0-9]+)")
 
 # Functions whose value depends on cells that no reference of the formula names.
@@ -107,8 +108,7 @@ Piece = tuple[str, re.Match[str] | None, str | None]
 @lru_cache(maxsize=65_536)
 def parse_formula(text: str) -> Parsed:
     """Find the references and functions of a formula."""
-    if len(text) > MAX_FORMULA or (len(text) > 1_000 and _has_stray_quotes(text)):
-        # No program takes it, or each of its quotes would be followed to the end.
+    if not is_readable(text):
         return Parsed((), frozenset(), unclear=True)
     references: list[Reference | TableReference | NameReference | Span] = []
     functions: set[str] = set()
@@ -136,8 +136,13 @@ def parse_formula(text: str) -> Parsed:
     return Parsed(tuple(references), frozenset(functions), unclear)
 
 
-def _has_stray_quotes(text: str) -> bool:
-    return bool(text.count("'") % 2 or text.count('"') % 2 or text.count("''") > 50)
+def is_readable(text: str) -> bool:
+    """Whether a formula may be cut into tokens: programs take it, and none of its quotes is followed to the end in vain."""
+    if len(text) <= 1_000:
+        return True
+    outside = _QUOTED_TEXT.sub("", text)
+    stray = '"' in outside or outside.count("'") % 2 or outside.count("''") > 50
+    return len(text) <= MAX_FORMULA and not stray
 
 
 def _span(tokens: Sequence[tuple[str, str, str]]) -> Span | None:

@@ -70,6 +70,8 @@ class KeptCalculator:
         self._calculator = formualizer.Workbook.from_bytes(
             package, config=formualizer.WorkbookConfig(eval_config=alone)
         )
+        # Cells given before the first calculation cost it a time that grows with the square of the formulas.
+        self._calculator.evaluate_all()
         results = self.results(workbook)
         if results is None or any(
             _differ([result], [shown(home)]) for home, result in results.items()
@@ -183,11 +185,11 @@ class Shelf:
                 self._kept.popitem(last=False)
 
     def wants(self, formulas: FormulaMap) -> bool:
-        """Whether a calculator is worth making: the formulas come again, and it can be made."""
+        """Whether a calculator is worth making: the formulas come again, none is kept for them, and it can be made."""
         with self._lock:
             is_first = formulas not in self._seen
             self._seen.add(formulas)
-            return not is_first and formulas not in self._refused
+            return not is_first and formulas not in self._refused and formulas not in self._kept
 
     def make(
         self,

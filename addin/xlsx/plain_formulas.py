@@ -13,7 +13,7 @@ from collections.abc import Collection, Iterable, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
-from addin.xlsx.formula_text import Piece, bare_function, parse_formula, pieces
+from addin.xlsx.formula_text import Piece, bare_function, is_readable, parse_formula, pieces
 from addin.xlsx.references import Rect, absolute_range, column_letters, quoted_sheet
 from addin.xlsx.tables import Table
 from addin.xlsx.workbook_part import DefinedName
@@ -67,6 +67,8 @@ class PlainFormulas:
         home : Home, optional
             Where it stands; left out for what a name stands for.
         """
+        if not is_readable(text) and (self._tables or "[" in text):
+            return None
         if "[" not in text:
             parsed = parse_formula(text)
             names = {name.lower() for name in parsed.names}

@@ -25,9 +25,10 @@ _ALL, _DATA, _HEADERS, _TOTALS, _THIS_ROW = (
 # A column begins with no number sign: that of a header is escaped by an apostrophe, as brackets in it are.
 _WORD = r"\[(\s*\#(?:all|data|headers|totals|this\ row)\s*)\]"
 _COLUMN = r"\[((?!\s*\#)(?:[^\[\]']|'.)+)\]"
+# Behind a word some programs leave out the brackets of a column.
 _PART = re.compile(
-    rf"""(?:{_WORD}(?:\s*,\s*{_WORD})?(?:\s*,\s*(?=\[)|$))?
-    (?:{_COLUMN}(?:\s*:\s*{_COLUMN})?)?""",
+    rf"""(?:{_WORD}(?:\s*,\s*{_WORD})?(?:\s*,\s*(?=\S)|$))?
+    (?:{_COLUMN}(?:\s*:\s*{_COLUMN})?|((?!\#)(?:[^\[\]':]|'.)+))?""",
     re.VERBOSE | re.IGNORECASE | re.DOTALL,
 )
 
@@ -129,7 +130,7 @@ class Table:
         if found is None:
             return None
         words = frozenset(word.strip().lower() for word in found.group(1, 2) if word)
-        ends = [self._column_named(name) for name in found.group(3, 4) if name]
+        ends = [self._column_named(name) for name in found.group(3, 4, 5) if name]
         columns = [at for at in ends if at is not None]
         if len(columns) < len(ends):
             return None

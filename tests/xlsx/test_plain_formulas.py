@@ -148,7 +148,7 @@ def plain(text: str, sheet: str = "Out", cell: str = "AA3", *names: DefinedName)
         "T[Nope]", "T[[Flow],[2019]]", "T[[Flow]:[2019]:[A1]]", "T[[#All],[#Data]]", "T[[#Nope],[Flow]]",
         "T[#Nope]", "T[Head [m]]", "T[[Flow]", "T[", "[Flow]", "[", "Nope[Flow]", "Data!T[Flow]",
         "[1]!T[Flow]", "Data!T", "T[[#This Row],[Flow]]", "T[@Flow]", "U[#Totals]",
-        "U[[#Data],[#Totals],[Flow]]", "T[[#All],]", "T[,[Flow]]", "T[@[#All]]", "T[It's]",
+        "U[[#Data],[#Totals],[Flow]]", "T[[#All],]", "T[[#All],Flow:2019]", "T[[#All],#Data]", "T[,[Flow]]", "T[@[#All]]", "T[It's]",
         'INDIRECT("T[Flow]")', 'INDIRECT("T")', "INDIRECT(A1)", 'INDIRECT("A"&1)', "FORMULATEXT(A1)",
         '_xlfn.FORMULATEXT(A1)', 'EVALUATE("A1")', 'INDIRECT("A1"&A1,1)',
     ],
@@ -249,6 +249,8 @@ def test_the_row_of_an_array_formula_is_that_of_its_only_row() -> None:
 
 def test_the_table_around_a_formula_needs_no_name() -> None:
     assert plain("SUM([Flow])-[@2019]+[[#Headers],[A1]]", "Out", "C4") == "SUM($A$2:$A$5)-$F4+$I$1"
+    # as XlsxWriter stores [@Flow]
+    assert plain("[[#This Row],Flow]*2", "Out", "C4") == "$A4*2"
 
 
 #: Words of a structured reference, and the rows that they mean in a table by those of its header, data and totals.
