@@ -325,7 +325,7 @@ def one_run(
     effects: StartEffects,
     linear: Start,
     step: float | None,
-    event: EventTorques | None = None,
+    event: EventTorques | StartEvent | None = None,
 ) -> EventSimulation:
     """One simulation of a start with events, or of an event in operation, without any estimate of its error.
 
@@ -341,8 +341,8 @@ def one_run(
         The linear start. [SI]
     step : float or None
         Longest step; None = that of the first, coarsest run. [s]
-    event : EventTorques, optional
-        The event in operation. [N m]
+    event : EventTorques or StartEvent, optional
+        The event in operation, or in the start. [N m]
 
     Returns
     -------

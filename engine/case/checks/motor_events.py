@@ -125,7 +125,7 @@ def check_motor_events(case: CaseData) -> Iterator[Problem]:
                 takes = Takes(takes.needs, tuple(c for c in takes.may if c not in _OF_OPERATION))
             yield from _columns(cells, row, takes)
             yield from _clearing(cells, row)
-            yield from _begins(case, cells, row, takes)
+            yield from _begins(case, cells, row)
     if case.motor_events and has_possible_ratings(case):
         ratings = case.ratings
         if ratings.line_frequency is None or ratings.synchronous_speed is None:
@@ -210,8 +210,8 @@ def _clearing(cells: Cells, row: MotorEventRow) -> Iterator[Problem]:
 _OF_OPERATION = ("Angle", "Residual voltage")
 
 
-def _begins(case: CaseData, cells: Cells, row: MotorEventRow, takes: Takes) -> Iterator[Problem]:
-    """An event in the start needs one with the motor's fluxes in time, and numbers."""
+def _begins(case: CaseData, cells: Cells, row: MotorEventRow) -> Iterator[Problem]:
+    """An event in the start needs one with the motor's fluxes in time."""
     yield from cells.choice("Begins", _word(row, "Begins"), Begins, "a number, or running")
     if row.in_start is None:
         return
@@ -246,12 +246,6 @@ def _begins(case: CaseData, cells: Cells, row: MotorEventRow, takes: Takes) -> I
             "Begins", row.begins, f"below MaximumTime, {case.maximum_time:g} s",
             "The start is followed no longer: raise MaximumTime, or type a shorter time.",
         )  # fmt: skip
-    for column in SCANNED:
-        if column in takes.may and value_of(row, column) == Scanned.WORST:
-            yield cells.wrong(
-                column, Scanned.WORST, "a number where Begins is one",
-                "The worst is looked for in operation alone: type a number, or clear Begins.",
-            )  # fmt: skip
     if row.clearing == Clearing.ZEROS:
         yield cells.wrong(
             "Clearing", row.clearing, "blank or at once where Begins is a number",

@@ -143,7 +143,6 @@ def test_an_induction_motor_may_have_a_fault_while_it_starts():
         ({"kind": "out-of-phase closing", "angle": 1.0, "clears_after": None}, {}, "Begins", "closed already"),
         ({"kind": "reclosing", "angle": 1.0}, {}, "Angle", "no effect on a reclosing"),
         ({"kind": "reclosing", "residual_voltage": 0.7}, {}, "Residual voltage", "no effect on a reclosing"),
-        ({"clears_after": "worst"}, {}, "Clears after", "a number where Begins is one"),
         ({"clearing": "zeros of current"}, {}, "Clearing", "located in operation alone"),
     ],
 )  # fmt: skip
