@@ -140,7 +140,7 @@ class StartEvent:
     """A change of the supply of one motor while it starts. The answers are those from it on, and times count from it."""
 
     station: int  #: Where the motor acts. [index]
-    #: What it is connected to from then on, times from breaker closing; voltages over that of the start. [s, pu, rad]
+    #: What it is connected to from then on, times from breaker closing; voltages over that of the source. [s, pu, rad]
     supplies: tuple[Supply, ...]
     followed: float  #: How long it is followed after the last of them where the start has ended sooner. [s]
 
@@ -157,16 +157,7 @@ class StartEvent:
         machine : MachineInTime
             As it starts. [pu]
         """
-        share = machine.supplies[-1].forward[0]
-        changes = (
-            replace(
-                s,
-                forward=(share * s.forward[0], s.forward[1]),
-                backward=(share * s.backward[0], s.backward[1]),
-            )
-            for s in self.supplies
-        )
-        return replace(machine, supplies=(*machine.supplies, *changes))
+        return replace(machine, supplies=(*machine.supplies, *self.supplies))
 
 
 @dataclass(frozen=True, eq=False)

@@ -229,7 +229,10 @@ def _supplies(row: MotorEventRow, speed: float) -> tuple[Supply, ...]:
         case _:  # one phase with a share of its voltage
             lost = (1.0 - (row.residual_voltage or 0.0)) / 3.0
             left, against = 1.0 - lost, -lost
-    changed = Supply(0.0, (left, 0.0), (against, -2.0 * (number(row.phase) or 0.0)))
+    changed = Supply(
+        0.0, (left, 0.0), (against, -2.0 * (number(row.phase) or 0.0)),
+        at_terminals=row.kind == MotorEventKind.THREE_PHASE_FAULT,
+    )  # fmt: skip
     return (changed,) if clears is None else (changed, Supply(clears))
 
 

@@ -49,6 +49,10 @@ MOST_APART = 240
 SHARE_OF_TOLERANCE, MOST_HALVINGS = 0.25, 4
 
 
+#: So many local maxima of the grid are looked around, before the largest is followed. [count]
+MOST_TOPS = 4
+
+
 #: Phase or angle, and clearing time; None: it is not looked for. [rad, s]
 Place = tuple[float | None, float | None]
 #: What combinations answer: phase or angle, clearing times, and the share of their spacing of which the times are
@@ -191,16 +195,22 @@ def _searched(
     n, tolerance = len(train.elements), case.tolerance_peak or DEFAULT_TOLERANCE_PEAK
     finer = cache(lambda place, halvings: grid.around(place, halvings, answers))
     found = []
-    for k, at in enumerate(sizes.reshape(-1, sizes.shape[-1]).argmax(axis=0).tolist()):
-        i, j = divmod(at, len(times))
-        place, largest, error = (turns[i], times[j]), float(sizes[i, j, k]), None
+    for k in range(sizes.shape[-1]):
+        tops = _tops(sizes[..., k])
+        (i, j), error = tops[0], None
+        place, largest = (turns[i], times[j]), float(sizes[i, j, k])
         enough = SHARE_OF_TOLERANCE * tolerance * (1.0 if k <= n else sn_slope(case))
+        around = [(turns[i], times[j]) for i, j in tops]
         for halvings in range(1, 1 if apart or not largest else MOST_HALVINGS + 1):
-            beside = {where: float(every[k]) for where, every in finer(place, halvings).items()}
-            worst = max(beside, key=beside.__getitem__)
-            largest = beside[worst]
-            error = _rise(beside, place) / (largest or 1.0)
-            place = worst
+            found_near = {
+                middle: {where: float(every[k]) for where, every in finer(middle, halvings).items()}
+                for middle in around
+            }
+            middle = max(around, key=lambda m: max(found_near[m].values()))
+            beside = found_near[middle]
+            place = max(beside, key=beside.__getitem__)
+            largest = beside[place]
+            error, around = _rise(beside, middle) / (largest or 1.0), [place]
             if error <= enough:
                 break
         found.append(WorstInstant(grid.row_of(*place), largest, error))
@@ -397,6 +407,15 @@ class _Together:
         ]
         histories = zip(self.modal.train.output_element.tolist(), values[:-1], strict=True)
         return answers_of(self.case, self.modal.train, histories, float(np.max(np.abs(values[-1]))))
+
+
+def _tops(sizes: Floats) -> list[tuple[int, int]]:
+    """The largest value of a grid, then the next local maxima; between its points another one may be the largest."""
+    n, m = sizes.shape
+    around = np.pad(sizes, 1, constant_values=-math.inf)
+    beside = np.max([around[i : i + n, j : j + m] for i in range(3) for j in range(3)], axis=0)
+    tops = sorted(np.argwhere(sizes == beside).tolist(), key=lambda at: -sizes[tuple(at)])
+    return [(i, j) for i, j in tops[:MOST_TOPS]]
 
 
 def _rise(beside: Mapping[Place, float], middle: Place) -> float:

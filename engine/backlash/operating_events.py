@@ -315,6 +315,7 @@ def _effects_of_start(case: CaseData, train: Train) -> StartEffects:
         and choice_of(case, "aborted start") != EffectChoice.OFF,
         coupled_damping=True,
         motor_transient=True,
+        switch_over=bool(case.switch_over_speeds),
         contact_law=case.contact_law or ContactLaw.LIMITED,
     )
 

@@ -66,6 +66,9 @@ class Supply:
     #: Voltage that turns against the line: its magnitude, and its angle at t = 0. [pu, rad]
     backward: tuple[float, float] = (0.0, 0.0)
     is_open: bool = False  #: No current flows.
+    at_terminals: bool = (
+        False  #: What happens is at the terminals: no impedance of a source is before the stator.
+    )
     #: Where it closes an open stator: voltage at the terminals before, and its angle ahead of the line's.
     #: None: the voltage and the angle that the motor has by then. [pu, rad]
     residual: float | None = None

@@ -231,11 +231,6 @@ def _begins(case: CaseData, cells: Cells, row: MotorEventRow) -> Iterator[Proble
             "Begins", row.begins, "blank or running without the fluxes of every motor in the start",
             f"It needs {MOTOR_TRANSIENT.inputs.cells}. Fill and clear these, or clear the cell.",
         )  # fmt: skip
-    elif case.supply:
-        yield cells.wrong(
-            "Begins", row.begins, "blank or running where table Supply has rows",
-            "A fault between line and motor is not calculated in a start: clear the cell, or the rows of table Supply.",
-        )  # fmt: skip
     elif case.looks_for_worst_phase:
         yield cells.wrong(
             "Begins", row.begins, "blank or running where PulsationPhase is worst",
@@ -245,6 +240,12 @@ def _begins(case: CaseData, cells: Cells, row: MotorEventRow) -> Iterator[Proble
         yield cells.wrong(
             "Begins", row.begins, f"below MaximumTime, {case.maximum_time:g} s",
             "The start is followed no longer: raise MaximumTime, or type a shorter time.",
+        )  # fmt: skip
+    if row.kind == Kind.LINE_TO_LINE_FAULT and any(s.station == row.station for s in case.supply):
+        yield cells.wrong(
+            "Kind", row.kind, "another kind where Begins is a number and table Supply has the motor",
+            "One phase is then behind the impedance of the line and the others are not, which is not calculated: "
+            "choose another kind, or clear Begins or the row of table Supply.",
         )  # fmt: skip
     if row.clearing == Clearing.ZEROS:
         yield cells.wrong(

@@ -132,7 +132,10 @@ def test_an_induction_motor_may_have_a_fault_while_it_starts():
         ({"begins": -0.5}, {}, "Begins", "from the closing of the breaker"),
         ({"begins": 500.0}, {"maximum_time": 10.0}, "Begins", "below MaximumTime, 10 s"),
         ({}, {"initial_state": "running"}, "Begins", "There is no start in which it could begin"),
-        ({}, {"supply": (SupplyRow("motor", 1e9),)}, "Begins", "clear the cell, or the rows of table Supply"),
+        (
+            {"kind": "line-to-line fault"}, {"supply": (SupplyRow("motor", 1e9),)}, "Kind",
+            "another kind where Begins is a number and table Supply has the motor",
+        ),
         ({}, {"pulsation_phase": "worst"}, "Begins", "type a number as PulsationPhase"),
         (
             {},
