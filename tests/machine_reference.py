@@ -338,32 +338,58 @@ def start_reference(
         return complex(np.exp(1j * omega * t))
 
     spans, since = [(0.0, end, whole, y)], 0.0
+    cleared, poles = set[int](), list[tuple[int, ...]]()
     if case.motor_events:
         row = case.motor_events[0]
         since = row.begins
-        cleared = since + row.clears_after
+        clears = since + row.clears_after
         stator = of_rotor if row.kind == Kind.RECLOSING else y
 
         def changed(t: float) -> complex:
             if row.kind == Kind.RECLOSING:
                 return 0.0
-            return voltage_of(row, omega, t - since, ()) * complex(np.exp(1j * omega * since))
+            turned = complex(np.exp(1j * omega * since))
+            return voltage_of(row, omega, t - since, cleared) * turned
 
-        spans = [
-            (0.0, since, whole, y),
-            (since, cleared, changed, stator),
-            (cleared, end, whole, y),
-        ]
+        spans = [(0.0, since, whole, y), (since, clears, changed, stator)]
+        if row.clearing == Clearing.ZEROS:
+            poles = [(1, 2)] if row.kind == Kind.LINE_TO_LINE_FAULT else [(0,), (1,), (2,)]
+            spans += [(clears, end, changed, y)]
+        else:
+            spans += [(clears, end, whole, y)]
+
+    def zero_of(pole: tuple[int, ...]) -> Any:
+        """Of the current of one phase, or of that between two."""
+
+        def passes(t: float, s: np.ndarray, *_: Any) -> float:
+            i = y @ s[2 * n :]
+            turned = pairs * s[0] - angle - omega * since + (row.phase or 0.0)
+            thirds = 2.0 * math.pi / 3.0 * np.arange(3)
+            of_phases = np.real(complex(i[0], i[3]) * np.exp(1j * (turned - thirds)))
+            return float(of_phases[pole[0]] - (of_phases[pole[1]] if len(pole) > 1 else 0.0))
+
+        passes.terminal = True  # type: ignore[attr-defined]
+        return passes
+
     state = np.zeros(2 * n + 5)
     scale = np.concatenate([[1e-2], base / k, np.full(n, 1.0), np.full(5, 1.0)])
     found: dict[str, list[np.ndarray]] = {e.element: [] for e in case.elements} | {AIR_GAP: []}
-    for first, last, line, currents in spans:
+    while spans:
+        first, last, line, currents = spans.pop(0)
         state[2 * n :] = x @ (of_rotor if currents is of_rotor else y) @ state[2 * n :]
-        t = np.linspace(first, last, max(int((last - first) * omega / 0.05), 2))
-        s = solve_ivp(
-            rates, (first, last), state, "DOP853", t, args=(line, currents), rtol=rtol, atol=rtol * scale
-        ).y  # fmt: skip
-        state = s[:, -1].copy()
+        events = [zero_of(pole) for pole in poles] if not spans and poles else None
+        solution = solve_ivp(
+            rates, (first, last), state, "DOP853", args=(line, currents), rtol=rtol, atol=rtol * scale,
+            events=events, dense_output=True,
+        )  # fmt: skip
+        if solution.status == 1:  # a zero: what follows is another span
+            spans = [(float(solution.t[-1]), last, line, currents)]
+            (met,) = (j for j, times in enumerate(solution.t_events) if len(times))
+            cleared |= set(poles.pop(met))
+            cleared |= set() if poles else {0, 1, 2}
+        t = np.linspace(first, solution.t[-1], max(int((solution.t[-1] - first) * omega / 0.05), 2))
+        s = solution.sol(t)
+        state = solution.y[:, -1].copy()
         if currents is of_rotor:
             state[2 * n :] = x @ of_rotor @ state[2 * n :]
         if first < since:
@@ -373,7 +399,7 @@ def start_reference(
             found[element.element] += [turning_points(t, torque, rate)[1], torque[[0, -1]]]
         air_gap = CubicSpline(t, torque_of(s[2 * n :], currents))
         tops = air_gap.derivative().roots(extrapolate=False)
-        found[AIR_GAP] += [air_gap(np.append(tops[np.isfinite(tops)], [first, last]))]
+        found[AIR_GAP] += [air_gap(np.append(tops[np.isfinite(tops)], t[[0, -1]]))]
     return {
         name: (float(np.concatenate(values).max()), float(np.concatenate(values).min()))
         for name, values in found.items()

@@ -143,6 +143,8 @@ class StartEvent:
     #: What it is connected to from then on, times from breaker closing; voltages over that of the source. [s, pu, rad]
     supplies: tuple[Supply, ...]
     followed: float  #: How long it is followed after the last of them where the start has ended sooner. [s]
+    #: Axes of the currents that must pass zero before a phase clears; empty: all clear at once. [rad]
+    poles: tuple[float, ...] = ()
 
     @property
     def begins(self) -> float:
@@ -157,7 +159,7 @@ class StartEvent:
         machine : MachineInTime
             As it starts. [pu]
         """
-        return replace(machine, supplies=(*machine.supplies, *self.supplies))
+        return replace(machine, supplies=(*machine.supplies, *self.supplies), poles=self.poles)
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from engine.arrays import Floats
+from engine.backlash.current_zeros import LONGEST_ARC, cleared_supply
 from engine.case.data import CaseData
 from engine.case.effect import StartEffects
 from engine.model.motor import Motor
@@ -18,8 +19,13 @@ from engine.motor.circuit import Circuit, line_omega, starting_circuit
 from engine.motor.from_case import MotorFromData, motors_without_curve
 from engine.motor.supply import STIFF, Source
 from engine.motor.two_axis import MachineState, flux_system, number_of_fluxes, with_same_currents
+from engine.numerics.same_bits import cos, product, sin
 from engine.start.machine_motion import Machine, Supply, switched
 from engine.stepping.library import struct
+
+#: Steps while a zero of a current is awaited, where a current is taken to be zero, and from where on the last leap
+#: goes to the expected zero; before it goes so much of the way, lest it is passed. [periods of the line; 1]
+CHUNK, NEAR_ZERO, LAST_LEAP, SHORT = 0.01, 1e-8, 1e-5, 0.9
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,11 +44,47 @@ class MachineInTime:
     excited: tuple[Circuit, float] | None = None
     #: What feeds it, and what it is switched over to, one after the other. [pu]
     sources: tuple[Source, ...] = (STIFF,)
+    #: Axes of the currents that must pass zero before a phase clears, at the last of the supplies; empty: all clear
+    #: at once. Angles count from the line's at the supply before it. [rad]
+    poles: tuple[float, ...] = ()
 
     def scaled(self, factor: float) -> MachineInTime:
         """The same with so many times the torque. [1]"""
         machine = replace(self.machine, torque_base=factor * self.machine.torque_base)
         return replace(self, machine=machine)
+
+
+class _Clearing:
+    """Zeros of the currents of a fault, met from one step to the next.
+
+    A step is made to end near each expected zero, ever nearer, so that a run need not go back.
+    """
+
+    def __init__(self, time: float, poles: Sequence[float], period: float) -> None:
+        self.waiting, self.cleared = list(poles), list[float]()
+        self.next, self.latest = time, time + LONGEST_ARC * period
+        self._period = period
+        self._last: tuple[float, dict[float, float]] = (time, {})
+
+    def met(self, time: float, currents: Mapping[float, float]) -> bool:
+        """Whether a current is zero; its phase has then cleared. Otherwise `next` is when to look again. [s, pu]"""
+        before, values = self._last
+        away = CHUNK * self._period
+        for pole, value in currents.items():
+            if pole not in values:
+                continue
+            passed = values[pole] * value <= 0.0
+            falls = (values[pole] - value) / (time - before)
+            left = value / falls if falls * value > 0.0 else math.inf
+            if passed or left <= NEAR_ZERO * self._period:
+                self.waiting.remove(pole)
+                self.cleared.append(pole)
+                self._last, self.next = (time, {}), time
+                return True
+            short = 1.0 if left <= LAST_LEAP * self._period else SHORT
+            away = min(away, short * left)
+        self._last, self.next = (time, dict(currents)), time + away
+        return False
 
 
 class Machines:
@@ -54,6 +96,7 @@ class Machines:
         self._waiting = [list(m.supplies) for m in machines]
         self._sources = [list(m.sources) for m in machines]
         self._off_until: list[float | None] = [None] * len(machines)  # of a switch-over
+        self._clearings: list[_Clearing | None] = [None] * len(machines)
         self._circuits = [m.machine.circuit for m in machines]  # with what stands before the stator
         n = len(machines)
         excited = [m.excited[0] if m.excited else m.machine.circuit for m in machines]
@@ -77,8 +120,14 @@ class Machines:
         """Supplies that begin by then; `phase` is that of the loop's motors."""
         for k, waiting in enumerate(self._waiting):
             while waiting and waiting[0].begins <= time:
-                self._present[k] = waiting.pop(0)
-                self._connect(k, phase)
+                supply = waiting.pop(0)
+                if self._machines[k].poles and not waiting:
+                    period = 2.0 * math.pi / self._machines[k].machine.line_omega
+                    self._clearings[k] = _Clearing(time, self._machines[k].poles, period)
+                else:
+                    self._present[k] = supply
+                    self._connect(k, phase)
+            self._clear(k, time, phase)
             off_until = self._off_until[k]
             if off_until is not None and off_until <= time:
                 self._off_until[k] = None
@@ -88,7 +137,9 @@ class Machines:
     def next_change(self) -> float:
         """When a supply changes next; infinite where none does. [s]"""
         begins = (w[0].begins for w in self._waiting if w)
-        return min([*begins, *(t for t in self._off_until if t is not None)], default=math.inf)
+        looks = (c.next for c in self._clearings if c is not None)
+        off = (t for t in self._off_until if t is not None)
+        return min([*begins, *looks, *off], default=math.inf)
 
     def apply_field(self, phase: Floats) -> None:
         """The discharge resistor is taken out of each field, and the exciter put in."""
@@ -114,8 +165,37 @@ class Machines:
         """The breakers of all motors open for good; what happens to the line reaches none any more."""
         for k, waiting in enumerate(self._waiting):
             waiting.clear()
+            self._clearings[k] = None
             self._off_until[k] = math.inf
             self._connect(k, phase)
+
+    def _clear(self, k: int, time: float, phase: Floats) -> None:
+        """Phases whose currents are zero by then."""
+        m, clearing = self._machines[k], self._clearings[k]
+        while clearing is not None and clearing.next <= time:
+            begins = m.supplies[-2].begins
+            currents = {p: self._current(k, p, time - begins, phase) for p in clearing.waiting}
+            if time >= clearing.latest:  # then the breaker interrupts what flows
+                clearing.cleared = list(m.poles)
+            elif not clearing.met(time, currents):
+                continue
+            supply = cleared_supply(time, clearing.cleared, len(m.poles))
+            size, angle = supply.backward
+            turned = 2.0 * m.machine.line_omega * begins
+            self._present[k] = replace(supply, backward=(size, angle + turned))
+            self._connect(k, phase)
+            if len(clearing.cleared) == len(m.poles):
+                self._clearings[k] = clearing = None
+
+    def _current(self, k: int, axis: float, since: float, phase: Floats) -> float:
+        """Along an axis of the stator, which the voltage of the line had at the event, so long ago. [pu, s]"""
+        m = self._machines[k]
+        i_d, i_q = (
+            float(x)
+            for x in product(self._arrays["current"][k][:, : len(self._flux(k))], self._flux(k))
+        )
+        angle = m.machine.line_omega * since - (0.5 * float(phase[k]) + m.ahead) - axis
+        return float(i_d * cos(angle) - i_q * sin(angle))
 
     def _flux(self, k: int) -> Floats:
         return np.asarray(self._arrays["flux"][k, : self._arrays["n_flux"][k]].copy())

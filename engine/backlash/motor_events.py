@@ -270,7 +270,7 @@ def start_event(case: CaseData, train: Train, row: MotorEventRow) -> StartEvent:
         replace(s, begins=begins + s.begins, backward=(s.backward[0], s.backward[1] + turned))
         for s in _supplies(row, 1.0)  # it takes no residual voltage
     )
-    return StartEvent(train.stations.index(str(row.station)), supplies, MOTOR_FOLLOWED)
+    return StartEvent(train.stations.index(str(row.station)), supplies, MOTOR_FOLLOWED, _poles(row))
 
 
 def number(value: float | str | None) -> float | None:
@@ -410,7 +410,9 @@ def machine_in_time(event: MotorEvent) -> tuple[Motor, MachineInTime]:
     motor = Motor(
         event.station, nothing, nothing, machine.synchronous_speed, machine.pole_pairs, -2.0 * state.angle
     )  # fmt: skip
-    return motor, MachineInTime(machine, event.supplies, state.flux, state.field_voltage)
+    return motor, MachineInTime(
+        machine, event.supplies, state.flux, state.field_voltage, poles=event.poles
+    )
 
 
 def _slip(event: MotorEvent, time: Floats, lag: Floats) -> tuple[int, float]:

@@ -213,13 +213,6 @@ def _event(case: CaseData, analysis: ModalAnalysis, name: str) -> OperatingEvent
                 f"{to_zero} '{idle[0]}' carries no driving torque in operation, so that the flank it begins on is "
                 "unknown. Type Running load in table Stations, or force effect backlash off",
             )
-        elif isinstance(drive, MotorDrive) and drive.event.poles:
-            return OperatingEvent.not_calculated(
-                name,
-                f"{to_zero} zeros of current are not located with teeth apart. Leave Clearing in table MotorEvents "
-                "blank, which clears at once, or force effect backlash off",
-                air_gap,
-            )
         else:
             event = drive.event if isinstance(drive, MotorDrive) else None
             response = _with_clearances(case, modal, name, response, event)

@@ -53,10 +53,12 @@ def _hold(make, seeds):
 
 
 @pytest.mark.parametrize("kind", [Kind.THREE_PHASE_FAULT, Kind.LINE_TO_LINE_FAULT])
-@pytest.mark.parametrize("seed", [0, 1, 2, 6])
-def test_stated_errors_hold_where_phases_clear_at_zeros_of_current(kind, seed):
-    """Beside scipy's location of the zeros of phase currents."""
-    case = random_case(seed)
+@pytest.mark.parametrize(
+    ("make", "seed"), [*((random_case, s) for s in (0, 1, 2, 6)), *((with_clearance, s) for s in (1, 2, 6))]
+)  # fmt: skip
+def test_stated_errors_hold_where_phases_clear_at_zeros_of_current(kind, make, seed):
+    """Beside scipy's location of the zeros of phase currents, also with teeth apart."""
+    case = make(seed)
     row = case.motor_events[0]
     event = replace(
         row, kind=kind, phase=0.4 + 0.5 * seed, angle=None, residual_voltage=None, clears_after=0.06,

@@ -241,17 +241,18 @@ def _begins(case: CaseData, cells: Cells, row: MotorEventRow) -> Iterator[Proble
             "Begins", row.begins, f"below MaximumTime, {case.maximum_time:g} s",
             "The start is followed no longer: raise MaximumTime, or type a shorter time.",
         )  # fmt: skip
-    if row.kind == Kind.LINE_TO_LINE_FAULT and any(s.station == row.station for s in case.supply):
-        yield cells.wrong(
-            "Kind", row.kind, "another kind where Begins is a number and table Supply has the motor",
-            "One phase is then behind the impedance of the line and the others are not, which is not calculated: "
-            "choose another kind, or clear Begins or the row of table Supply.",
-        )  # fmt: skip
-    if row.clearing == Clearing.ZEROS:
-        yield cells.wrong(
-            "Clearing", row.clearing, "blank or at once where Begins is a number",
-            "Zeros of current are located in operation alone: clear the cell, or Begins.",
-        )  # fmt: skip
+    if any(s.station == row.station for s in case.supply):
+        behind = "One phase is then behind the impedance of the line and the others are not, which is not calculated: "
+        if row.kind == Kind.LINE_TO_LINE_FAULT:
+            yield cells.wrong(
+                "Kind", row.kind, "another kind where Begins is a number and table Supply has the motor",
+                behind + "choose another kind, or clear Begins or the row of table Supply.",
+            )  # fmt: skip
+        elif row.clearing == Clearing.ZEROS:
+            yield cells.wrong(
+                "Clearing", row.clearing, "blank or at once where Begins is a number and table Supply has the motor",
+                behind + "clear the cell, Begins, or the row of table Supply.",
+            )  # fmt: skip
 
 
 def _word(row: MotorEventRow, column: str) -> str | None:

@@ -146,7 +146,10 @@ def test_an_induction_motor_may_have_a_fault_while_it_starts():
         ({"kind": "out-of-phase closing", "angle": 1.0, "clears_after": None}, {}, "Begins", "closed already"),
         ({"kind": "reclosing", "angle": 1.0}, {}, "Angle", "no effect on a reclosing"),
         ({"kind": "reclosing", "residual_voltage": 0.7}, {}, "Residual voltage", "no effect on a reclosing"),
-        ({"clearing": "zeros of current"}, {}, "Clearing", "located in operation alone"),
+        (
+            {"clearing": "zeros of current"}, {"supply": (SupplyRow("motor", 1e9),)}, "Clearing",
+            "blank or at once where Begins is a number and table Supply has the motor",
+        ),
     ],
 )  # fmt: skip
 def test_what_cannot_begin_in_a_start_is_refused(change, fields, column, words):
