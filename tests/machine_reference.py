@@ -140,8 +140,9 @@ def reference(case: Case, rtol: float = 1e-11) -> tuple[dict[str, tuple[float, f
         i = y @ flux
         return base * (flux[0] * i[3] - flux[3] * i[0])
 
-    if row.kind == Kind.OUT_OF_PHASE_CLOSING:
-        i_f, axis = row.residual_voltage / c.xmd, row.angle - 0.5 * math.pi
+    off = row.kind == Kind.THREE_PHASE_FAULT and row.residual_voltage is not None
+    if off or row.kind == Kind.OUT_OF_PHASE_CLOSING:
+        i_f, axis = row.residual_voltage / c.xmd, (row.angle or 0.0) - 0.5 * math.pi
         flux = x @ np.array([0.0, i_f, 0.0, 0.0, 0.0])
         accelerations = np.full(n, -load / j.sum())
         inertial = np.cumsum((j * accelerations)[:-1])  # what the discs before an element give up
@@ -258,6 +259,76 @@ def reference(case: Case, rtol: float = 1e-11) -> tuple[dict[str, tuple[float, f
         begin = end
     peaks = {e: np.concatenate(v) for e, v in found.items()}
     return {e: (float(v.max()), float(v.min())) for e, v in peaks.items()}, max(air_gap)
+
+
+def off_line_reference(
+    case: Case, rtol: float = 1e-11
+) -> tuple[dict[str, tuple[float, float]], float]:
+    """As `reference`, of a line-to-line fault of a motor off the line: one loop of the stator, no current across it."""
+    row, sheet, c = case.motor_events[0], case.motor_data[0], case.motor_circuit[0]
+    assert sheet.apparent_power is not None
+    omega, pairs = 2.0 * math.pi * case.line_frequency, case.poles / 2.0
+    base = sheet.apparent_power * pairs / omega
+    j = np.array([s.inertia for s in case.stations])
+    k = np.array([e.stiffness for e in case.elements])
+    d = np.array([e.damping for e in case.elements])
+    n, load = len(j), case.stations[-1].running_load
+    x = np.zeros((5, 5))  # d, field, damper d; q, damper q
+    x[:3, :3] = c.xmd + np.diag([c.xl, c.xlf, c.xlkd])
+    x[3:, 3:] = c.xmq + np.diag([c.xl, c.xlkq])
+    r = np.array([c.rs, c.rf, c.rkd, c.rkq])
+    loop = (
+        0.5 * math.pi - row.phase
+    )  # of the loop's axis in the stator, in which E is along 0 at the fault
+
+    def currents(angle: float, linked: np.ndarray) -> np.ndarray:
+        """Of all windings, from what the loop and the windings of the rotor link."""
+        of_loop = np.zeros((5, 4))
+        of_loop[[0, 3], 0] = math.cos(loop - angle), math.sin(loop - angle)
+        of_loop[[1, 2, 4], [1, 2, 3]] = 1.0
+        return of_loop @ np.linalg.solve(of_loop.T @ x @ of_loop, linked)
+
+    def torque_of(angle: float, linked: np.ndarray) -> float:
+        i = currents(angle, linked)
+        psi = x @ i
+        return float(base * (psi[0] * i[3] - psi[3] * i[0]))
+
+    i_f, axis = row.residual_voltage / c.xmd, -0.5 * math.pi
+    inertial = np.cumsum((j * np.full(n, -load / j.sum()))[:-1])  # as before a closing out of phase
+    theta = -np.concatenate([[0.0], np.cumsum(-inertial / k)])
+
+    def angle_of(t: float, s: np.ndarray) -> float:
+        return float(axis + omega * t + pairs * s[0])
+
+    def rates(t: float, s: np.ndarray) -> np.ndarray:
+        th, v, angle = s[:n], s[n : 2 * n], angle_of(t, s)
+        i = currents(angle, s[2 * n :])
+        through = k * (th[:-1] - th[1:]) + d * (v[:-1] - v[1:])
+        force = np.zeros(n)
+        force[0] = torque_of(angle, s[2 * n :])
+        force[-1] -= load
+        force[:-1] -= through
+        force[1:] += through
+        in_loop = i[0] * math.cos(loop - angle) + i[3] * math.sin(loop - angle)
+        change = -r * np.array([in_loop, i[1], i[2], i[4]])
+        change[1] += c.rf * i_f
+        return np.concatenate([v, force / j, omega * change])
+
+    flux = x @ np.array([0.0, i_f, 0.0, 0.0, 0.0])
+    through_loop = flux[0] * math.cos(loop - axis) + flux[3] * math.sin(loop - axis)
+    state = np.concatenate([theta, np.zeros(n), [through_loop, *flux[[1, 2, 4]]]])
+    scale = np.concatenate([np.full(n, 1e-3), np.full(n, 0.1), np.full(4, 1.0)])
+    t = np.linspace(0.0, LENGTH, int(LENGTH * omega / 0.03))
+    s = solve_ivp(rates, (0.0, LENGTH), state, "DOP853", t, rtol=rtol, atol=rtol * scale).y
+    peaks = {}
+    for i, element in enumerate(case.elements):
+        torque, rate = k[i] * (s[i] - s[i + 1]), k[i] * (s[n + i] - s[n + i + 1])
+        values = np.append(turning_points(t, torque, rate)[1], torque[[0, -1]])
+        peaks[element.element] = float(values.max()), float(values.min())
+    torque = np.array([torque_of(angle_of(a, b), b[2 * n :]) for a, b in zip(t, s.T, strict=True)])
+    air_gap = CubicSpline(t, torque)
+    tops = air_gap.derivative().roots(extrapolate=False)
+    return peaks, float(np.max(np.abs(air_gap(tops[np.isfinite(tops)]))))
 
 
 def start_case(seed: int, tolerance: float = 1e-3) -> Case:

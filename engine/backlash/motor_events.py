@@ -27,12 +27,13 @@ from engine.model.motor import Motor
 from engine.model.train import Train
 from engine.motor.circuit import Circuit, line_omega, starting_circuit
 from engine.motor.curves import running_slip, stalls_at
-from engine.motor.fault_torques import largest_of_constant_fluxes
+from engine.motor.fault_torques import largest_line_to_line, largest_of_constant_fluxes
 from engine.motor.from_case import MotorFromData, motors_from_data
 from engine.motor.two_axis import (
     MachineState,
     flux_system,
     open_circuit_state,
+    residual_voltage,
     running_state,
     slipping_state,
 )
@@ -186,7 +187,7 @@ def motor_event(case: CaseData, train: Train, row: MotorEventRow) -> MotorEvent:
     )
     station = train.stations.index(motor.station)
     held = float(transmitted_torque(case, train).motor[station])
-    released, slip = row.kind == MotorEventKind.OUT_OF_PHASE_CLOSING, 0.0
+    released, slip = row.is_off_the_line, 0.0
     if circuit.field is None:
         slip = running_slip(circuit, held / motor.torque_base)
         state = slipping_state(circuit, slip)
@@ -210,9 +211,13 @@ def _motor_of(case: CaseData, station: str | None) -> MotorFromData:
 def _supplies(row: MotorEventRow, speed: float) -> tuple[Supply, ...]:
     """What the line does, with the phase `row.phase` of the healthy phase, or of the one that changes.
 
+    Of a motor off the line the phase is that of its own voltage.
+
     The voltage of an open stator is that of its fluxes times the speed of the rotor, over synchronous speed.
     """
     clears = number(row.clears_after)
+    if row.is_off_the_line and row.kind == MotorEventKind.LINE_TO_LINE_FAULT:
+        return (Supply(0.0, (0.0, 0.0), open_axis=-(number(row.phase) or 0.0)),)
     match row.kind:
         case MotorEventKind.OUT_OF_PHASE_CLOSING:
             return (Supply(0.0),)
@@ -458,6 +463,14 @@ def _closed_form(event: MotorEvent) -> float | None:
     """Largest torque of constant flux linkages: no resistance, one speed. [N m]"""
     machine, state, flux = event.machine, event.state, event.state.flux
     supply, *then = event.supplies
+    if supply.open_axis is not None:
+        system = flux_system(machine.circuit, 1.0, 0.0, 0.0, is_open=False)
+        voltage, _ = residual_voltage(machine.circuit, flux)
+        largest = largest_line_to_line(
+            1.0 / float(system.current[0, 0]), 1.0 / float(system.current[system.q, system.q]),
+            0.5 * math.pi - supply.open_axis,
+        )  # fmt: skip
+        return machine.torque_base * voltage * voltage * largest
     if supply.is_open:
         closing = replace(then[0], begins=0.0)
         if closing.ahead is None and then[0].begins > 0.0:

@@ -36,6 +36,12 @@ class FluxSystem:
         """Currents of the stator's axes from fluxes. [1] Shape (2, n)."""
         return self.current[[0, self.q]]
 
+    @property
+    def current_rate(self) -> Floats:
+        """Rates of these per flux, from the field, and per voltage. [1/s] Shape (2, n + 3)."""
+        drives = np.column_stack([self.rate, self.field, self.voltage])
+        return np.asarray(product(self.stator_current, drives))
+
 
 @dataclass(frozen=True, eq=False)
 class MachineState:

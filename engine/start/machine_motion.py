@@ -66,6 +66,9 @@ class Supply:
     #: Voltage that turns against the line: its magnitude, and its angle at t = 0. [pu, rad]
     backward: tuple[float, float] = (0.0, 0.0)
     is_open: bool = False  #: No current flows.
+    #: Angle at t = 0 of the axis of the stator along which no current flows, the other one shorted; None: currents flow
+    #: along both, or it is open. [rad]
+    open_axis: float | None = None
     at_terminals: bool = (
         False  #: What happens is at the terminals: no impedance of a source is before the stator.
     )
@@ -328,8 +331,11 @@ class Stretch:
             "flux_steady": np.stack([m.steady for m in maps]),
             "current": fluxes.stator_current,
         }
+        if self.supply.open_axis is not None:
+            arrays["current_rate"] = fluxes.current_rate
         return struct(
             "machine_t",
+            open_axis=self.supply.open_axis or 0.0,
             **{name: np.ascontiguousarray(a) for name, a in arrays.items()},
             n_blocks=len(free), block=2 * block, n_flux=len(fluxes.rate), q=fluxes.q,
             line_omega=machine.line_omega, axes_speed=self.speed, pole_pairs=machine.pole_pairs,
@@ -342,13 +348,32 @@ class Stretch:
         turned = self.angle + machine.pole_pairs * rotor
         beyond = speed / machine.synchronous_speed
         line = machine.line_omega * time
-        ahead = supply.forward[1] + (1.0 - self.speed) * line - turned
-        back = supply.backward[1] - (1.0 + self.speed) * line - turned
-        size, against = supply.forward[0], supply.backward[0]
-        u_d = size * cos(ahead) + against * cos(back) + beyond * flux[fluxes.q]
-        u_q = size * sin(ahead) + against * sin(back) - beyond * flux[0]
+        moved = np.stack([beyond * flux[fluxes.q], -beyond * flux[0]])
+        if supply.open_axis is not None:
+            u_d, u_q = self._open_voltage(
+                supply.open_axis - self.speed * line - turned, beyond, moved, flux
+            )
+        else:
+            ahead = supply.forward[1] + (1.0 - self.speed) * line - turned
+            back = supply.backward[1] - (1.0 + self.speed) * line - turned
+            size, against = supply.forward[0], supply.backward[0]
+            u_d = size * cos(ahead) + against * cos(back)
+            u_q = size * sin(ahead) + against * sin(back)
+        u_d, u_q = u_d + moved[0], u_q + moved[1]
         slope = product(fluxes.rate, flux) + product(fluxes.voltage, np.stack([u_d, u_q]))
         return np.asarray(slope + fluxes.field[:, None])
+
+    def _open_voltage(self, axis: Floats, beyond: Floats, moved: Floats, flux: Floats) -> Floats:
+        """Voltages of both axes where no current flows along an axis of the stator, as in `kernels/machine.c`."""
+        fluxes, n = self.fluxes, len(flux)
+        c, s = cos(axis), sin(axis)
+        i_d, i_q = product(fluxes.stator_current, flux)
+        of = fluxes.current_rate
+        r_d, r_q = product(of[:, :n], flux) + of[:, n : n + 1] + product(of[:, n + 1 :], moved)
+        turning, omega = self.machine.line_omega * (self.speed + beyond), self.machine.line_omega
+        gain = c * (of[0, n + 1] * c + of[0, n + 2] * s) + s * (of[1, n + 1] * c + of[1, n + 2] * s)
+        comes = c * r_d + s * r_q + turning * (s * i_d - c * i_q) + omega * (c * i_d + s * i_q)
+        return np.asarray(-comes / gain * np.stack([c, s]))
 
 
 def _block(system: ModalSystem) -> int:

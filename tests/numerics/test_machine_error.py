@@ -9,7 +9,13 @@ import pytest
 from engine.backlash.operating_events import operating_events
 from engine.case.choices import MotorEventKind as Kind
 from engine.model.modal_analysis import analyse
-from tests.machine_reference import misses, random_case, with_clearance
+from tests.machine_reference import (
+    misses,
+    off_line_reference,
+    random_case,
+    reference,
+    with_clearance,
+)
 
 
 @pytest.mark.parametrize(
@@ -67,6 +73,21 @@ def test_stated_errors_hold_where_phases_clear_at_zeros_of_current(kind, make, s
     case = replace(case, motor_events=(event,))
     (found,) = operating_events(case, analyse(case))
     assert misses(case, found) == []
+
+
+@pytest.mark.parametrize("kind", [Kind.THREE_PHASE_FAULT, Kind.LINE_TO_LINE_FAULT])
+@pytest.mark.parametrize("seed", [0, 1, 2, 6])
+def test_stated_errors_hold_of_faults_off_the_line(kind, seed):
+    """Beside DOP853; of a line-to-line fault in fluxes of the loop that the fault closes, and of the rotor."""
+    case = random_case(seed)
+    shorted = kind == Kind.LINE_TO_LINE_FAULT
+    event = replace(
+        case.motor_events[0], kind=kind, phase=0.4 + 0.5 * seed if shorted else None, angle=None,
+        residual_voltage=0.8 + 0.05 * seed, clears_after=None,
+    )  # fmt: skip
+    case = replace(case, motor_events=(event,))
+    (found,) = operating_events(case, analyse(case))
+    assert misses(case, found, off_line_reference if shorted else reference) == []
 
 
 def test_phases_that_clear_at_zeros_are_not_those_that_clear_at_once():

@@ -84,8 +84,8 @@ class Takes(NamedTuple):
 
 
 COLUMNS = {
-    Kind.THREE_PHASE_FAULT: Takes((), ("Clears after",)),
-    Kind.LINE_TO_LINE_FAULT: Takes((), ("Phase", "Clears after")),
+    Kind.THREE_PHASE_FAULT: Takes((), ("Residual voltage", "Clears after")),
+    Kind.LINE_TO_LINE_FAULT: Takes((), ("Phase", "Residual voltage", "Clears after")),
     Kind.OUT_OF_PHASE_CLOSING: Takes(("Angle",), ("Residual voltage",)),
     Kind.RECLOSING: Takes((), ("Angle", "Residual voltage", "Clears after")),
     Kind.VOLTAGE_DIP: Takes(("Residual voltage",), ("Clears after",)),
@@ -125,6 +125,7 @@ def check_motor_events(case: CaseData) -> Iterator[Problem]:
                 takes = Takes(takes.needs, tuple(c for c in takes.may if c not in _OF_OPERATION))
             yield from _columns(cells, row, takes)
             yield from _clearing(cells, row)
+            yield from _off_the_line(cells, row)
             yield from _begins(case, cells, row)
     if case.motor_events and has_possible_ratings(case):
         ratings = case.ratings
@@ -159,7 +160,13 @@ def _motor(case: CaseData, cells: Cells, row: MotorEventRow) -> Iterator[Problem
         of_sheet = sheet.xd_transient, sheet.td_0_transient, sheet.td_transient, sheet.r_1
         windings = of_sheet if circuit is None else (circuit.rf, circuit.xlf)
         bare = all(value is None for value in windings)
-        if induction and row.kind == Kind.OUT_OF_PHASE_CLOSING:
+        if induction and row.is_off_the_line and row.kind != Kind.OUT_OF_PHASE_CLOSING:
+            yield cells.wrong(
+                "Residual voltage", row.residual_voltage, "blank where Kind in table MotorData is induction",
+                "An induction motor off the line has no voltage that stays: clear the cell, for a fault of the motor on "
+                "its line.",
+            )  # fmt: skip
+        elif induction and row.kind == Kind.OUT_OF_PHASE_CLOSING:
             yield cells.wrong(
                 "Kind", row.kind, "an event of a motor on its line, where Kind in table MotorData is induction",
                 "An induction motor off the line has no voltage to be out of phase. Choose reclosing for one whose "
@@ -206,8 +213,23 @@ def _clearing(cells: Cells, row: MotorEventRow) -> Iterator[Problem]:
         )  # fmt: skip
 
 
-#: What a reclosing in a start does not take: rotor and line turn with unlike frequencies.
+def _off_the_line(cells: Cells, row: MotorEventRow) -> Iterator[Problem]:
+    """A fault of a motor off its line has nothing to clear to."""
+    if (
+        row.kind != Kind.OUT_OF_PHASE_CLOSING
+        and row.is_off_the_line
+        and row.clears_after is not None
+    ):
+        yield cells.wrong(
+            "Clears after", row.clears_after, "blank for a fault where Residual voltage is given",
+            "The motor is off the line then, and no line returns. Clear one of the two cells.",
+        )  # fmt: skip
+
+
+#: What an event in a start does not take: rotor and line turn with unlike frequencies, and the motor is on the line.
 _OF_OPERATION = ("Angle", "Residual voltage")
+#: Kinds of which the residual voltage is that of the motor off the line.
+_OF_THE_MOTOR = (Kind.RECLOSING, Kind.THREE_PHASE_FAULT, Kind.LINE_TO_LINE_FAULT)
 
 
 def _begins(case: CaseData, cells: Cells, row: MotorEventRow) -> Iterator[Problem]:
@@ -292,10 +314,8 @@ def _columns(cells: Cells, row: MotorEventRow, takes: Takes) -> Iterator[Problem
             f"below Latest clearing, {latest:g} s",
             "The worst Clears after is looked for between the two. Correct one of them.",
         )
-    if row.residual_voltage == 0.0 and row.kind in (Kind.RECLOSING, Kind.OUT_OF_PHASE_CLOSING):
-        yield cells.wrong(
-            "Residual voltage",
-            0.0,
-            "above 0 pu",
-            "Without voltage there is no angle: type a small one.",
-        )
+    if row.residual_voltage == 0.0 and row.kind in (*_OF_THE_MOTOR, Kind.OUT_OF_PHASE_CLOSING):
+        action = "Without voltage there is no angle: type a small one."
+        if row.kind not in (Kind.RECLOSING, Kind.OUT_OF_PHASE_CLOSING):
+            action = "It is the motor's own before the fault, off the line: clear the cell for a motor on its line."
+        yield cells.wrong("Residual voltage", 0.0, "above 0 pu", action)
