@@ -1083,6 +1083,11 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 format=shown.ERROR, error=ReportedError.ESTIMATE, pane=Pane.MINOR,
             ),
             *_worst_instant("torque"),
+            number(
+                "Slip", "fraction", "Slip of the motor in operation, before the event; 0 of a motor in step; blank in a start.",
+                "The slip at which the average torque is that which balances the running loads", EVENT_METHOD,
+                of_case=EVENT, format=shown.TELLING_SHARE, pane=Pane.MINOR,
+            ),
         ),
     ),
     table(

@@ -290,7 +290,7 @@ SHEETS: tuple[Sheet, ...] = (
         "Events",
         "result",
         {"A": 1.5, "B": 24, "C": 22, "D:E": 12, "F:H": 10, "I:K": 11, "L": 12, "M": 20, "N:U": 10,
-         "V": 2, "W": 24, "X:AE": 12},
+         "V": 2, "W": 24, "X:AF": 12},
         {"EventPeaks": "B5", "AirGapTorque": "W5"},
         (ChartAt("air-gap", "W22", 640, 334), ChartAt("clearing", "W40", 640, 334)),
         breaks=("V",),

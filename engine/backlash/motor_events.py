@@ -140,6 +140,9 @@ class AirGapTorque:
     slipped: int
     #: From when on the rotor is more than half a turn from where it was; infinite: never. [s]
     slips_from: float
+    slip: (
+        float | None
+    )  #: In operation, before the event; 0 in step; None: it begins in a start. [1]
     #: Slip at the end of an induction motor that does not return to its speed; None: it does, or it has a field. [1]
     stalled: float | None
 
@@ -368,7 +371,7 @@ def air_gap_torque_of(drive: MotorDrive) -> AirGapTorque:
     lag = event.slip * machine.line_omega * motion.time - machine.pole_pairs * motion.rotor
     return AirGapTorque(
         largest, time, max(change, LEAST_PEAK_ERROR),
-        _closed_form(event), *_slip(event, motion.time, lag), _stalled(event, motion.time, lag),
+        _closed_form(event), *_slip(event, motion.time, lag), event.slip, _stalled(event, motion.time, lag),
     )  # fmt: skip
 
 

@@ -86,6 +86,7 @@ class WorstInstants:
     air_gap: Floats  #: Likewise. [N m] Shape (n_times,).
     element: str  #: Which element.
     torque: Floats  #: Likewise. [N m] Shape (n_times,).
+    turn: str  #: What was looked for beside the clearing time: ``phase``, ``angle``, or nothing.
 
     @property
     def rows(self) -> Iterable[MotorEventRow]:
@@ -226,6 +227,7 @@ def _searched(
         over_time[:, n],
         names[largest_of] if names else "",
         over_time[:, largest_of],
+        grid.turn,
     )
 
 
@@ -252,7 +254,7 @@ class _Grid:
     """Combinations of phase or angle and clearing time."""
 
     row: MotorEventRow
-    turn: str  #: Which angle is scanned; empty: none.
+    turn: str  #: Which angle is scanned, ``phase`` or ``angle``; empty: none.
     spacing: tuple[
         float, float
     ]  #: Of angles and of clearing times; 0: that is not scanned. [rad, s]

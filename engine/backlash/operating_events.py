@@ -288,7 +288,7 @@ def _event_in_start(case: CaseData, analysis: ModalAnalysis, row: MotorEventRow)
         response,
         () if starts is None else starts.shafts,
         errors,
-        AirGapTorque(torque.largest, torque.time, torque.error, None, 0, math.inf, None),
+        AirGapTorque(torque.largest, torque.time, torque.error, None, 0, math.inf, None, None),
         _history(
             response,
             torque.torque,

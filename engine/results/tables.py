@@ -323,6 +323,7 @@ def _air_gap_torques(results: Results) -> list[Row]:
                 **_worst_instant(
                     results.case, event.name, event.worst.of_motor if event.worst else None
                 ),
+                "slip": torque.slip,
             }
     return rows
 
