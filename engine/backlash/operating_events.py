@@ -216,8 +216,8 @@ def _event(case: CaseData, analysis: ModalAnalysis, name: str) -> OperatingEvent
         elif isinstance(drive, MotorDrive) and drive.event.supplies[0].open_axis is not None:
             return OperatingEvent.not_calculated(
                 name,
-                f"{to_zero} a line-to-line fault of a motor off the line is calculated with all teeth in contact alone. Clear "
-                "Residual voltage, which puts the motor on its line, or force effect backlash off",
+                f"{to_zero} a line-to-line fault of a motor off the line, or behind a line of table Supply, is calculated with all "
+                "teeth in contact alone. Force effect backlash off",
             )
         else:
             event = drive.event if isinstance(drive, MotorDrive) else None

@@ -27,8 +27,9 @@ static double torque_row(const double *forced, const inputs_t *in)
     return forced[0] * in[0].torque + forced[1] * in[1].torque + forced[2] * in[2].torque;
 }
 
-/* Voltage along an axis of the stator in which no current flows: no current comes, and one that steps leave decays. */
-static double open_voltage(const machine_t *m, sincos_t axis, double beyond, const double *flux)
+/* Voltage along the axis of the stator that is not shorted: that of the source less its drop, or one with which no
+ * current comes, and one that steps leave decays. */
+static double open_voltage(const machine_t *m, double source, sincos_t axis, double beyond, const double *flux)
 {
     const int64_t n = m->n_flux;
     const double *of_d = m->current_rate, *of_q = of_d + n + 3, moved_d = beyond * flux[m->q], moved_q = -beyond * flux[0];
@@ -37,7 +38,10 @@ static double open_voltage(const machine_t *m, sincos_t axis, double beyond, con
     const double rq = row(n, of_q, flux) + of_q[n] + of_q[n + 1] * moved_d + of_q[n + 2] * moved_q;
     const double turning = m->line_omega * (m->axes_speed + beyond), c = axis.cosine, s = axis.sine;
     const double gain = c * (of_d[n + 1] * c + of_d[n + 2] * s) + s * (of_q[n + 1] * c + of_q[n + 2] * s);
-    return -(c * rd + s * rq + turning * (s * id - c * iq) + m->line_omega * (c * id + s * iq)) / gain;
+    const double comes = c * rd + s * rq + turning * (s * id - c * iq), along = c * id + s * iq;
+    const double share = m->series[0], reactance = m->series[2];
+    return (share * (source - m->series[1] * along) - reactance * (comes + (1.0 - share) * m->line_omega * along))
+           / (share + reactance * gain);
 }
 
 /* Angle and speed are those of the rotor beyond the axes. */
@@ -51,7 +55,8 @@ static inputs_t inputs_at(const machine_t *m, double time, double angle, double 
     inputs_t in;
     if (m->current_rate) {
         const sincos_t axis = sin_cos(m->open_axis - m->axes_speed * line - turned);
-        const double u = open_voltage(m, axis, beyond, flux);
+        const double source = m->forward[0] * (ahead.cosine * axis.cosine + ahead.sine * axis.sine);
+        const double u = open_voltage(m, source, axis, beyond, flux);
         in.d = u * axis.cosine + beyond * q;
         in.q = u * axis.sine - beyond * d;
     } else {

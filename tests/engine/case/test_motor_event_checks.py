@@ -156,7 +156,7 @@ def test_an_induction_motor_may_have_a_fault_while_it_starts():
         ({"kind": "reclosing", "residual_voltage": 0.7}, {}, "Residual voltage", "no effect on a reclosing"),
         (
             {"clearing": "zeros of current"}, {"supply": (SupplyRow("motor", 1e9),)}, "Clearing",
-            "blank or at once where Begins is a number and table Supply has the motor",
+            "blank or at once where table Supply has the motor",
         ),
     ],
 )  # fmt: skip
