@@ -288,11 +288,11 @@ SHEETS: tuple[Sheet, ...] = (
     Sheet(
         "Events",
         "result",
-        {"A": 1.5, "B": 24, "C": 22, "D:E": 12, "F:H": 10, "I:K": 11, "L": 12, "M": 20, "N:R": 10,
-         "S": 2, "T": 24, "U:AB": 12},
-        {"EventPeaks": "B5", "AirGapTorque": "T5"},
-        (ChartAt("air-gap", "T22", 640, 334), ChartAt("clearing", "T40", 640, 334)),
-        breaks=("S",),
+        {"A": 1.5, "B": 24, "C": 22, "D:E": 12, "F:H": 10, "I:K": 11, "L": 12, "M": 20, "N:U": 10,
+         "V": 2, "W": 24, "X:AF": 12},
+        {"EventPeaks": "B5", "AirGapTorque": "W5"},
+        (ChartAt("air-gap", "W22", 640, 334), ChartAt("clearing", "W40", 640, 334)),
+        breaks=("V",),
         freeze="A8",
         header_rows=7,
         intro="Faults in operation: events of tables EventTorque and MotorEvents (sheet Excitation) upon the train that "
