@@ -249,6 +249,7 @@ class _Reading:
         for table in INPUT_TABLES:
             self._read_table(table)
         self._note_earlier_default()
+        of_reader = self.findings.without()
         data = to_case_data(self.typed, self.findings)
         problems = all_problems(data, self.findings)
         return WorkbookInput(
@@ -260,6 +261,7 @@ class _Reading:
             template_version=version,
             typed=self.typed,
             studies=self._studies(),
+            findings=of_reader,
             locations=self.locations,
             workbook=self.workbook,
         )
