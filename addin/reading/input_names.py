@@ -37,7 +37,9 @@ _NAME = re.compile(
 )
 
 
-def named_input(name: str, base: TypedCase) -> NamedInput:
+def named_input(
+    name: str, base: TypedCase, tables: Sequence[TableSpec] = INPUT_TABLES
+) -> NamedInput:
     """The input that a name stands for.
 
     Parameters
@@ -46,6 +48,8 @@ def named_input(name: str, base: TypedCase) -> NamedInput:
         A scalar, or a cell of a table by row and column; a unit in brackets may follow. [words]
     base : TypedCase
         The case. [as typed]
+    tables : sequence of TableSpec, optional
+        Tables whose cells may be named; default those of the case.
 
     Raises
     ------
@@ -60,11 +64,11 @@ def named_input(name: str, base: TypedCase) -> NamedInput:
         )
     head, row, column, unit = match.group("table", "row", "column", "unit")
     if column is None:
-        spec = _named(head, SCALARS, "scalar")
+        spec = called(head, SCALARS, "scalar")
         place: Place = (SCALAR_TABLE, None, spec.name)
     else:
-        table = _named(head, INPUT_TABLES, "input table")
-        spec = _named(column, table.columns, f"column of {table.name}")
+        table = called(head, tables, "input table")
+        spec = called(column, table.columns, f"column of {table.name}")
         place = (table.name, _row(table, row, base), spec.name)
     if not unit:
         return NamedInput(name, place, spec)
@@ -79,8 +83,14 @@ def named_input(name: str, base: TypedCase) -> NamedInput:
 _T = TypeVar("_T", Field, TableSpec)
 
 
-def _named(word: str, known: Sequence[_T], what: str) -> _T:
-    """The input of a name or JSON key, capitals aside."""
+def called(word: str, known: Sequence[_T], what: str) -> _T:
+    """The record of a name or JSON key, capitals aside.
+
+    Raises
+    ------
+    WrongName
+        If there is none; the sentence names the nearest.
+    """
     for record in known:
         if word.casefold() in (record.name.casefold(), record.key):
             return record
