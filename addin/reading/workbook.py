@@ -406,9 +406,9 @@ class _Reading:
             self._note_missing_table(spec, table)
             return
         self.locations.tables[spec.name] = table
-        headers = {_header(name): i for i, name in enumerate(table.columns)}
+        headers = {folded_header(name): i for i, name in enumerate(table.columns)}
         for column in spec.columns:
-            index = headers.get(_header(column.name))
+            index = headers.get(folded_header(column.name))
             if index is None:
                 self._note_missing_column(spec, column, table)
                 continue
@@ -443,8 +443,8 @@ class _Reading:
     def _note_missing_column(self, spec: TableSpec, column: Field, table: Table) -> None:
         if not _OPTIONAL.isdisjoint((column.name, f"{spec.name}.{column.name}")):
             return
-        known = {_header(other.name) for other in (*spec.columns, *spec.extra_columns)}
-        others = [name for name in table.columns if _header(name) not in known]
+        known = {folded_header(other.name) for other in (*spec.columns, *spec.extra_columns)}
+        others = [name for name in table.columns if folded_header(name) not in known]
         meant = nearest(column.name, others, 0.5)
         hint = f" Column '{meant}' is similar; rename it." if meant else ""
         self.findings.add(
@@ -675,6 +675,6 @@ def _rows_in_words(rows: list[int]) -> str:
     return "rows " + ", ".join(map(str, rows)) + " are"
 
 
-def _header(text: str) -> str:
+def folded_header(text: str) -> str:
     """A header without line breaks, double blanks and capitals."""
     return " ".join(text.replace("\u00a0", " ").split()).casefold()

@@ -16,7 +16,8 @@ import torsionbook as tb
 ROOT = Path(__file__).resolve().parents[2]
 #: A name that is here stays.
 NAMES = [
-    "Check", "Input", "InputError", "Problem", "Results", "StudyResults", "read", "run", "study", "template",
+    "Check", "Input", "InputError", "Problem", "Recalculated", "Results", "StudyResults", "read",
+    "recalculate", "run", "study", "template",
 ]  # fmt: skip
 MODULES = [f"torsionbook.{module.name}" for module in pkgutil.iter_modules(tb.__path__)]
 
