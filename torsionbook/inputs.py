@@ -374,7 +374,7 @@ def read(source: Source) -> Input:
         return Input(typed_input(TypedCase(), Findings())).change(source)
     if is_openpyxl(source):
         with tempfile.TemporaryDirectory() as folder:
-            saved = Path(folder) / "workbook.xlsx"
+            saved = Path(folder) / "openpyxl workbook.xlsx"
             source.save(saved)
             return _of_file(saved)
     if isinstance(source, (str, PathLike)):

@@ -4,14 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from addin.calculation.calculation import Calculation
+from addin.charts.data import chart_blocks
+from addin.contract.charts import CHARTS
 from addin.contract.tables import RESULT_TABLES
 from addin.contract.version import product_version
 from addin.reading.typed_case import CaseInput
+from addin.reading.workbook import WorkbookInput
+from addin.report.units import document_units
 from addin.writing.recalculate import recalculate_case
 from addin.writing.results_json import results_to_json, table_rows
+from addin.writing.workbook import chosen_elements
 from torsionbook.extras import extra
 from torsionbook.frames import frame_of, frozen, table_called
 from torsionbook.inputs import Input, Source, read
@@ -19,6 +24,12 @@ from torsionbook.problems import refuse
 
 if TYPE_CHECKING:
     import pandas as pd
+    from matplotlib.figure import Figure
+
+    from addin.report.figures import Pictures
+
+#: Pictures that are no chart of a list of series.
+_DRAWN_APART = ("train", "shapes")
 
 
 @dataclass(frozen=True, repr=False)
@@ -136,6 +147,54 @@ class Results:
         """
         time, speed = self._calculation.view.speed_time or ((), ())
         return _curve({"time": time, "speed": speed}, {"time": "s", "speed": "rad/s"})
+
+    @property
+    def plots(self) -> tuple[str, ...]:
+        """Pictures that can be had by `plot`. [names]"""
+        pictures = self._pictures()
+        charts = (
+            name
+            for name, spec in CHARTS.items()
+            if name not in _DRAWN_APART
+            and all(series.table in pictures.charts.columns for series in spec.series)
+            and pictures.has_curve(name)
+        )
+        return (*_DRAWN_APART, *charts)
+
+    def plot(self, name: str) -> Figure:
+        """A picture of the report, in the units of the workbook.
+
+        Parameters
+        ----------
+        name : str
+            One of `plots`, such as ``interference`` or ``speed-time``. [name]
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            To be shown, changed or saved. [shown units]
+        """
+        if name not in self.plots:
+            raise LookupError(f"There is no picture '{name}'. There are {', '.join(self.plots)}.")
+        pictures = self._pictures()
+        if name == "train":
+            return cast("Figure", pictures.train()[0].drawing)
+        shapes = self._calculation.tables["ModeShapes"]
+        picture = pictures.shapes(shapes) if name == "shapes" else pictures.chart(name)
+        assert picture is not None, f"{name} has nothing to show"
+        return cast("Figure", picture.drawing)
+
+    def _pictures(self) -> Pictures:
+        """The pictures of the report, drawn but not encoded."""
+        extra("matplotlib", "pictures")
+        from addin.report.figures import Charts, Pictures
+
+        units, run = document_units(self._read).units, self._calculation
+        chosen = (
+            chosen_elements(self._read.workbook) if isinstance(self._read, WorkbookInput) else ()
+        )
+        blocks = chart_blocks(run.case, units, run.view, chosen)
+        return Pictures(Charts.of(blocks), vectors=False, pixels=False)
 
     def to_json(self) -> dict[str, Any]:
         """The object of the results JSON, as ``torsionbook recalc --json`` writes it. [SI]"""

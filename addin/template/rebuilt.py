@@ -8,12 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
+from addin.contract.chart_tables import CHART_TABLES
 from addin.contract.sheet import plot_name
-from addin.contract.sheets import SHEETS
-from addin.contract.studies.registry import with_studies
+from addin.contract.shipped import template_folder
 from addin.contract.tables import (
     EVERY_INPUT,
     EVERY_TABLE,
@@ -89,7 +90,7 @@ def rebuilt_workbook(
     if template is not None:
         _write_inputs(workbook, read_workbook(workbook), filled)
     _write_chosen_elements(workbook, chosen_elements(read.workbook))
-    ours = _sheets_of_the_product(read.workbook, workbook)
+    ours = _sheets_of_the_product(read.workbook)
     names = {name.casefold() for name in workbook.sheet_names}
     others = [name for name in read.workbook.sheet_names if name not in ours]
     for sheet in others:
@@ -119,27 +120,23 @@ def rebuilt_workbook(
     return Rebuilt(again, tuple(notes))
 
 
-def _sheets_of_the_product(source: Workbook, template: Workbook) -> set[str]:
-    """Sheets that hold a table or a name of the product, or bear the name of one of its sheets."""
-    tables = {spec.name.casefold() for spec in EVERY_TABLE}
-    names = {spec.name.casefold() for spec in SCALARS}
-    shipped = {sheet.name.casefold() for sheet in with_studies(SHEETS)} | {
-        LIVE_SHEET.name.casefold()
-    }
-    ours = {table.sheet for table in source.tables.values() if table.name.casefold() in tables}
-    ours |= {
-        name.sheet
-        for name in source.defined_names.values()
-        if name.sheet is not None and name.name.casefold() in names
-    }
-    # sheets of words and numbers alone, such as the lists behind the choices: those of the template that hold
-    # its names, and whatever stands beside them there
-    whole = {table.sheet for table in template.tables.values() if table.name.casefold() in tables}
-    hidden = template.structure.hidden_sheets & {
-        name.sheet for name in template.defined_names.values() if name.sheet is not None
-    }
-    known = shipped | {sheet.casefold() for sheet in (*whole, *hidden)}
-    return ours | {sheet for sheet in source.sheet_names if sheet.casefold() in known}
+@cache
+def _shipped_sheets() -> frozenset[str]:
+    """Names of the sheets of all shipped workbooks, without capitals."""
+    shipped = (open_workbook(path, read_only=True) for path in template_folder().glob("*.xlsx"))
+    names = {name for workbook in shipped for name in workbook.sheet_names}
+    return frozenset(name.casefold() for name in (*names, LIVE_SHEET.name))
+
+
+def _sheets_of_the_product(source: Workbook) -> set[str]:
+    """Sheets that hold a table or a scalar of the product, or bear the name of one of its sheets."""
+    known = [*(spec.name for spec in EVERY_TABLE), *(spec.name for spec in CHART_TABLES)]
+    tables = {name.casefold() for name in known}
+    scalars = {spec.name.casefold() for spec in SCALARS}
+    ours = {sheet for sheet in source.sheet_names if sheet.casefold() in _shipped_sheets()}
+    ours |= {table.sheet for table in source.tables.values() if table.name.casefold() in tables}
+    named = (one for one in source.defined_names.values() if one.name.casefold() in scalars)
+    return ours | {one.sheet for one in named if one.sheet is not None}
 
 
 # --- inputs ---------------------------------------------------------------------------------------

@@ -1,5 +1,7 @@
 """Results and studies: the numbers of the command line to the last bit, as frames and as records."""
 
+import dataclasses
+import io
 import json
 
 import pytest
@@ -7,6 +9,9 @@ from command_line import torsionbook
 
 import torsionbook as tb
 from addin.contract.tables import RESULT_TABLES
+from addin.report.build import build_document
+from addin.report.document import Figure
+from addin.report.figures import _style
 
 EXAMPLES = (
     "example_modified",
@@ -166,3 +171,43 @@ def test_the_best_case_of_a_tuning_is_read_back(tmp_path):
     assert rank_1["values"] == [best.value("Elements[LS coupling].Stiffness")]
     with pytest.raises(LookupError, match="tune has no option 'nonsense'. Available: top, cases"):
         tuned.save(nonsense=1)
+
+
+# --- pictures -------------------------------------------------------------------------------------
+
+
+def test_pictures_are_those_of_the_report(done):
+    """The same pixels, where they are saved as the report saves them."""
+    calculation = done._calculation
+    document = build_document("train.xlsx", done._read, calculation, vectors=False, pixels=True)
+    printed = {
+        block.png
+        for section in document.sections
+        for block in every_block(section)
+        if isinstance(block, Figure)
+    }
+    assert len(printed) > 5
+    for name in ("train", "shapes", "interference", "torque", "speed-time", "sn"):
+        target = io.BytesIO()
+        with _style():
+            done.plot(name).savefig(target, format="png", dpi=200, metadata={"Software": None})
+        assert target.getvalue() in printed, name
+
+
+def every_block(thing):
+    """Everything that stands in a part of a document."""
+    for field in dataclasses.fields(thing):
+        value = getattr(thing, field.name)
+        for one in value if isinstance(value, tuple) else (value,):
+            if dataclasses.is_dataclass(one):
+                yield one
+                yield from every_block(one)
+
+
+def test_every_picture_that_is_listed_can_be_had(done):
+    for name in done.plots:
+        assert done.plot(name).axes
+    with pytest.raises(
+        LookupError, match="There is no picture 'nonsense'. There are train, shapes"
+    ):
+        done.plot("nonsense")
