@@ -8,17 +8,17 @@
 The names below are the interface: they stay between versions, and each does what the command of its
 name does, with the same numbers to the last bit. `addin` and `engine`, which they call, may change.
 
-=============== ==================================================================================
-module          responsibility
-=============== ==================================================================================
-`extras`        packages that are installed by choice, and what to say where one is missing
-`problems`      what is wrong with an input, as records and as an exception
-`frames`        rows of a table to and from pandas frames with their units
-`inputs`        an input: read, looked at, changed, checked, written
-`results`       one calculation: tables, records, verdicts, histories, pictures
-`studies`       studies of an input: tuning, tolerances, sensitivities, starts, calibration, accuracy
-`recalculation` a workbook recalculated without Excel, from a file or as openpyxl has it in memory
-=============== ==================================================================================
+=================  ===============================================================================
+module             responsibility
+=================  ===============================================================================
+`extras`           packages that are installed by choice, and what to say where one is missing
+`problems`         what is wrong with an input, as records and as an exception
+`frames`           rows of a table to and from pandas frames with their units
+`inputs`           an input: read, looked at, changed, checked, written
+`results`          one calculation: tables, records, verdicts, histories, pictures
+`studies`          studies of an input: tuning, tolerances, sensitivities, starts, calibration, accuracy
+`recalculation`    a workbook recalculated without Excel, from a file or as openpyxl has it in memory
+=================  ===============================================================================
 
 A number is in SI and radians unless a unit is asked for.
 """
