@@ -17,7 +17,6 @@ from addin.reading.input_names import NamedInput, WrongName, entry_of, named_inp
 from addin.reading.one_file import Unreadable, read_checked
 from addin.reading.typed_case import CaseInput, Findings, Place, TypedCase
 from addin.studies.check_input import check_input
-from addin.template.build import build_template
 from addin.template.filled import MixedUnits, example_of
 from addin.xlsx.whole_files import write_json, write_whole
 from torsionbook.frames import frame_of, frozen, plain, rows_of, table_called
@@ -324,6 +323,8 @@ class Input:
     def _build(self, path: Path, units: str) -> None:
         if units not in ("us", "si"):
             raise ValueError(f"units is '{units}'; it must be us or si.")
+        from addin.template.build import build_template
+
         try:
             filled = example_of(self._read, units)
         except MixedUnits as mixed:

@@ -13,10 +13,10 @@ from typing import Any
 from addin.reading.one_file import WORKBOOK_ENDINGS, file_problem
 from addin.reading.workbook import WorkbookInput
 from addin.template.filled import MixedUnits
-from addin.template.rebuilt import CannotBeRebuilt, rebuilt_workbook
 from addin.writing.recalculate import PreparedInput
 from addin.writing.recalculate import recalculate as recalculate_file
 from addin.xlsx.errors import PackageError
+from addin.xlsx.whole_files import write_whole
 from torsionbook.extras import extra
 from torsionbook.inputs import OpenpyxlWorkbook, is_openpyxl, read
 from torsionbook.problems import InputError, Problem, records, refuse
@@ -60,7 +60,7 @@ class Recalculated:
             The file.
         """
         target = Path(path)
-        target.write_bytes(self.content)
+        write_whole(target, lambda file: file.write_bytes(self.content))
         return target
 
 
@@ -145,6 +145,8 @@ def _rebuilt(
     template: str | PathLike[str] | None,
 ) -> tuple[WorkbookInput, tuple[str, ...]]:
     """The inputs of an openpyxl workbook in a template, and what is to be said of it."""
+    from addin.template.rebuilt import CannotBeRebuilt, rebuilt_workbook
+
     own = None if template is None else Path(template)
     was_loaded = getattr(source, "loaded_theme", None) is not None
     try:

@@ -60,7 +60,7 @@ def test_packages_by_choice_are_not_loaded():
     script = (
         "import sys, torsionbook as tb\n"
         "tb.run(tb.template('example_modified')).rows('StartupPeaks')\n"
-        "print(*(name for name in ('pandas', 'openpyxl', 'matplotlib', 'typer') if name in sys.modules))\n"
+        "print(*(name for name in ('pandas', 'openpyxl', 'matplotlib', 'typer', 'xlsxwriter') if name in sys.modules))\n"
     )
     done = subprocess.run(
         [sys.executable, "-c", script], cwd=ROOT, capture_output=True, text=True, check=True

@@ -3,6 +3,8 @@
 import dataclasses
 import io
 import json
+import subprocess
+import sys
 
 import pytest
 from command_line import torsionbook
@@ -142,6 +144,22 @@ def test_studies_are_those_of_the_command_line(tmp_path, name, settings):
     assert by_script.sentence == expected["sentence"] or name == "tune"  # its JSON says it in SI
     for table in by_script.tables:
         assert len(by_script.table(table)) == len(by_script.rows(table)) > 0
+
+
+SCRIPT = """\
+import torsionbook as tb
+rows = [{"Element": "LS coupling", "Quantity": "stiffness", "From": 0.5, "To": 1.2, "Steps": 12, "Unit": "1"}]
+train = tb.read(tb.template("example_modified")).change({"Tuning": rows})
+both = [tb.study(train, "tune", jobs=jobs).to_json() for jobs in (2, 1)]
+print(both[0] == both[1], len(both[0]["tuning_results"]))
+"""
+
+
+def test_a_plain_script_may_use_several_processes(tmp_path):
+    """Without ``if __name__ == "__main__"``: the processes do not run the script once more."""
+    (script := tmp_path / "script.py").write_text(SCRIPT)
+    done = subprocess.run([sys.executable, script], capture_output=True, text=True, timeout=300)
+    assert done.stdout == "True 13\n", done.stderr
 
 
 def test_wrong_studies_and_settings_are_named():
