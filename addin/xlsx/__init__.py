@@ -40,6 +40,7 @@ module             responsibility
 `save`             writing whole or not at all
 `table_writing`    rows into tables, with all that follows them and all that may be in the way
 `workbook`         `open_workbook` and `Workbook`: what the rest of the add-in uses
+`added_sheets`     whole sheets of another workbook behind those of a workbook
 `macros`           a VBA project and a hidden sheet of settings: .xlsx to .xlsm
 =================  ===============================================================================
 """
