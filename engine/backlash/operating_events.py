@@ -335,8 +335,8 @@ def _worst_event(case: CaseData, analysis: ModalAnalysis, row: MotorEventRow) ->
         apart = bool(some.response.contacts)
         try:
             worst = _worst_in_start(case, modal, row, apart=apart)
-        except ModelError as error:
-            return OperatingEvent.not_calculated(name, str(error).rstrip("."))
+        except ModelError as wrong:
+            return OperatingEvent.not_calculated(name, str(wrong).rstrip("."))
     elif words := _unable(case, modal.train, any_instant(row)):
         return OperatingEvent.not_calculated(name, words)
     else:

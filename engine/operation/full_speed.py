@@ -66,8 +66,8 @@ def full_speed(case: CaseData, train: Train) -> FullSpeed:
         )
         motors = set(case.motor_stations)
         typed = total(
-            (s.inertia or 0.0) * (s.speed_ratio or 1.0) * (s.speed_ratio or 1.0)
-            for s in case.stations
+            (s.inertia or 0.0) * r * r
+            for s, r in zip(case.stations, ratio.tolist(), strict=True)
             if s.station in motors
         )
         own = _finite(0.5 * typed * speed * speed / power) if typed else None

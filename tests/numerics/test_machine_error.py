@@ -11,6 +11,7 @@ from engine.case.choices import MotorEventKind as Kind
 from engine.case.data import SupplyRow
 from engine.model.modal_analysis import analyse
 from tests.machine_reference import (
+    errors_hold,
     misses,
     network_reference,
     random_case,
@@ -29,7 +30,7 @@ from tests.machine_reference import (
     ids=len,
 )
 def test_stated_errors_hold(seeds):
-    _hold(random_case, seeds)
+    errors_hold(seeds, random_case)
 
 
 @pytest.mark.parametrize(
@@ -42,21 +43,7 @@ def test_stated_errors_hold(seeds):
     ids=len,
 )
 def test_stated_errors_hold_with_teeth_apart(seeds):
-    assert _hold(with_clearance, seeds) >= len(seeds) // 3
-
-
-def _hold(make, seeds):
-    """Checks the stated errors; returns how many of the trains came apart."""
-    missed, apart = {}, 0
-    for seed in seeds:
-        case = make(seed)
-        (event,) = operating_events(case, analyse(case))
-        assert event.response is not None, event.note
-        apart += bool(event.response.contacts)
-        if found := misses(case, event):
-            missed[seed] = found
-    assert len(missed) <= 0.01 * len(seeds), missed
-    return apart
+    assert errors_hold(seeds, with_clearance) >= len(seeds) // 3
 
 
 @pytest.mark.parametrize("kind", [Kind.THREE_PHASE_FAULT, Kind.LINE_TO_LINE_FAULT])
