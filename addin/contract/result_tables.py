@@ -1004,7 +1004,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
         ),
     ),
     table(
-        "EventPeaks", sheet="Events", caption="Peaks of events in operation",
+        "EventPeaks", sheet="Events", caption="Peaks of events",
         help="Extremes from the event on, the torques of operation or start included, at own speed; stress nominal without "
         "SCF.",
         row_name=("Event", "Element"), changes_shown=("Maximum", "Minimum"), of_the_start=True, rank=7,
