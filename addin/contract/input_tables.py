@@ -7,6 +7,7 @@ from engine.case.choices import (
     Begins,
     BelowEndurance,
     Clearing,
+    DischargePath,
     EffectChoice,
     ElementKind,
     FieldCircuit,
@@ -269,6 +270,12 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
                 "Discharge resistance", "ratio",
                 "Resistor across the field in the start, as a multiple of the field's own resistance.",
                 blank="field short-circuited",
+            ),
+            number(
+                "Discharge resistance reverse", "ratio",
+                "The same for currents against those of the field in operation, where diodes or a thyristor make the path one-way; "
+                "or open.",
+                blank="the same both ways", choices=tuple(DischargePath),
             ),
             choice(
                 "Field circuit", tuple(FieldCircuit), "Whether the field circuit is closed in the start.",

@@ -17,7 +17,13 @@ from engine.model.train import Train
 from engine.motor.circuit import Circuit, line_omega, starting_circuit
 from engine.motor.from_case import MotorFromData, motors_without_curve
 from engine.motor.supply import Source
-from engine.motor.two_axis import MachineState, flux_system, number_of_fluxes, with_same_currents
+from engine.motor.two_axis import (
+    MachineState,
+    field_flux,
+    flux_system,
+    number_of_fluxes,
+    with_same_currents,
+)
 from engine.start.machine_motion import Machine, Supply, switched
 from engine.stepping.library import struct
 
@@ -61,6 +67,8 @@ class Machines:
         self._waiting = [list(m.supplies) for m in machines]
         self._over = [list(m.switched) for m in machines]
         self._is_excited = False
+        #: Whether the current of each field flows against that of operation.
+        self._against = [False] * len(machines)
         n = len(machines)
         excited = [m.excited[0] if m.excited else m.machine.circuit for m in machines]
         most = max(map(number_of_fluxes, excited), default=1)
@@ -71,6 +79,7 @@ class Machines:
             "field": np.zeros((n, most)), "stator": np.zeros(n), "forward": np.zeros((n, 2)),
             "backward": np.zeros((n, 2)), "flux": np.zeros((n, most)),
             "base": np.array([m.machine.torque_base for m in machines], dtype=np.float64),
+            "watched": np.zeros(n, dtype=np.int64), "watch": np.zeros((n, most)),
         }  # fmt: skip
         for k, m in enumerate(machines):
             self._arrays["flux"][k, : len(m.flux)] = m.flux
@@ -117,6 +126,13 @@ class Machines:
             else:
                 self._connect(k, supply, phase)
 
+    def turn_field(self, k: int) -> None:
+        """The current of a field has changed its sign, and the resistance of its circuit with it."""
+        before = self._present(k)
+        self._against[k] = not self._against[k]
+        flux = with_same_currents(before, self._present(k), self._flux(k))
+        self._put(k, flux, is_open=not self._arrays["stator"][k])
+
     def trip(self, phase: Floats) -> None:
         """The breakers of all motors open for good; what happens to the line reaches none any more."""
         self._waiting = [[] for _ in self._machines]
@@ -125,10 +141,14 @@ class Machines:
 
     def _become(self, k: int, circuit: Circuit) -> None:
         """Another circuit from now on."""
-        m = self._machines[k]
-        flux = with_same_currents(m.machine.circuit, circuit, self._flux(k))
-        self._machines[k] = replace(m, machine=replace(m.machine, circuit=circuit), flux=flux)
+        m, before = self._machines[k], self._present(k)
+        self._machines[k] = replace(m, machine=replace(m.machine, circuit=circuit))
+        flux = with_same_currents(before, self._present(k), self._flux(k))
         self._put(k, flux, is_open=not self._arrays["stator"][k])
+
+    def _present(self, k: int) -> Circuit:
+        """The circuit of a motor with the present sign of its field current."""
+        return self._machines[k].machine.circuit.polarities[self._against[k]]
 
     def _flux(self, k: int) -> Floats:
         return np.asarray(self._arrays["flux"][k, : self._arrays["n_flux"][k]].copy())
@@ -138,7 +158,8 @@ class Machines:
         axis = -(0.5 * float(phase[k]) + m.ahead)
         flux = self._flux(k)
         state = MachineState(flux, m.field_voltage, axis)
-        supply, flux = switched(m.machine, supply, state, flux)
+        machine = replace(m.machine, circuit=self._present(k))
+        supply, flux = switched(machine, supply, state, flux)
         self._put(k, flux, is_open=supply.is_open)
         arrays["forward"][k] = supply.forward[0], supply.forward[1] + m.ahead
         arrays["backward"][k] = supply.backward[0], supply.backward[1] + m.ahead
@@ -146,13 +167,19 @@ class Machines:
     def _put(self, k: int, flux: Floats, *, is_open: bool) -> None:
         """Equations of a rotor at rest, to which the loop adds its motion, and fluxes."""
         arrays, m, n = self._arrays, self._machines[k], len(flux)
-        machine = m.machine
-        system = flux_system(
-            machine.circuit, machine.line_omega, 0.0, m.field_voltage, is_open=is_open
-        )
+        circuit, line_omega = self._present(k), m.machine.line_omega
+        system = flux_system(circuit, line_omega, 0.0, m.field_voltage, is_open=is_open)
         arrays["n_flux"][k], arrays["q"][k], arrays["stator"][k] = n, system.q, float(not is_open)
         arrays["rate"][k, :n, :n], arrays["current"][k, :, :n] = system.rate, system.stator_current
         arrays["field"][k, :n], arrays["flux"][k, :n] = system.field, flux
+        if m.machine.circuit.reverse_resistance is None:
+            arrays["watched"][k] = 0
+        elif circuit.field is not None:  # its current keeps its sign
+            arrays["watched"][k] = 1
+            arrays["watch"][k, :n] = (-1.0 if self._against[k] else 1.0) * system.current[1]
+        else:  # nor does its voltage, the rate of its flux, let a current flow
+            arrays["watched"][k] = 2
+            arrays["watch"][k, :n] = field_flux(circuit, m.machine.circuit) / line_omega
 
 
 def machines_of_start(

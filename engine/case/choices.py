@@ -131,6 +131,12 @@ class FieldCircuit(StrEnum):
     OPEN = "open"
 
 
+class DischargePath(StrEnum):
+    """What stands in the place of a resistance where the field circuit is open for one sign of its current."""
+
+    OPEN = "open"
+
+
 class TorqueBase(StrEnum):
     """What a published torque is a share of."""
 

@@ -228,6 +228,8 @@ class MotorDataRow:
     ra: float | None = None  #: Instead of it, resistance of the stator. [1]
     #: Resistance across the field in the start, over that of the field; blank = short-circuited. [1]
     discharge_resistance: float | None = None
+    #: That for currents against those of operation, or ``open``; blank = the same both ways. [1]
+    discharge_resistance_reverse: float | str | None = None
     field_circuit: str | None = None  #: ``closed`` (default) or ``open`` in the start.
     start_factor: float | None = None  #: On leakages of stator and dampers in the start. [1]
     #: Of an induction motor: resistance and leakage of the stator, magnetising reactance, resistance and
@@ -239,6 +241,17 @@ class MotorDataRow:
     x_2: float | None = None  #: Likewise. [1]
     r_3: float | None = None  #: A second cage; blank = none. [1]
     x_3: float | None = None  #: Likewise. [1]
+
+    @property
+    def reverse_discharge(self) -> float | None:
+        """Resistance across the field for currents against those of operation, infinite where it is open; None: the same. [1]"""
+        typed = self.discharge_resistance_reverse
+        return math.inf if isinstance(typed, str) else typed
+
+    @property
+    def is_one_way(self) -> bool:
+        """Whether the resistance across the field changes with the sign of its current. [flag]"""
+        return self.reverse_discharge not in (None, self.discharge_resistance or 0.0)
 
     def base_power(self, rated_power: float | None) -> float | None:
         """Apparent power that is 1 per unit. [V A]
@@ -591,7 +604,10 @@ class CaseData:
     @property
     def pulsates_at_slip(self) -> bool:
         """Whether a motor has torque at the slip frequency itself, of a one-way discharge path. [flag]"""
-        return any(point.pulsation_1 for point in self.motor_torque)
+        typed = {point.station for point in self.motor_torque}
+        return any(point.pulsation_1 for point in self.motor_torque) or any(
+            row.is_one_way for row in self.motor_data if row.station not in typed
+        )
 
     @property
     def looks_for_worst_phase(self) -> bool:

@@ -57,8 +57,9 @@ class Motor:
     #: Where the phase changes with speed, of a data sheet or typed: the parts of the pulsation with sin 2δ
     #: and cos 2δ, δ the load angle, in place of one curve of unchanging phase. [N m]
     parts: tuple[TorqueCurve, TorqueCurve] | None = None
-    #: Torque at the slip frequency itself, of a one-way discharge path, with half the phase; None = none. [N m]
-    at_slip: TorqueCurve | None = None
+    #: Torque at the slip frequency itself, of a one-way discharge path: its part with the sine of half the phase, and of a data
+    #: sheet that with the cosine; none without such a path. [N m]
+    at_slip: tuple[TorqueCurve, ...] = ()
     #: Of slip frequency that the pulsation has; 1 of the torque `at_slip` of another motor. [1]
     multiple: int = 2
     #: Whether it stands for a part of another motor's pulsation alone.
@@ -120,7 +121,10 @@ class Motor:
         """
         if multiple == 2:
             return self.pulsations
-        return () if self.at_slip is None else ((self.at_slip, 0.5 * self.phase),)
+        return tuple(
+            (curve, 0.5 * (self.phase + quarters * math.pi))
+            for quarters, curve in enumerate(self.at_slip)
+        )
 
     @property
     def pulsations(self) -> tuple[tuple[TorqueCurve, float], ...]:
@@ -134,9 +138,7 @@ class Motor:
     def largest_pulsation(self) -> float:
         """Largest pulsating torque at any speed, of both frequencies together. [N m]"""
         return total(
-            float(np.max(np.abs(curve.cubic[:, 0])))
-            for curve in (self.pulsating, self.at_slip)
-            if curve is not None
+            float(np.max(np.abs(curve.cubic[:, 0]))) for curve in (self.pulsating, *self.at_slip)
         )
 
     @property
@@ -165,7 +167,7 @@ def drives_of(motors: Sequence[Motor]) -> tuple[Motor, ...]:
     nothing = TorqueCurve(np.zeros(1), np.zeros((1, 4)))
     for m in motors:
         (curve, phase), *second = m.pulsations
-        firsts.append(replace(m, pulsating=curve, phase=phase, parts=None, at_slip=None))
+        firsts.append(replace(m, pulsating=curve, phase=phase, parts=None, at_slip=()))
         part = replace(firsts[-1], average=nothing, scale=1.0, supply=None, stages=(), is_part=True)
         for multiple, parts in ((2, second), (1, m.pulsations_at(1))):
             others += [
@@ -189,7 +191,7 @@ def without_torque(motor: Motor) -> Motor:
         With its voltage and the phase of its rotor. [SI]
     """
     nothing = TorqueCurve(np.zeros(1), np.zeros((1, 4)))
-    return replace(motor, average=nothing, pulsating=nothing, parts=None, at_slip=None)
+    return replace(motor, average=nothing, pulsating=nothing, parts=None, at_slip=())
 
 
 def motors_of(case: CaseData, train: Train) -> tuple[Motor, ...]:
@@ -290,19 +292,21 @@ def _typed_motor(points: Sequence[MotorTorqueRow], place: _Place) -> Motor:
     if points[0].pulsation_1 is None:
         return motor
     at_slip = torque_curve(x, place.scale * np.array([p.pulsation_1 for p in points], dtype=float))
-    return replace(motor, at_slip=at_slip)
+    return replace(motor, at_slip=(at_slip,))
 
 
 def _stages_of_data(sheet: MotorFromData, place: _Place) -> list[tuple[float, Motor]]:
     """A motor from its data sheet on each of its connections."""
     stages = []
-    _, sine, cosine = sheet.stages[0].curves
+    _, sine, cosine, _ = sheet.stages[0].curves
     # PulsationPhase is that at rest
     phase = place.phase - atan2(float(cosine.cubic[0, 0]), float(sine.cubic[0, 0]))
     for stage in sheet.stages:
-        average, sine, cosine = (c.scaled(place.scale) for c in stage.curves)
+        average, sine, cosine, at_slip = stage.curves
+        sine, cosine = sine.scaled(place.scale), cosine.scaled(place.scale)
         pulsating = torque_curve(sine.knots, hypot(sine.cubic[:, 0], cosine.cubic[:, 0]))
-        motor = place.motor(average, pulsating, phase, (sine, cosine))
+        motor = place.motor(average.scaled(place.scale), pulsating, phase, (sine, cosine))
+        motor = replace(motor, at_slip=tuple(c.scaled(place.scale) for c in at_slip))
         if any(s.connection.source != STIFF for s in sheet.stages):
             voltage = _terminal_voltage(sheet, stage)
             motor = replace(motor, supply=voltage, is_behind_impedance=True)
@@ -322,9 +326,6 @@ def _switched_over(stages: Sequence[tuple[float, Motor]]) -> Motor:
     parts = None
     if first.parts is not None and second.parts is not None:
         parts = both(first.parts[0], second.parts[0]), both(first.parts[1], second.parts[1])
-    at_slip = None
-    if first.at_slip is not None and second.at_slip is not None:
-        at_slip = both(first.at_slip, second.at_slip)
     supply = None
     if first.supply is not None and second.supply is not None:
         supply = both(first.supply, second.supply)
@@ -333,7 +334,7 @@ def _switched_over(stages: Sequence[tuple[float, Motor]]) -> Motor:
         average=both(first.average, second.average),
         pulsating=both(first.pulsating, second.pulsating),
         parts=parts,
-        at_slip=at_slip,
+        at_slip=tuple(map(both, first.at_slip, second.at_slip)),
         supply=supply,
         stages=tuple(stages),
     )
@@ -391,10 +392,10 @@ def _on_supply(motor: Motor, voltage: TorqueCurve) -> Motor:
         )
 
     average, *parts = fitted_curves(exact, knots, CURVE_ERROR * largest)
-    at_slip = None if motor.at_slip is None else parts.pop()
-    pulsating = parts[0]
+    of_pulsation = len(parts) - len(motor.at_slip)
+    at_slip, pulsating = tuple(parts[of_pulsation:]), parts[0]
     if motor.parts is not None:
-        pulsating = torque_curve(pulsating.knots, hypot(*(part.cubic[:, 0] for part in parts)))
+        pulsating = torque_curve(pulsating.knots, hypot(*(part.cubic[:, 0] for part in parts[:2])))
     return replace(
         motor,
         average=average,

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, reduce
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from engine.arrays import Floats
 from engine.model.load import Load
 from engine.model.motor import Motor, through_synchronism
 from engine.model.train import Train
-from engine.numerics.same_bits import interp, product
+from engine.numerics.same_bits import hypot, interp, product
 
 #: Points of the speed grid between standstill and end speed.
 N_GRID = 2001
@@ -111,8 +111,8 @@ def rigid_runup(
             torque = np.where(x > 1.0 - field_slip, through_synchronism(m.average)(x), torque)
         average += ratio[m.station] * torque
         pulsating += ratio[m.station] * m.pulsating(x)
-        if m.at_slip is not None:
-            pulsating1 += ratio[m.station] * m.at_slip(x)
+        if m.at_slip:
+            pulsating1 += ratio[m.station] * reduce(hypot, [curve(x) for curve in m.at_slip])
     for d in loads:
         load += ratio[d.station] * d.torque(speed * ratio[d.station] / d.synchronous_speed)
     load += float(product(train.node_damping, ratio[: len(train.node_damping)] ** 2)) * speed

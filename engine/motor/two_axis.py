@@ -86,7 +86,7 @@ def number_of_fluxes(circuit: Circuit) -> int:
 
 
 def with_same_currents(circuit: Circuit, other: Circuit, flux: Floats) -> Floats:
-    """Fluxes just after a circuit has become another: currents stay; a field that was open has none.
+    """Fluxes just after a circuit has become another: currents stay; a field that is or was open has none.
 
     Parameters
     ----------
@@ -108,7 +108,28 @@ def with_same_currents(circuit: Circuit, other: Circuit, flux: Floats) -> Floats
     current = solve(before, flux[:, None])[:, 0]
     if len(after) > len(before):
         current = np.insert(current, 1, 0.0)
+    elif len(after) < len(before):
+        current = np.delete(current, 1)
     return np.asarray(product(after, current))
+
+
+def field_flux(circuit: Circuit, closed: Circuit) -> Floats:
+    """Flux of an open field from the others.
+
+    Parameters
+    ----------
+    circuit : Circuit
+        With the field open. [pu]
+    closed : Circuit
+        The same with its field. [pu]
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        Row that the fluxes are multiplied by. [1]
+    """
+    fluxes = np.eye(number_of_fluxes(circuit))
+    return np.array([with_same_currents(circuit, closed, flux)[1] for flux in fluxes])
 
 
 def flux_system(

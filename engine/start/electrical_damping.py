@@ -228,6 +228,8 @@ def _torque_over_speed(
     at = np.array([frequency])
     if speed < 1.0:
         stage = data.stage_at(speed)
+        if stage.circuit.reverse_resistance is not None:
+            return None  # it is no linear circuit
         factor = _source_factor(stage, motor, np.array([speed]))
         k = factor * electrical_damping(stage.circuit, np.array([1.0 - speed]), at)
     else:

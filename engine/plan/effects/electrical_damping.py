@@ -11,7 +11,10 @@ def finding(case: CaseData, e: Evidence, modelled: tuple[str, ...]) -> Finding:
     if e.electrical is None:
         return Finding.impossible("No mode is crossed with a motor on.")
     if not e.electrical.known:
-        why = "Not every motor has a row in table MotorData: what it damps of a mode is unknown."
+        why = "Not every motor has a row in table MotorData"
+        if any(row.is_one_way for row in case.motor_data):
+            why = "A motor has a one-way discharge path"
+        why += ": what it damps of a mode is unknown."
         return Finding.impossible(why, None)
     number, limit = e.electrical.number, e.tolerance / DAMPING_GAIN
     bound = DAMPING_GAIN * number

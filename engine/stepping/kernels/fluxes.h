@@ -191,6 +191,18 @@ static inline int step_fluxes(const machines_t *m, int64_t k, double h, const ac
     return 1;
 }
 
+/* A current below zero by so much counts as one that has changed its sign, so that it stays changed [pu]. */
+static const double TURNS_BACK = 1e-9;
+
+/* What has to stay positive for the resistance of the field to stay, and its rate. */
+static inline point_t field_left(const machines_t *m, int64_t k, const fluxes_t *x)
+{
+    const double *row = m->watch + k * m->most;
+    const int64_t n = m->n_flux[k];
+    if (m->watched[k] == 1) return (point_t){TURNS_BACK + times_row(n, row, x->psi), times_row(n, row, x->slope)};
+    return (point_t){TURNS_BACK + times_row(n, row, x->slope), times_row(n, row, x->curve)};
+}
+
 /* Torque of a motor and its rate. */
 static inline point_t air_gap(const machines_t *m, int64_t k, const fluxes_t *x)
 {

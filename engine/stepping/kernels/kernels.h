@@ -33,6 +33,8 @@ typedef struct {
     const double *base;               /* (n) [N m] */
     double line_omega, frame;         /* of the voltage; electrical speed at which the train stands still [rad/s] */
     double *flux;                     /* (n, most) updated [pu] */
+    const int64_t *watched;           /* (n) what has to stay positive: 0 nothing, 1 watch × fluxes, 2 × their rates */
+    const double *watch;              /* (n, most) current or voltage of a field whose resistance changes with its sign */
 } machines_t;
 
 /* Motors, loads and torques against time. */
@@ -188,6 +190,7 @@ typedef struct {
     double visible;                  /* ringing above this share is resolved [1] */
     double rising, falling, angle;   /* mean speeds and load angle to stop at (nan: none) [rad/s, rad] */
     double sampled;                  /* angular frequency that the base step samples [rad/s] */
+    int64_t turned;                  /* motor in time whose field current has changed its sign, updated */
 } clock_t_;
 
 /* Events: time, clearance, contact before and after, speed of the flank. */
@@ -213,7 +216,7 @@ typedef struct {
 /* Why a loop came back: room is full, end time, speed reached, load angle reached, a piece has to be made, no
  * progress, damper forces without a solution in double precision, torque of a motor and its motion that do not settle
  * in a step. */
-enum { MORE, AT_TIME, SPEED, ANGLE, NEW_PIECE, STUCK, DIVIDED, UNSETTLED };
+enum { MORE, AT_TIME, SPEED, ANGLE, NEW_PIECE, STUCK, DIVIDED, UNSETTLED, TURNED };
 
 int64_t linear_room(int64_t lanes, const system_t *system, const drive_t *drive, const torques_t *torques);
 int64_t contact_room(const pieces_t *pieces, const drive_t *drive);

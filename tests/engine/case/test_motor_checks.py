@@ -45,6 +45,8 @@ def places(data):
         (replace(SHEET, ta=None, ra=0.0), ()),
         (replace(SHEET, xd_transient=None, td_0_transient=None, discharge_resistance=None), ()),
         (replace(SHEET, field_circuit="open", discharge_resistance=None), ()),
+        (replace(SHEET, discharge_resistance_reverse="open"), ()),
+        (replace(BY_CIRCUIT, discharge_resistance_reverse=0.0), (CIRCUIT,)),
         (BY_CIRCUIT, (CIRCUIT,)),
         (INDUCTION, ()),
         (replace(INDUCTION, r_3=0.1, x_3=0.03), ()),
@@ -55,6 +57,8 @@ def places(data):
         "Ra",
         "no field",
         "open field",
+        "one way open",
+        "one way",
         "circuit",
         "induction",
         "double cage",
@@ -103,6 +107,30 @@ def test_the_rated_power_may_give_the_base():
         ),
         ({"power_factor": 80.0}, "Power factor", "at most 1 (100 %)"),
         ({"power_factor": 0.0}, "Power factor", "below 0 only where it lags"),
+        (
+            {"discharge_resistance_reverse": -1.0},
+            "Discharge resistance reverse",
+            "multiple of the resistance",
+        ),
+        (
+            {
+                "discharge_resistance": None,
+                "discharge_resistance_reverse": 9.0,
+                "field_circuit": "open",
+            },
+            "Discharge resistance reverse",
+            "blank where Field circuit is open",
+        ),
+        (
+            {
+                "discharge_resistance": None,
+                "discharge_resistance_reverse": 9.0,
+                "xd_transient": None,
+                "td_0_transient": None,
+            },
+            "Discharge resistance reverse",
+            "blank without a field winding",
+        ),
         ({"start_factor": 0.0}, "Start factor", "usually by 0.7 to 1"),
         ({"station": "motr"}, "Station", "Did you mean 'motor'?"),
     ],
@@ -177,3 +205,12 @@ def test_an_equivalent_circuit_of_no_kind_is_told():
 def test_an_equivalent_circuit_of_the_wrong_kind_is_one_problem():
     (found,) = places(case(replace(INDUCTION, kind=None)))
     assert found[-1] == "R1"
+
+
+def test_small_oscillations_are_unknown_with_a_one_way_path():
+    one_way = replace(SHEET, discharge_resistance_reverse=0.0)
+    assert places(case(one_way, torque_follows="machine")) == [
+        ("MotorData", 1, "Discharge resistance reverse")
+    ]
+    same = replace(SHEET, discharge_resistance_reverse=SHEET.discharge_resistance)
+    assert places(case(same, torque_follows="machine")) == []
