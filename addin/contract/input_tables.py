@@ -332,10 +332,10 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
     table(
         "Supply", sheet="Motor", caption="Line and starter",
         help="The line of a motor of table MotorData in the start, and what stands between: the voltage at its terminals follows "
-        "from its current. Instead of SupplyVoltage.",
+        "from its current. A soft starter without Short-circuit power needs no MotorData. Instead of SupplyVoltage.",
         rows=4, row_name=("Station",), short_caption=True, later=True,
         columns=(
-            text("Station", "Station of a row of table MotorData.", kind="station"),
+            text("Station", "Station of a row of table MotorData; of a soft starter alone, of a motor.", kind="station"),
             number(
                 "Short-circuit power", "apparent power", "Three-phase short-circuit power at the motor's terminals.",
                 blank="the line does not give way",
@@ -357,6 +357,8 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
                 "Open time", "time", "How long the motor is off the line at the switch-over (open transition).",
                 blank="no interruption",
             ),
+            number("Initial voltage", "fraction", "Soft start: voltage at closing."),
+            number("Ramp time", "time", "Soft start: how long the voltage rises to the full one, in proportion to time."),
         ),
     ),
     table(

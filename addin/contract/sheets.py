@@ -178,7 +178,7 @@ SHEETS: tuple[Sheet, ...] = (
         "input",
         {"A": 1.5, "B": 18, "C": 12, "D:Z": 11, "AA:AG": 8},
         {"MotorData": "B5", "MotorCircuit": "B15", "MotorCurves": "B25", "SupplyVoltage": "N46",
-         "Supply": "R46", "MotorTimeConstants": "Z46"},
+         "Supply": "R46", "MotorTimeConstants": "AB46"},
         (ChartAt("motor-curves", "N26", 640, 334),),
         freeze="A4",
         intro="Optional: the data sheet of a motor, from which its torque curves are calculated. Where sheet "

@@ -201,6 +201,8 @@ SUPPLY = tuple(
         "Tap",
         "Switch-over speed",
         "Open time",
+        "Initial voltage",
+        "Ramp time",
     )
 )
 MOTOR_DATA = (

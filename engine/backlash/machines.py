@@ -13,6 +13,7 @@ from engine.arrays import Floats
 from engine.case.data import CaseData
 from engine.case.effect import StartEffects
 from engine.model.motor import Motor
+from engine.model.soft_start import Ramp
 from engine.model.train import Train
 from engine.motor.circuit import Circuit, line_omega, starting_circuit
 from engine.motor.from_case import MotorFromData, motors_without_curve
@@ -51,6 +52,7 @@ class MachineInTime:
     voltage: int = -1  #: Curve of the line's voltage against speed; -1: always 1. [index]
     #: Circuit once the field is applied, and the voltage of the field then; None: no field is applied. [pu]
     excited: tuple[Circuit, float] | None = None
+    ramp: Ramp | None = None  #: Voltage of its soft starter in time. [1]
     switched: tuple[Connected, ...] = ()  #: What it is switched over to, one after the other. [pu]
 
     def scaled(self, factor: float) -> MachineInTime:
@@ -79,6 +81,7 @@ class Machines:
             "field": np.zeros((n, most)), "stator": np.zeros(n), "forward": np.zeros((n, 2)),
             "backward": np.zeros((n, 2)), "flux": np.zeros((n, most)),
             "base": np.array([m.machine.torque_base for m in machines], dtype=np.float64),
+            "ramp": np.array([(m.ramp.initial, m.ramp.time) if m.ramp else (1.0, 0.0) for m in machines]).reshape(n, 2),
             "watched": np.zeros(n, dtype=np.int64), "watch": np.zeros((n, most)),
         }  # fmt: skip
         for k, m in enumerate(machines):
@@ -227,6 +230,7 @@ def machines_of_start(
                 ahead=0.5 * math.pi,
                 voltage=voltage,
                 excited=first.excited,
+                ramp=None if motor.soft is None else motor.soft.ramp,
                 switched=tuple(others),
             )
         )

@@ -157,6 +157,7 @@ class Starting(StrEnum):
     DIRECT = "direct"
     AUTOTRANSFORMER = "autotransformer"
     REACTOR = "reactor"
+    SOFT_START = "soft start"
 
 
 class MotorEventKind(StrEnum):

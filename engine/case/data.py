@@ -16,7 +16,7 @@ from dataclasses import dataclass, fields
 from functools import cache
 from typing import Any
 
-from engine.case.choices import InitialState, Scanned, TorqueFollows
+from engine.case.choices import InitialState, Scanned, Starting, TorqueFollows
 
 #: Name of the event in operation that table `TorqueTime` is where `InitialState` is ``running``.
 TABLED_EVENT = "TorqueTime"
@@ -193,6 +193,8 @@ class SupplyRow:
     #: Fraction of synchronous speed at which the motor is put on the line. [1]
     switch_over_speed: float | None = None
     open_time: float | None = None  #: How long it is off the line then; blank = not at all. [s]
+    initial_voltage: float | None = None  #: Of a soft starter: voltage at closing. [1]
+    ramp_time: float | None = None  #: How long that voltage rises, in proportion to time. [s]
 
 
 @dataclass(frozen=True)
@@ -588,6 +590,11 @@ class CaseData:
     def _switch_over_shares(self) -> list[float]:
         """The same as fractions of synchronous speed. [1]"""
         return sorted({row.switch_over_speed for row in self.supply if row.switch_over_speed})
+
+    @property
+    def soft_starts(self) -> dict[str, SupplyRow]:
+        """Rows of soft starters by station. [rows]"""
+        return {str(row.station): row for row in self.supply if row.starting == Starting.SOFT_START}
 
     @property
     def open_times(self) -> tuple[dict[str, float], ...]:

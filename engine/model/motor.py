@@ -23,6 +23,8 @@ from engine.arrays import Floats
 from engine.case.data import CaseData, MotorTorqueRow, SupplyVoltageRow
 from engine.case.effect import StartEffects
 from engine.errors import ModelError
+from engine.model.load import loads_of, opposing_torque, rigid_inertia
+from engine.model.soft_start import SPEEDS, Ramp, SoftStart, runup_times, soft_start
 from engine.model.train import Train
 from engine.motor.from_case import (
     CURVE_ERROR,
@@ -69,6 +71,9 @@ class Motor:
     supply: TorqueCurve | None = None
     #: Whether that is what its own current leaves it behind an impedance, and not the line's own voltage. [flag]
     is_behind_impedance: bool = False
+    soft: SoftStart | None = (
+        None  #: Its soft starter; the curves have its voltage against speed. [1]
+    )
     #: Where it is switched over: fraction of synchronous speed up to which, and the motor until then; the last
     #: one without end. Its own curves go over from one to the next within `SMOOTHED`. [1]
     stages: tuple[tuple[float, Motor], ...] = ()
@@ -76,7 +81,7 @@ class Motor:
     @property
     def line_voltage(self) -> TorqueCurve | None:
         """Voltage of the line itself against the fraction of synchronous speed; None = always all of it. [1]"""
-        return None if self.is_behind_impedance else self.supply
+        return None if self.is_behind_impedance or self.soft is not None else self.supply
 
     def above(self, fraction: float) -> Motor:
         """The motor on the connection that it has from a speed on.
@@ -247,7 +252,46 @@ def motors_of(case: CaseData, train: Train) -> tuple[Motor, ...]:
                 ]
         motor = _switched_over(stages)
         motors.append(_on_supply(motor, _voltage_curve(supplied)) if supplied else motor)
-    return tuple(motors)
+    return _soft_started(case, train, motors) if case.soft_starts else tuple(motors)
+
+
+def _soft_started(case: CaseData, train: Train, motors: Sequence[Motor]) -> tuple[Motor, ...]:
+    """Motors with the voltage of their soft starters against speed, of the run-up of the rigid train with all of them."""
+    rows = [case.soft_starts.get(train.stations[motor.station]) for motor in motors]
+    ramps = [
+        None if row is None else Ramp(row.initial_voltage or 1.0, row.ramp_time or 1.0)
+        for row in rows
+    ]
+    fraction = np.linspace(0.0, 1.0, SPEEDS)
+    speed = fraction * (case.ratings.synchronous_speed or 0.0)
+    torques = np.stack([float(train.speed_ratio[m.station]) * m.average(fraction) for m in motors])
+    load = opposing_torque(train, loads_of(case, train), speed)
+    time = runup_times(torques, ramps, load, rigid_inertia(train), speed)
+    started = []
+    for motor, ramp in zip(motors, ramps, strict=True):
+        if ramp is not None:
+            soft = soft_start(ramp, fraction, time)
+            voltage = soft.voltage
+            if (
+                motor.supply is not None
+            ):  # what its current leaves it is a share of the rising voltage
+                voltage = _both_voltages(voltage, motor.supply)
+            motor = replace(_on_supply(motor, soft.voltage), soft=soft, supply=voltage)
+        started.append(motor)
+    return tuple(started)
+
+
+def _both_voltages(one: TorqueCurve, other: TorqueCurve) -> TorqueCurve:
+    """Product of two voltages against speed. [1]"""
+
+    def exact(fraction: Floats, within: Floats) -> tuple[Floats, Floats]:
+        (a, of_a), (b, of_b) = (curve.piece(fraction, within) for curve in (one, other))
+        return (a * b)[None], (of_a * b + a * of_b)[None]
+
+    (voltage,) = fitted_curves(
+        exact, np.unique(np.concatenate([one.knots, other.knots])), CURVE_ERROR
+    )
+    return voltage
 
 
 class _Place(NamedTuple):

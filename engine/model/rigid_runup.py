@@ -13,10 +13,10 @@ from functools import lru_cache, reduce
 import numpy as np
 
 from engine.arrays import Floats
-from engine.model.load import Load
+from engine.model.load import Load, opposing_torque, rigid_inertia
 from engine.model.motor import Motor, through_synchronism
 from engine.model.train import Train
-from engine.numerics.same_bits import hypot, interp, product
+from engine.numerics.same_bits import hypot, interp
 
 #: Points of the speed grid between standstill and end speed.
 N_GRID = 2001
@@ -103,7 +103,7 @@ def rigid_runup(
     """
     speed = _speeds(end_speed)
     ratio = train.speed_ratio
-    average, pulsating, pulsating1, load = np.zeros((4, N_GRID))
+    average, pulsating, pulsating1 = np.zeros((3, N_GRID))
     for m in motors:
         x = speed * ratio[m.station] / m.synchronous_speed
         torque = m.average(x)
@@ -113,10 +113,7 @@ def rigid_runup(
         pulsating += ratio[m.station] * m.pulsating(x)
         if m.at_slip:
             pulsating1 += ratio[m.station] * reduce(hypot, [curve(x) for curve in m.at_slip])
-    for d in loads:
-        load += ratio[d.station] * d.torque(speed * ratio[d.station] / d.synchronous_speed)
-    load += float(product(train.node_damping, ratio[: len(train.node_damping)] ** 2)) * speed
-    inertia = float(product(train.inertia, train.dof_ratio**2))
+    load, inertia = opposing_torque(train, loads, speed), rigid_inertia(train)
     net = average - load
     stuck = np.flatnonzero(net <= 0.0)
     equilibrium = None

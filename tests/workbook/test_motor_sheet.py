@@ -209,3 +209,17 @@ def test_a_one_way_path_makes_torque_at_slip_frequency(folder: Path) -> None:
     (problem,) = read_workbook(wrong).problems
     assert "open" in problem.message
     assert problem.cell is not None
+
+
+def test_a_soft_starter_of_a_typed_curve(folder: Path) -> None:
+    example = EXAMPLES["proposed"]
+    row = {"Station": "Motor", "Starting": "soft start", "Initial voltage": 60.0, "Ramp time": 4.0}
+    example = replace(example, tables={**example.tables, "Supply": [row]})
+    source = template.build_template(folder / "soft.xlsx", "us", example)
+    outcome = recalculate(source, destination=folder / "soft_out.xlsx")
+    assert any(
+        "Soft starter of 'Motor'" in w and "voltage is full from" in w for w in outcome.warnings
+    )
+    assert read_workbook(folder / "soft_out.xlsx").case().supply[
+        0
+    ].initial_voltage == pytest.approx(0.6)

@@ -25,6 +25,12 @@ def finding(case: CaseData, e: Evidence, modelled: tuple[str, ...]) -> Finding:
             " A one-way discharge path fills the field winding with current over many periods of the slip; the curves have it "
             "settled at each speed, and nothing bounds the difference."
         )
+    if case.soft_starts:
+        wanted, bound = True, None
+        why += (
+            " A soft starter raises the voltage in time; curves have it against speed, as in the run-up of the rigid train, "
+            "and nothing bounds the difference."
+        )
     if not wanted and e.electrical and e.electrical.number > LARGEST_SMALL_SIGNAL:
         wanted = True
         why += " What the motors damp of a mode, or drive, is too much for electrical damping, which is of small motions."

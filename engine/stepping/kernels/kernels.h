@@ -30,6 +30,7 @@ typedef struct {
     const double *field;              /* (n, most) from the voltage of the field [1/s] */
     const double *stator;             /* (n) 1, or 0 while it is open: neither voltage nor motion acts on it */
     const double *forward, *backward; /* (n, 2) voltage that turns with the line and against it: size, angle [1, rad] */
+    const double *ramp;               /* (n, 2) voltage at closing, and until when it rises to the full one: 0: it does not [1, s] */
     const double *base;               /* (n) [N m] */
     double line_omega, frame;         /* of the voltage; electrical speed at which the train stands still [rad/s] */
     double *flux;                     /* (n, most) updated [pu] */
