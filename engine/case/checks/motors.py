@@ -229,6 +229,27 @@ def _induction(cells: Cells, motor: MotorDataRow) -> Iterator[Problem]:
                 column, "a number", "Type it from the equivalent circuit of the motor."
             )
     yield from _pair(cells, motor, SECOND_CAGE)
+    yield from _above_leakage(cells, motor, "X1", ("Xm",))
+
+
+def _above_leakage(
+    cells: Cells, row: MotorDataRow | MotorCircuitRow, leakage: str, magnetising: Sequence[str]
+) -> Iterator[Problem]:
+    """The main flux of a motor is many times the leakage flux of its stator."""
+    least = value_of(row, leakage)
+    for column in magnetising:
+        value = value_of(row, column)
+        given = value is not None and least is not None
+        if given and blank_or_positive(value) and blank_or_positive(least) and value <= least:
+            yield cells.wrong(
+                column,
+                value,
+                f"above {leakage}, {number_text(least, 'pu')}",
+                f"A magnetising reactance is 0.5 pu to 6 pu, a leakage of the stator 0.05 pu to 0.25 pu. Are {column} and "
+                f"{leakage} interchanged, or in different units?",
+                "pu",
+                quote_quantity(least, "pu", (*cells, leakage)),
+            )
 
 
 def _pair(
@@ -420,5 +441,6 @@ def _circuits(case: CaseData) -> Iterator[Problem]:
         for column in ("Rs", "Xl", "Xmd", "Xmq"):
             if value_of(circuit, column) is None:
                 yield cells.blank(column, "a number", "Type it from the maker's circuit.")
+        yield from _above_leakage(cells, circuit, "Xl", ("Xmd", "Xmq"))
         for winding in ("f", "kd", "kq", "kd2", "kq2"):
             yield from _pair(cells, circuit, (f"R{winding}", f"Xl{winding}"))
