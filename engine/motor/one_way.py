@@ -154,7 +154,6 @@ def _cycle(
     cross_2 = along(products(e_f, by_first) - gained)
     rate_2 = along(of_f2 + gained + products(e_f, by_second))
     size = rate_1 * rate_2 - cross_1 * cross_2
-    size = np.where(size == 0.0, 1.0, size)
     step = (
         (cross_1 * value_2 - rate_2 * value_1) / size,
         (cross_2 * value_1 - rate_1 * value_2) / size,
