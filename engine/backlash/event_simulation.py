@@ -365,7 +365,7 @@ class _Simulation:
             elif reason == events.ANGLE:
                 self._apply_field(t)
             elif reason == events.TURNED:
-                self.machines.turn_field(self.clock.turned)
+                self.machines.turn_field(self.clock.turned, self.phase)
             elif reason == events.STUCK:
                 self.stuck = True
                 break
@@ -460,7 +460,7 @@ class _Simulation:
         self.field_time = t
         self.electrical[3][:] = t
         self.electrical[8][self.model.of_discharge] = 0.0
-        self.machines.apply_field()
+        self.machines.apply_field(self.phase)
         self.clock.fresh = 2
 
     def _advance(self, stop: float) -> int:
