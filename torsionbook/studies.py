@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 _TABLES = (*STUDY_RESULT_TABLES, *RESULT_TABLES)
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class StudyResults:
     """What a study showed. Made by `study`."""
 
