@@ -6,6 +6,7 @@ import zipfile
 
 import openpyxl
 import pytest
+from command_line import torsionbook
 from openpyxl.chart import LineChart, Reference
 from openpyxl.comments import Comment
 from openpyxl.formatting.rule import CellIsRule
@@ -261,6 +262,13 @@ def test_what_stays_behind_is_named(tmp_path):
         f"added to sheets of the product were not taken over: {sheet.title}. Put them" in note
         for note in notes
     )
+
+
+def test_verify_finds_that_results_follow_from_inputs(with_sheet, tmp_path):
+    (path := tmp_path / "train.xlsx").write_bytes(with_sheet.content)
+    said = torsionbook("verify", path, cwd=tmp_path)
+    assert said.returncode == 0, said.stdout
+    assert "follows from its inputs" in said.stdout
 
 
 def test_the_package_is_whole(with_sheet):
