@@ -25,6 +25,7 @@ module             responsibility
 `sheet_part`       rows, cells and styles of one sheet
 `tables`           Excel tables and their size
 `workbook_part`    sheets, defined names, relationships, content types, calculation settings
+`plain_formulas`   formulas with cells in the place of parts of tables
 `dependents`       which formulas depend on changed cells
 `shared_texts`     texts to which cells refer by number
 `written`          what was written, to be checked before the file is put in place
