@@ -87,7 +87,7 @@ class Check:
     ]  #: Answers that cannot be given, and the input each lacks. [sentences]
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Input:
     """Everything that is stated of a train. It does not change: `change` gives a new one.
 
@@ -235,7 +235,9 @@ class Input:
         for table, value in whole.items():
             findings = study_notes if table in _STUDY_TABLES else case_notes
             spec = table_called(table, EVERY_INPUT, "input table")
-            typed.tables[table] = typed_rows(table, rows_of(value, spec, findings), findings)
+            typed.tables[table] = typed_rows(
+                table, rows_of([] if value is None else value, spec, findings), findings
+            )
         wrong: list[Problem] = []
         renewed: set[Place] = set()
         for name, value in single.items():

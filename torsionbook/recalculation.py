@@ -23,7 +23,7 @@ from torsionbook.problems import InputError, Problem, records, refuse
 from torsionbook.results import Results
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Recalculated:
     """A recalculated workbook. Made by `recalculate`."""
 

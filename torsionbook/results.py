@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 _DRAWN_APART = ("train", "shapes")
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Results:
     """Everything one run answers. Made by `run` and `recalculate`."""
 

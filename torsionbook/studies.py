@@ -2,30 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from addin.contract.tables import RESULT_TABLES, STUDY_RESULT_TABLES
+from addin.contract.tables import RESULT_TABLES, STUDY_RESULT_TABLES, table
 from addin.contract.version import product_version
 from addin.reading.typed_case import CaseInput
+from addin.recorded.studies import RecordedStudy
+from addin.report.units import document_units
 from addin.studies.registry import found_studies
 from addin.studies.run_study import calculate_study, to_json
 from addin.studies.study import Study, StudyResult, wrong_setting
 from addin.workers.opened_map import open_parallel_map
+from torsionbook.extras import extra
 from torsionbook.frames import frame_of, frozen, table_called
 from torsionbook.inputs import Source, read
 from torsionbook.problems import refuse
 
 if TYPE_CHECKING:
     import pandas as pd
+    from matplotlib.figure import Figure
 
 _TABLES = (*STUDY_RESULT_TABLES, *RESULT_TABLES)
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class StudyResults:
     """What a study showed. Made by `study`."""
 
@@ -86,6 +90,50 @@ class StudyResults:
         """
         spec = table_called(table, _TABLES, "result table")
         return frame_of(self.rows(table), spec, units, self._read.data.ratings.rated_torque)
+
+    @property
+    def plots(self) -> tuple[str, ...]:
+        """Pictures that can be had by `plot`, by their captions. [names]"""
+        return tuple(self._figures())
+
+    def plot(self, name: str) -> Figure:
+        """A picture of the report.
+
+        Parameters
+        ----------
+        name : str
+            One of `plots`. [name]
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            To be shown, changed or saved. [shown units]
+        """
+        figures = self._figures()
+        if name not in figures:
+            there = f"There are {'; '.join(figures)}." if figures else "This study has none."
+            raise LookupError(f"There is no picture '{name}'. {there}")
+        return figures[name]
+
+    def _figures(self) -> dict[str, Figure]:
+        """The pictures of the report by caption, drawn but not encoded."""
+        extra("matplotlib", "pictures")
+        from addin.report.figures import Charts, Pictures
+        from addin.report.studies import study_pictures
+
+        rows = {**self._result.tables, **self._result.charts}
+        recorded = RecordedStudy(
+            on_sheet=self._study.spec,
+            sentence=self.sentence,
+            stamp="",
+            tables={name: _by_header(name, rows[name]) for name in rows},
+            outdated="",
+            edited=(),
+            is_recorded=True,
+        )
+        pictures = Pictures(Charts({}, {}), vectors=False, pixels=False)
+        found = study_pictures(recorded, document_units(self._read), pictures)
+        return {picture.caption: picture.drawing for picture in found}
 
     def save(self, name: str = "case", **options: Any) -> tuple[Path, ...]:
         """Write the further files that the command of the study writes, such as the best cases of ``tune``.
@@ -182,3 +230,9 @@ def study(
     refuse(problems)
     assert result is not None
     return StudyResults(asked, found, result, warnings)
+
+
+def _by_header(name: str, rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
+    """Rows of a table by the headers of its sheet."""
+    headers = {column.key: column.name for column in table(name).columns}
+    return [{headers.get(key, key): value for key, value in row.items()} for row in rows]

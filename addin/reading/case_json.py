@@ -445,7 +445,7 @@ class _Reading:
         """Everything read and checked."""
         if not self.readable:
             problems = tuple(_located(problem, self.typed) for problem in self.findings.problems)
-            return CaseInput(CaseData(), problems, (), self.typed)
+            return CaseInput(CaseData(), problems, (), self.typed, findings=self.findings)
         return typed_input(self.typed, self.findings, self._studies())
 
     def _studies(self) -> tuple[TypedCase, Findings] | None:

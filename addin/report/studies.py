@@ -13,10 +13,12 @@ from typing import Any
 
 from addin.contract.studies.tuning import NO_VARIABLE
 from addin.recorded.studies import RecordedStudy
-from addin.report.document import Block, Paragraph, Section, Table, section
+from addin.report.document import Block, Figure, Paragraph, Section, Table, section
+from addin.report.figures import Pictures
 from addin.report.numbers import clean
 from addin.report.subject import Subject
 from addin.report.tables import standing_table
+from addin.report.units import DocumentUnits
 
 Row = Mapping[str, Any]
 
@@ -44,15 +46,25 @@ def studies(subject: Subject, recorded: Sequence[RecordedStudy]) -> Section:
         "Studies are calculated by separate commands and stored in the workbook. This "
         "document prints those that belong to its inputs and does not recalculate them."
     )
-    parts = [_part(_Study(subject, study)) for study in recorded]
+    parts = [_part(_Study(subject.shown, subject.pictures, study)) for study in recorded]
     return section("Studies", Paragraph(sentence), parts=parts)
+
+
+def study_pictures(
+    recorded: RecordedStudy, shown: DocumentUnits, pictures: Pictures
+) -> list[Figure]:
+    """The pictures that a report has of a study, in their order."""
+    _, blocks = _PARTS.get(recorded.key) or ("", _every_table)
+    study = _Study(shown, pictures, recorded)
+    return [block for block in blocks(study) if isinstance(block, Figure)]
 
 
 @dataclass(frozen=True)
 class _Study:
-    """A study and the report it is printed in."""
+    """A study and what it is printed with."""
 
-    subject: Subject  #: The report.
+    shown: DocumentUnits  #: Units of the document.
+    pictures: Pictures  #: What draws.
     recorded: RecordedStudy  #: The study. [SI]
 
     def rows(self, table: str) -> list[Row]:
@@ -69,13 +81,11 @@ class _Study:
     ) -> Table | None:
         """A table of all its rows or of some; None where there are none."""
         rows = self.rows(name) if rows is None else rows
-        return (
-            standing_table(name, rows, self.subject.shown, caption, columns, note) if rows else None
-        )
+        return standing_table(name, rows, self.shown, caption, columns, note) if rows else None
 
     def value(self, number: float, table: str, column: str) -> float:
         """An SI number in the unit of a column, where that is a unit. [shown unit]"""
-        factor = self.subject.shown.units.factor(table, column)
+        factor = self.shown.units.factor(table, column)
         return number / (factor if factor and math.isfinite(factor) else 1.0)
 
 
@@ -150,7 +160,7 @@ def _tuning(study: _Study) -> Iterator[Block | None]:
     names = [f"Line {k}" for k in range(1, 7)]
     curves = [(name, _points(study, "TuningLines", "Of as is", name, lines)) for name in names]
     across, up = (str(axes[0].get(k) or "") for k in ("First variable", "Second variable"))
-    yield study.subject.pictures.curves(
+    yield study.pictures.curves(
         [(str(axes[0].get(name) or name), points) for name, points in curves if points],
         across,
         "Allowable starts",
@@ -188,7 +198,7 @@ def _tolerances(study: _Study) -> Iterator[Block | None]:
         for r in study.rows("ToleranceTornado")
         if (low := _number(r, "At P10")) is not None and (high := _number(r, "At P90")) is not None
     ]
-    yield study.subject.pictures.tornado(
+    yield study.pictures.tornado(
         bars, ("at its P10", "at its P90"), "Change of the result [%]",
         "Main drivers of the result above: each factor alone at its P10 and P90, all others "
         "nominal",
@@ -198,7 +208,7 @@ def _tolerances(study: _Study) -> Iterator[Block | None]:
         for r in study.rows("ToleranceDistribution")
         if (starts := _number(r, "Starts")) and (share := _number(r, "Probability")) is not None
     ]
-    yield study.subject.pictures.curves(
+    yield study.pictures.curves(
         [("", points)] if len(points) > 1 else [],
         "Allowable starts", "Share of samples with fewer starts [%]",
         "Distribution of the allowable starts", log_x=True, markers=False,
@@ -250,7 +260,7 @@ def _starts(study: _Study) -> Iterator[Block | None]:
         (name.lower(), sorted(_points(study, "StartsByVoltage", "Voltage", f"{name} starts", rows)))
         for name in ("Loaded", "Unloaded")
     ]
-    yield study.subject.pictures.curves(
+    yield study.pictures.curves(
         [(name, points) for name, points in curves if len(points) > 1],
         "Voltage [%]", "Allowable starts", "Allowable starts against the voltage at the motor", log=True,
     )  # fmt: skip

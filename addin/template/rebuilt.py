@@ -268,8 +268,9 @@ def _write_cells(workbook: Workbook, source: Workbook, sheet: str) -> Iterator[s
 
 
 def _left_behind(source: Workbook, template: Workbook, ours: set[str]) -> Iterator[str]:
-    """Words that a script wrote beside the inputs on sheets of the product: they are in no template."""
+    """What a script put beside the inputs on sheets of the product: it is in no template."""
     left: list[str] = []
+    drawn: list[str] = []
     for sheet in source.sheet_names:
         name = next(
             (one for one in template.sheet_names if one.casefold() == sheet.casefold()), None
@@ -277,6 +278,8 @@ def _left_behind(source: Workbook, template: Workbook, ours: set[str]) -> Iterat
         if sheet not in ours or name is None or sheet in source.structure.hidden_sheets:
             continue
         here, there = template.sheet_part(name), source.sheet_part(sheet)
+        if _drawings(source, sheet) > _drawings(template, name):
+            drawn.append(sheet)
         tables = [table.ref for table in source.tables.values() if table.sheet == sheet]
         named = {
             (one.rect.top, one.rect.left)
@@ -287,13 +290,28 @@ def _left_behind(source: Workbook, template: Workbook, ours: set[str]) -> Iterat
             place = Rect(row, column, row, column)
             if (row, column) in named or any(place.meets(table) for table in tables):
                 continue
-            if isinstance(there.value(row, column), str) and here.value(row, column) is None:
+            held = there.value(row, column)
+            if isinstance(held, (str, float, int)) and here.value(row, column) is None:
                 left.append(f"{sheet}!{cell_name(row, column)}")
     if left:
         yield (
-            f"Texts beside the inputs were not taken over: {_listed(left)}. Put them on a sheet of their own, or name "
+            f"Cells beside the inputs were not taken over: {_listed(left)}. Put them on a sheet of their own, or name "
             "a template that has them."
         )
+
+    if drawn:
+        yield (
+            f"Charts and pictures that were added to sheets of the product were not taken over: {_listed(drawn)}. Put "
+            "them on a sheet of their own, or name a template that has them."
+        )
+
+
+def _drawings(workbook: Workbook, sheet: str) -> int:
+    """How many charts and pictures a sheet has. [count]"""
+    part = workbook.structure.worksheet_part(sheet)
+    related = workbook.structure.relationships(part) if part else []
+    drawings = [one.part for one in related if one.kind == "drawing"]
+    return sum(len(workbook.structure.relationships(drawing)) for drawing in drawings)
 
 
 def _listed(words: Sequence[str]) -> str:

@@ -1,5 +1,6 @@
 """The scripts of docs/python.md and of the README run as they stand there."""
 
+import dataclasses
 import re
 from pathlib import Path
 
@@ -38,6 +39,15 @@ def test_the_page_lists_every_name():
     table = text[text.index("## All names") :]
     for name in tb.__all__:
         assert f"tb.{name}" in table or f"`{name}`" in table
-    listed = re.search(r"`Input` \| (.*) \|", table)[1]
-    members = {name for name in vars(tb.Input) if not name.startswith("_")}
-    assert set(re.findall(r"`(\w+)`", listed)) == members
+    for start, described in (
+        (r"`Input` \| ", tb.Input),
+        (r"→ `tb.StudyResults` \| ", tb.StudyResults),
+        (r"→ `tb.Recalculated` \| ", tb.Recalculated),
+    ):
+        listed = re.search(start + r"(.*) \|", table)[1]
+        fields = [f.name for f in dataclasses.fields(described)]
+        members = {n for n in (*vars(described), *fields) if not n.startswith("_")}
+        assert set(re.findall(r"`(\w+)(?:\(\))?`", listed)) == members
+    results = text[text.index("## Results") : text.index("## Workbooks without Excel")]
+    for name in vars(tb.Results):
+        assert name.startswith("_") or name == "input" or f"done.{name}" in results, name

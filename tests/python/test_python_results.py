@@ -229,3 +229,21 @@ def test_every_picture_that_is_listed_can_be_had(done):
         LookupError, match="There is no picture 'nonsense'. There are train, shapes"
     ):
         done.plot("nonsense")
+
+
+@pytest.mark.slow
+def test_pictures_of_a_study_are_those_of_the_report(studied):
+    """A workbook with recorded studies: its report, and the studies made anew by a script."""
+    run = tb.run(studied)
+    document = build_document("train.xlsx", run._read, run._calculation, vectors=False, pixels=True)
+    printed = {b.png for s in document.sections for b in every_block(s) if isinstance(b, Figure)}
+    made = {name: tb.study(studied, name) for name in ("tune", "starts", "sensitivities")}
+    assert len(made["tune"].plots) == 1
+    for study in made.values():
+        for name in study.plots:
+            target = io.BytesIO()
+            with _style():
+                study.plot(name).savefig(target, format="png", dpi=200, metadata={"Software": None})
+            assert target.getvalue() in printed, name
+    with pytest.raises(LookupError, match="There is no picture 'nonsense'"):
+        made["tune"].plot("nonsense")

@@ -6,6 +6,7 @@ import zipfile
 
 import openpyxl
 import pytest
+from command_line import torsionbook
 from openpyxl.chart import LineChart, Reference
 from openpyxl.comments import Comment
 from openpyxl.formatting.rule import CellIsRule
@@ -14,6 +15,7 @@ from openpyxl.workbook.defined_name import DefinedName
 from openpyxl.worksheet.table import Table
 
 import torsionbook as tb
+from addin.contract.tables import result_table
 
 EXAMPLES = (
     "example_modified",
@@ -65,6 +67,26 @@ def test_a_file_keeps_all_that_is_not_a_result(tmp_path):
     assert [r["frequency"] for r in done.results.rows("NaturalFrequencies")] == [
         r["frequency"] for r in tb.run(source).rows("NaturalFrequencies")
     ]
+
+
+def test_frames_in_us_units_hold_the_numbers_of_the_sheets():
+    """Writer of the workbook and frames go from SI to shown units by ways of their own."""
+    done = tb.recalculate(tb.template("example_modified"))
+    book, compared = done.workbook(), 0
+    for name in done.results.tables:
+        frame = done.results.table(name, "us")
+        spec = result_table(name)
+        for column in spec.columns:
+            if column.key not in frame.attrs["units"] or column.wall_time:
+                continue
+            shown = [cell.value for cell in column_of(book, name, column.name)]
+            unit_cell = column_of(book, name, column.name)[0].offset(row=-2)
+            assert unit_cell.value == frame.attrs["units"][column.key], (name, column.name)
+            for mine, theirs in zip(frame[column.key], shown, strict=True):
+                if isinstance(theirs, (int, float)):
+                    assert mine == pytest.approx(theirs, rel=1e-12, abs=1e-300), (name, column.name)
+                    compared += 1
+    assert compared > 300
 
 
 def test_without_a_place_the_result_is_in_memory_alone(tmp_path, monkeypatch):
@@ -214,8 +236,39 @@ def test_the_notes_say_what_openpyxl_may_have_lost(with_sheet):
     assert any("Taken from the openpyxl workbook: Mine." in note for note in with_sheet.notes)
     # the words on the origin of the example are on its sheet Notes, which the blank template has not
     assert any(
-        "Texts beside the inputs were not taken over: Notes!" in note for note in with_sheet.notes
+        "Cells beside the inputs were not taken over: Notes!" in note for note in with_sheet.notes
     )
+
+
+def test_what_stays_behind_is_named(tmp_path):
+    """Of a workbook that has been calculated nothing but what the script put beside the inputs."""
+    path = tb.read(tb.template("example_modified")).write(tmp_path / "train.xlsx")
+    calculated = tb.recalculate(path).content
+    assert not any(
+        "not taken over" in note
+        for note in tb.recalculate(openpyxl.load_workbook(io.BytesIO(calculated))).notes
+    )
+    book = openpyxl.load_workbook(io.BytesIO(calculated))
+    sheet = cell_of(book, "DampingRatio").parent
+    sheet["Z99"], sheet["Z100"] = "a remark", 3.0
+    chart = LineChart()
+    chart.add_data(Reference(sheet, min_col=26, min_row=99, max_row=100))
+    sheet.add_chart(chart, "AA1")
+    notes = tb.recalculate(book).notes
+    assert any(
+        f"not taken over: {sheet.title}!Z99, {sheet.title}!Z100. Put them" in note for note in notes
+    )
+    assert any(
+        f"added to sheets of the product were not taken over: {sheet.title}. Put them" in note
+        for note in notes
+    )
+
+
+def test_verify_finds_that_results_follow_from_inputs(with_sheet, tmp_path):
+    (path := tmp_path / "train.xlsx").write_bytes(with_sheet.content)
+    said = torsionbook("verify", path, cwd=tmp_path)
+    assert said.returncode == 0, said.stdout
+    assert "follows from its inputs" in said.stdout
 
 
 def test_the_package_is_whole(with_sheet):

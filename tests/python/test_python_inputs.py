@@ -156,6 +156,12 @@ def test_a_file_that_cannot_be_opened_is_an_input_error(tmp_path):
         assert raised.value.problems[0].message == read_checked(path).problems[0].message
 
 
+def test_a_file_that_is_no_case_stays_wrong_when_it_is_changed(tmp_path):
+    (broken := tmp_path / "broken.json").write_text("{")
+    messages = [p.message for p in tb.read(broken).change({"DampingRatio": 0.02}).problems]
+    assert any("is not JSON" in message for message in messages)
+
+
 def test_check_says_what_the_command_says(train):
     found = train.check()
     assert found.problems == ()
