@@ -427,8 +427,9 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
             ),
             number(
                 "Residual voltage", "fraction",
-                "At the motor's terminals before closing; or what a dip, or an unbalanced phase, keeps.",
-                us="pu", si="pu", units=("pu", "%"), blank="1 (closing), what is left (reclosing)",
+                "At the motor's terminals before closing, or before a fault off the line; or what a dip, or an unbalanced "
+                "phase, keeps.",
+                us="pu", si="pu", units=("pu", "%"), blank="1 (closing), what is left (reclosing), on the line (fault)",
             ),
             number(
                 "Clears after", "time", "How long the line is faulted, changed or off; or worst.",

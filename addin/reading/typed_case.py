@@ -120,6 +120,16 @@ class Findings:
         """Say nothing more of places whose cause is already noted."""
         self.bad.update(places)
 
+    def without(self, renewed: Callable[[Place], bool] = lambda place: False) -> Findings:
+        """A copy, without what is noted of places that are typed anew."""
+        copy = Findings()
+        for problem in self.problems:
+            if not renewed((problem.table, problem.row, problem.column)):
+                copy.problems.append(problem)
+        if copy.problems:  # places are silent because of these alone
+            copy.bad = {place for place in self.bad if not renewed(place)}
+        return copy
+
 
 @dataclass(frozen=True)
 class StudiesRead:
@@ -132,6 +142,7 @@ class StudiesRead:
     bad: frozenset[Place]  #: Places of which nothing more is to be said. [places]
     locate: Callable[[Problem], CellProblem]  #: A problem with its cell and the number as typed.
     typed: TypedCase  #: Every entry of the study tables. [as typed]
+    findings: Findings  #: Cells that the reader could not read.
 
     def problems_of(
         self, tables: Collection[str], checked: Collection[Problem] = ()
@@ -155,6 +166,8 @@ class CaseInput:
     typed: TypedCase  #: Every entry with its unit as typed. [as typed]
     #: What is typed on the study sheets; None where there are none. [SI]
     studies: StudiesRead | None = field(default=None, kw_only=True)
+    #: Cells that the reader could not read: what stays wrong where other inputs are changed.
+    findings: Findings = field(default_factory=Findings, kw_only=True, repr=False, compare=False)
 
     def case(self) -> Case:
         """The checked case.

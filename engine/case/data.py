@@ -17,7 +17,13 @@ from dataclasses import dataclass, fields
 from functools import cache
 from typing import Any
 
-from engine.case.choices import ElementKind, InitialState, Scanned, TorqueFollows
+from engine.case.choices import (
+    ElementKind,
+    InitialState,
+    MotorEventKind,
+    Scanned,
+    TorqueFollows,
+)
 from engine.case.gear_ratios import Joint, station_ratios
 
 #: Name of the event in operation that table `TorqueTime` is where `InitialState` is ``running``.
@@ -360,7 +366,7 @@ class MotorEventRow:
     phase: float | str | None = None
     #: Of the motor's voltage ahead of the line's at closing; or ``worst``. [rad]
     angle: float | str | None = None
-    #: At the motor's terminals just before it closes, or what a dip leaves. [1]
+    #: At the motor's terminals just before it closes, or is shorted off the line; or what a dip leaves. [1]
     residual_voltage: float | None = None
     #: How long the line is faulted, changed or off; blank = for good, reclosing at once; or ``worst``. [s]
     clears_after: float | str | None = None
@@ -377,6 +383,14 @@ class MotorEventRow:
     def in_start(self) -> float | None:
         """When it begins in the start; None: it comes upon the running train. [s]"""
         return None if isinstance(self.begins, str) else self.begins
+
+    @property
+    def is_off_the_line(self) -> bool:
+        """Whether the motor has no current before it: it is closed out of phase, or shorted with a voltage of its own."""
+        shorted = self.kind in (MotorEventKind.THREE_PHASE_FAULT, MotorEventKind.LINE_TO_LINE_FAULT)
+        return self.kind == MotorEventKind.OUT_OF_PHASE_CLOSING or (
+            shorted and self.residual_voltage is not None
+        )
 
     @property
     def scanned(self) -> tuple[str, ...]:
