@@ -22,7 +22,7 @@ from addin.xlsx.places import real_path
 from addin.xlsx.whole_files import write_json, write_text
 
 #: Ending of a table of text → what stands between its cells.
-_DELIMITERS = {".csv": ",", ".tsv": "\t", ".txt": "\t"}
+_DELIMITERS = {".csv": ",", ".tsv": "\t"}
 _FORMATS = ("case", "table", "opentorsion", "ross")
 
 
@@ -38,7 +38,7 @@ def export(
         str | None,
         typer.Option(
             help="case: all inputs as a case JSON, in SI, with those of the studies (default of .json); table: stations, "
-            "elements, sections and meshes as text in the units of the file (default of .csv, .tsv, .txt); opentorsion: a "
+            "elements, sections and meshes as text in the units of the file (default of .csv and .tsv); opentorsion: a "
             "system (TORS) of a train without branches; ross: a rotor of one shaft line.",
             show_default=False,
         ),

@@ -34,7 +34,7 @@ def new(
             help="A filled example instead of a blank template: proposed or modified (the two "
             "designs of the paper, Szenasi & von Nimitz 1978), backlash (proposed, with gear "
             "clearance, bearings and pull-in), motor (modified, with the motor's data sheet "
-            "instead of torque curves, and a short circuit), or studies (proposed, with the "
+            "instead of torque curves, a short circuit, a shaft typed by its sections and a ratio by the teeth), or studies (proposed, with the "
             "inputs of every study)."
         ),
     ] = None,

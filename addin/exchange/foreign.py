@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -10,6 +9,8 @@ from typing import Any
 from addin.contract.problems import CellProblem, printable, shortened
 from addin.contract.tables import input_table
 
+#: Numbers are smaller: not infinite, and their squares are numbers too. [unit of the file]
+_LARGEST = 1e100
 #: A row of a case JSON: a number is in SI, a text carries its unit.
 Row = dict[str, Any]
 
@@ -96,7 +97,8 @@ def number_of(
         0 where it cannot be read. [unit of the file]
     """
     value = thing.get(key, default)
-    if isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value):
+    is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
+    if is_number and -_LARGEST < value < _LARGEST:
         return float(value)
     shown = "is missing" if value is None else f"is {shortened(repr(value))}"
     train.refuse(place, shown, "a number", f"{key} {shown}; it must be a number. Correct the file.")

@@ -67,7 +67,10 @@ def _elements(
     """Component, name and data of every element, in the order of the nodes."""
     components = {str(c.get("name")): c for c in content["components"] if isinstance(c, Mapping)}
     follows: dict[str, str] = {}
-    for pair in content.get("structure") or []:
+    structure = content.get("structure") or []
+    if not isinstance(structure, list):
+        raise ForeignError("structure is no list of pairs. Save the system again.")
+    for pair in structure:
         if not (
             isinstance(pair, Sequence) and len(pair) == 2 and all(isinstance(p, str) for p in pair)
         ):
@@ -91,7 +94,12 @@ def _elements(
                 f"component '{name}' is missing or follows itself. Correct structure."
             )
         seen.append(name)
-        for element in components[name].get("elements") or []:
+        elements = components[name].get("elements") or []
+        if not isinstance(elements, list) or not all(isinstance(e, Mapping) for e in elements):
+            raise ForeignError(
+                f"the elements of component '{name}' are no list. Save the system again."
+            )
+        for element in elements:
             own = str(element.get("name", ""))
             yield name, own, element
             if f"{name}.{own}" in follows:

@@ -148,10 +148,11 @@ def _cylinder(tag: str, e: Mapping[str, Any], train: ForeignTrain) -> _Cylinder 
         return None
     n, length, od, bore = (number_of(train, e, key, place) for key in ("n", "L", "odl", "idl"))
     end = number_of(train, e, "odr", place, od)
-    if number_of(train, e, "idr", place, bore) != bore:
+    end_bore = number_of(train, e, "idr", place, bore)
+    if end_bore != bore:
         train.refuse(
             place,
-            f"idl {bore:.6g} m, idr {e['idr']:.6g} m",
+            f"idl {bore:.6g} m, idr {end_bore:.6g} m",
             "one bore in an element",
             "the bore is conical, which a section cannot be. Cut the element into some of constant bore.",
         )

@@ -4,7 +4,7 @@ The paper publishes the results of this train but not its data. What stands here
 so that the published natural frequencies come out to six digits by changing the three couplings
 alone; `PROVENANCE` says which number is which and is printed in all examples. The third example
 is the proposed design with what the paper describes in words: clearance, bearings, pull-in. The
-fourth is the modified design with the data sheet of a motor instead of torque curves, and a fault.
+fourth is the modified design with the data sheet of a motor instead of torque curves, a fault, and a stepped shaft.
 """
 
 from __future__ import annotations
@@ -168,6 +168,12 @@ MOTOR_PROVENANCE: tuple[tuple[str, str], ...] = (
         "(1/Xd'' - 1/Xq'')/2 sin(2wt) in pu of apparent power, decaying with Ta. The dip to "
         "70 % voltage for 150 ms is calculated from the motor data.",
     ),
+    (
+        "Sections",
+        "The drive end of the LP shaft is typed as on a drawing, constructed so that its stiffness is that of the modified design "
+        "within 0.2 %; the inertia of its sections is taken off that of the LP compressor. The gear has 112 and 20 teeth: the "
+        "speed ratio 5.6 of the stations behind it follows from them.",
+    ),
 )
 
 
@@ -316,9 +322,37 @@ _MOTOR_DATA: dict[str, Value] = {
 }
 
 
+#: Drive end of the LP shaft, from the face of the coupling hub: name, length, diameter and fillet to the next. [in]
+_LP_SECTIONS = (
+    ("coupling end", 1, 5),
+    ("journal", 4, 5.25, 0.125),
+    ("seal", 4.5, 6, 0.25),
+    ("core", 11, 7.5),
+)
+#: Inertia of the LP compressor without that of these sections. [lb ft²]
+_LP_ROTOR = 433.5
+
+
 def _motor_example() -> Example:
-    """The modified design with a motor given by its data sheet, a short circuit and a voltage dip."""
+    """The modified design with a motor given by its data sheet, a short circuit, a voltage dip and a stepped shaft."""
     plain = _example("modified")
+    stepped = "LP shaft, drive end"
+    stations = [
+        {
+            name: _LP_ROTOR if (row["Station"], name) == ("LP comp", "Inertia") else value
+            for name, value in row.items()
+            if name != "Speed ratio"
+        }
+        for row in plain.tables["Stations"]
+    ]
+    elements = [
+        {n: v for n, v in row.items() if (row["Element"], n) != (stepped, "Stiffness")}
+        for row in plain.tables["Elements"]
+    ]
+    sections = _rows(
+        ("Element", "Section", "Length", "OD", "Fillet"),
+        *((stepped, *row) for row in _LP_SECTIONS),
+    )
     scalars: dict[str, Value] = {
         "Title": "Torsional start-up analysis, compressor train, motor from its data sheet",
         "Document": "SAMPLE-MOT",
@@ -326,7 +360,12 @@ def _motor_example() -> Example:
         "FieldTimeConstant": 0.5,
         "PullOutTorque": 2,
     }
-    gear = {**plain.tables["Meshes"][0], "Backlash": _BACKLASH_GEAR["Backlash"]}
+    gear = {
+        **plain.tables["Meshes"][0],
+        "Backlash": _BACKLASH_GEAR["Backlash"],
+        "Teeth drive": 112,
+        "Teeth driven": 20,
+    }
     fault = _rows(
         ("Event", "Station", "Amplitude", "Multiple", "Phase", "Time constant"),
         ("three-phase fault", "Motor", -9.43, 1, -90, 0.0118),
@@ -343,6 +382,9 @@ def _motor_example() -> Example:
         scalars={**kept, **scalars},
         tables={
             **tables,
+            "Stations": stations,
+            "Elements": elements,
+            "Sections": sections,
             "Meshes": [gear],
             "MotorData": [_MOTOR_DATA],
             "MotorEvents": dip,
