@@ -89,7 +89,7 @@ format: $(DEV_READY) $(LOOPS)
 	$(PY) -m ruff format .
 
 docs: $(DEV_READY)
-	$(VENV)/bin/zensical build --strict
+	PYTHONPATH=scripts $(VENV)/bin/zensical build --clean --strict
 	@echo "Open $(CURDIR)/build/site/index.html; it needs no server."
 
 bench: $(DEV_READY) $(LOOPS)
