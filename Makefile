@@ -108,7 +108,7 @@ sensitivity-study: $(DEV_READY) $(LOOPS)
 mutations: $(DEV_READY) $(LOOPS)
 	$(PY) -m benchmarks.mutated_cases $(CASES:%=--cases %)
 
-generated: $(RUN_READY) $(LOOPS)
+generated: $(DEV_READY) $(LOOPS)
 	$(PY) scripts/generated.py
 
 templates: $(RUN_READY) $(LOOPS)

@@ -1,6 +1,6 @@
 """Write every file that is derived from the records: `make generated`.
 
-Schemas, the pages of results and functions, the table of effects, the commands of the studies, the list of sentences, and the
+Schemas, the pages of results, functions and published cases, the table of effects, the commands of the studies, the list of sentences, and the
 workbooks in templates/. Nothing of them is edited by hand; a test builds them all and names those that are
 stale.
 
@@ -15,6 +15,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
 from list_sentences import listing  # noqa: E402  (beside this file)
+from validation_page import validation_page  # noqa: E402  (likewise)
 
 ROOT = Path(__file__).resolve().parents[1]
 #: What the test says to run.
@@ -53,6 +54,7 @@ def write_generated(root: Path) -> list[Path]:
     pages = {
         "docs/results.md": results_page(),
         "docs/functions.md": functions_page(),
+        "docs/validation.md": validation_page(),
         "docs/effects.md": effects_page((ROOT / "docs/effects.md").read_text(encoding="utf-8")),
         "addin/cli/study_commands.py": study_commands(),
     }
