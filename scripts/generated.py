@@ -46,13 +46,13 @@ def write_generated(root: Path) -> list[Path]:
     from addin.reference.functions_page import functions_page
     from addin.reference.json_schemas import write_schemas
     from addin.reference.record_checks import check_records
-    from addin.reference.results_page import results_page
+    from addin.reference.results_page import results_pages
     from addin.reference.study_commands import study_commands
     from addin.template.build import build_all
 
     check_records()
     pages = {
-        "docs/results.md": results_page(),
+        **{f"docs/{name}": text for name, text in results_pages().items()},
         "docs/functions.md": functions_page(),
         "docs/validation.md": validation_page(),
         "docs/effects.md": effects_page((ROOT / "docs/effects.md").read_text(encoding="utf-8")),

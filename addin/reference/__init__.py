@@ -8,7 +8,7 @@ module            responsibility
 `json_schemas`    JSON Schemas of cases, results, verifications, differences and studies, most
                   made from `addin.contract.tables`
 `record_checks`   what records say of each other: names that they refer to are there
-`results_page`    the page docs/results.md: what each result is, and where it comes from
+`results_page`    the pages docs/results*.md: what each result is, and where it comes from
 `study_commands`  the commands of the studies as a small table, so that --help needs none of their
                   modules
 ================  ================================================================================
