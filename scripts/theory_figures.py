@@ -129,7 +129,7 @@ def mesh() -> Figure:
         y = 1.5 - radius - 0.08
         _arrow(axes, (x, y - 0.32), (x, y), GREEN)
         axes.text(
-            x + 0.1, y - 0.2, f"$k_b u_{number} + c_b \\dot u_{number}$",
+            x + 0.1, y - 0.2, f"$-(k_b u_{number} + c_b \\dot u_{number})$",
             color=GREEN, va="center",
         )  # fmt: skip
     axes.text(6.3, 2.75, "– – base circles", ha="right", color=GREY, size=9)
@@ -208,8 +208,8 @@ def rainflow() -> Figure:
             first, second = stack[-3], stack[-2]
             axes.plot(time[[first, second]], points[[first, second]], color=ORANGE, lw=3)
             axes.annotate(
-                "closed cycle", (time[[first, second]].mean(), points[[first, second]].mean()),
-                (10, 0), textcoords="offset points", color=ORANGE, va="center",
+                "closed cycle", (time[second], points[second]),
+                (2, 8), textcoords="offset points", color=ORANGE,
             )  # fmt: skip
             del stack[-3:-1]
     axes.plot(time[stack], points[stack], color=BLUE, lw=1.4, ls="--")
