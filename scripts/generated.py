@@ -42,6 +42,8 @@ def write_generated(root: Path) -> list[Path]:
     list of Path
         Files written, relative to it.
     """
+    from commands_page import commands_page
+
     from addin.reference.effects_page import effects_page
     from addin.reference.functions_page import functions_page
     from addin.reference.json_schemas import write_schemas
@@ -55,6 +57,7 @@ def write_generated(root: Path) -> list[Path]:
         **{f"docs/{name}": text for name, text in results_pages().items()},
         "docs/functions.md": functions_page(),
         "docs/validation.md": validation_page(),
+        "docs/commands.md": commands_page(),
         "docs/effects.md": effects_page((ROOT / "docs/effects.md").read_text(encoding="utf-8")),
         "addin/cli/study_commands.py": study_commands(),
     }

@@ -27,6 +27,7 @@ DERIVED = (
     "docs/results",
     "docs/functions.md",
     "docs/validation.md",
+    "docs/commands.md",
     "docs/effects.md",
     "addin/cli/study_commands.py",
     "scripts/sentences.txt",
