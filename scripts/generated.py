@@ -43,6 +43,7 @@ def write_generated(root: Path) -> list[Path]:
         Files written, relative to it.
     """
     from commands_page import commands_page
+    from function_answers import function_answers
 
     from addin.reference.effects_page import effects_page
     from addin.reference.functions_page import functions_page
@@ -55,7 +56,7 @@ def write_generated(root: Path) -> list[Path]:
     check_records()
     pages = {
         **{f"docs/{name}": text for name, text in results_pages().items()},
-        "docs/functions.md": functions_page(),
+        "docs/functions.md": functions_page(function_answers()),
         "docs/validation.md": validation_page(),
         "docs/commands.md": commands_page(),
         "docs/effects.md": effects_page((ROOT / "docs/effects.md").read_text(encoding="utf-8")),
