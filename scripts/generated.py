@@ -47,6 +47,7 @@ def write_generated(root: Path) -> list[Path]:
 
     from addin.reference.effects_page import effects_page
     from addin.reference.functions_page import functions_page
+    from addin.reference.json_page import json_page
     from addin.reference.json_schemas import write_schemas
     from addin.reference.record_checks import check_records
     from addin.reference.results_page import results_pages
@@ -59,6 +60,7 @@ def write_generated(root: Path) -> list[Path]:
         "docs/functions.md": functions_page(function_answers()),
         "docs/validation.md": validation_page(),
         "docs/commands.md": commands_page(),
+        "docs/json.md": json_page(),
         "docs/effects.md": effects_page((ROOT / "docs/effects.md").read_text(encoding="utf-8")),
         "addin/cli/study_commands.py": study_commands(),
     }

@@ -28,6 +28,7 @@ DERIVED = (
     "docs/functions.md",
     "docs/validation.md",
     "docs/commands.md",
+    "docs/json.md",
     "docs/effects.md",
     "addin/cli/study_commands.py",
     "scripts/sentences.txt",

@@ -150,7 +150,9 @@ def test_every_direct_dependency_is_explained():
     for requirement in dependencies(
         PROJECT["project"]["dependencies"], *PROJECT["project"]["optional-dependencies"].values()
     ):
-        assert requirement.name.lower() in rows, f"{requirement.name} is missing in docs/development.md"
+        assert requirement.name.lower() in rows, (
+            f"{requirement.name} is missing in docs/development.md"
+        )
 
 
 # --- the wheel ------------------------------------------------------------------------------------
