@@ -61,7 +61,7 @@ _PAGES = (
     ),
     _Page(
         "results-operation.md", "Results: continuous operation and events",
-        ("SeparationMargins", "SteadyState", "EventPeaks", "AirGapTorque"),
+        ("SeparationMargins", "StandardRequirements", "SteadyState", "EventPeaks", "AirGapTorque"),
     ),
     _Page(
         "results-start.md", "Results: the start and its fatigue",
