@@ -6,9 +6,13 @@ import inspect
 from collections.abc import Iterator
 from typing import Any
 
+import typer
 from typer.main import get_command
 
 from addin.cli.app import GROUPS, app
+from addin.cli.study import study_command
+from addin.cli.study_commands import STUDY_COMMANDS
+from addin.studies.registry import found_studies
 
 HEAD = """# Commands
 
@@ -27,9 +31,20 @@ def commands_page() -> str:
     lines = [HEAD]
     for group, commands in GROUPS.items():
         lines.append(f"\n## {group}\n")
-        for name in commands:
-            lines += _command(program.get_command(context, name), f"torsionbook {name}")
+        if commands is STUDY_COMMANDS:  # itself made from the records: a new study is not in it yet
+            made = {study.command: _study(study.command) for study in found_studies()}
+        else:
+            made = {name: program.get_command(context, name) for name in commands}
+        for name, command in made.items():
+            lines += _command(command, f"torsionbook {name}")
     return "".join(lines)
+
+
+def _study(name: str) -> Any:
+    """The command of a study."""
+    single = typer.Typer(add_completion=False, rich_markup_mode="markdown")
+    single.command(name)(study_command(name))
+    return get_command(single)
 
 
 def _command(command: Any, name: str) -> Iterator[str]:
