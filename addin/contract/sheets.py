@@ -66,9 +66,8 @@ FACT_LINES: tuple[tuple[str, str, str, str, str, float], ...] = (
         "Q4",
         _said(
             'IF(run_Outcome="","No start was calculated: neither motor torque nor torque against '
-            'time is given on sheet Torque.",run_Outcome&IF(COUNT(NaturalFrequencies[Percent speed])=0,'
-            # by the inputs: each table that formulas name counts for the calculator, `MOST_COLUMNS`
-            '"   No crossings: no mode is below twice the line frequency.",""))'
+            'time is given on sheet Torque.",run_Outcome&IF(COUNT(StartupCrossings[Mode])=0,'
+            '"   No crossings: no pulsating torque of the motor crosses a mode.",""))'
         ),
         "fact",
         18.0,
@@ -81,7 +80,7 @@ FACT_LINES: tuple[tuple[str, str, str, str, str, float], ...] = (
             'IF(run_Outcome="","No start: no motor torque is given.",'
             'IF(COUNTIF(TorqueReversals[Element],"?*")=0,"The train has no gear mesh and no geared coupling '
             'with backlash, so no torque reversal is judged.",'
-            'IF(COUNT(Meshes[Bearing stiffness drive])+COUNT(Meshes[Bearing stiffness driven])=0,"No bearing forces: no gear moves on its bearings in this '
+            'IF(COUNT(BearingForces[Force])=0,"No bearing forces: no gear moves on its bearings in this '
             'start. Type bearing data on sheet Train; see the plan on sheet Effects.","")))'
         ),
         "note",
@@ -289,11 +288,11 @@ SHEETS: tuple[Sheet, ...] = (
     Sheet(
         "Events",
         "result",
-        {"A": 1.5, "B": 24, "C": 22, "D:E": 12, "F:H": 10, "I:K": 11, "L": 12, "M": 20, "N:R": 10,
-         "S": 2, "T": 24, "U:AB": 12},
-        {"EventPeaks": "B5", "AirGapTorque": "T5"},
-        (ChartAt("air-gap", "T22", 640, 334), ChartAt("clearing", "T40", 640, 334)),
-        breaks=("S",),
+        {"A": 1.5, "B": 24, "C": 22, "D:E": 12, "F:H": 10, "I:K": 11, "L": 12, "M": 20, "N:U": 10,
+         "V": 2, "W": 24, "X:AF": 12},
+        {"EventPeaks": "B5", "AirGapTorque": "W5"},
+        (ChartAt("air-gap", "W22", 640, 334), ChartAt("clearing", "W40", 640, 334)),
+        breaks=("V",),
         freeze="A8",
         header_rows=7,
         intro="Faults in operation: events of tables EventTorque and MotorEvents (sheet Excitation) upon the train that "

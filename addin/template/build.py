@@ -133,7 +133,9 @@ class _Builder(LiveSheets):
         for sheet in layout:
             self._frame(sheet)
             for table, cell in sheet.tables.items():
-                self._table(sheet, fields.table(table), *xl_cell_to_rowcol(cell))
+                row, left = xl_cell_to_rowcol(cell)
+                row += self._rows_pushed_in(sheet, row)
+                self._table(sheet, fields.table(table), row, left)
         self._case()
         self._notes()
         self._trace()
@@ -161,6 +163,16 @@ class _Builder(LiveSheets):
                 options = {"object_position": 2, "description": at.name}
                 self.sheets[sheet.name].insert_chart(at.cell, chart, options)
         self.sheets["Summary"].activate()
+
+    def _rows_pushed_in(self, sheet: Sheet, row: int) -> int:
+        """Rows by which the tables that begin above are longer than shipped."""
+        above = [fields.table(name) for name, cell in sheet.tables.items() if _row(cell) < row]
+        inputs = [spec for spec in above if spec in fields.EVERY_INPUT]
+        return sum(max(len(self._typed_rows(spec)) - spec.rows, 0) for spec in inputs)
+
+
+def _row(cell: str) -> int:
+    return int(xl_cell_to_rowcol(cell)[0])
 
 
 def _with_live(sheets: Sequence[Sheet]) -> list[Sheet]:
