@@ -89,7 +89,7 @@ format: $(DEV_READY) $(LOOPS)
 	$(PY) -m ruff format .
 
 docs: $(DEV_READY)
-	$(VENV)/bin/zensical build --strict
+	PYTHONPATH=scripts $(VENV)/bin/zensical build --clean --strict
 	@echo "Open $(CURDIR)/build/site/index.html; it needs no server."
 
 bench: $(DEV_READY) $(LOOPS)
@@ -108,7 +108,7 @@ sensitivity-study: $(DEV_READY) $(LOOPS)
 mutations: $(DEV_READY) $(LOOPS)
 	$(PY) -m benchmarks.mutated_cases $(CASES:%=--cases %)
 
-generated: $(RUN_READY) $(LOOPS)
+generated: $(DEV_READY) $(LOOPS)
 	$(PY) scripts/generated.py
 
 templates: $(RUN_READY) $(LOOPS)

@@ -1,6 +1,6 @@
 """Write every file that is derived from the records: `make generated`.
 
-Schemas, the pages of results and functions, the table of effects, the commands of the studies, the list of sentences, and the
+Schemas, the pages of results, functions and published cases, the table of effects, the commands of the studies, the list of sentences, and the
 workbooks in templates/. Nothing of them is edited by hand; a test builds them all and names those that are
 stale.
 
@@ -15,6 +15,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
 from list_sentences import listing  # noqa: E402  (beside this file)
+from validation_page import validation_page  # noqa: E402  (likewise)
 
 ROOT = Path(__file__).resolve().parents[1]
 #: What the test says to run.
@@ -41,18 +42,25 @@ def write_generated(root: Path) -> list[Path]:
     list of Path
         Files written, relative to it.
     """
+    from commands_page import commands_page
+    from function_answers import function_answers
+
     from addin.reference.effects_page import effects_page
     from addin.reference.functions_page import functions_page
+    from addin.reference.json_page import json_page
     from addin.reference.json_schemas import write_schemas
     from addin.reference.record_checks import check_records
-    from addin.reference.results_page import results_page
+    from addin.reference.results_page import results_pages
     from addin.reference.study_commands import study_commands
     from addin.template.build import build_all
 
     check_records()
     pages = {
-        "docs/results.md": results_page(),
-        "docs/functions.md": functions_page(),
+        **{f"docs/{name}": text for name, text in results_pages().items()},
+        "docs/functions.md": functions_page(function_answers()),
+        "docs/validation.md": validation_page(),
+        "docs/commands.md": commands_page(),
+        "docs/json.md": json_page(),
         "docs/effects.md": effects_page((ROOT / "docs/effects.md").read_text(encoding="utf-8")),
         "addin/cli/study_commands.py": study_commands(),
     }

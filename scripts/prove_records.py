@@ -24,8 +24,11 @@ ROOT = Path(__file__).resolve().parents[1]
 DERIVED = (
     "addin/reference/schemas/",
     "templates/",
-    "docs/results.md",
+    "docs/results",
     "docs/functions.md",
+    "docs/validation.md",
+    "docs/commands.md",
+    "docs/json.md",
     "docs/effects.md",
     "addin/cli/study_commands.py",
     "scripts/sentences.txt",
@@ -91,7 +94,7 @@ COLUMN = Patch(
         ),
     ),
     derived=(
-        ("docs/results.md", "| Magnitude [N*m] | Larger magnitude of the extremes. |"),
+        ("docs/results-start.md", "| Magnitude [N*m] | Larger magnitude of the extremes.<br>"),
         ("addin/reference/schemas/results.schema.json", '"magnitude": {'),
     ),
     check="""
@@ -353,8 +356,8 @@ def scaled_rows(case: Case, factors: Sequence[float]) -> list[dict[str, Any]]:
     ),
     derived=(
         (
-            "docs/results.md",
-            "## Scaled frequencies (`ScaledFrequencies`, sheet Scaled frequencies)",
+            "docs/results-studies.md",
+            "## ScaledFrequencies",
         ),
         ("addin/reference/schemas/scaling.schema.json", '"scaled_frequencies"'),
     ),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+from collections.abc import Mapping, Sequence
 
 from addin.worksheet.registry import FUNCTIONS, Argument, Function
 
@@ -57,23 +58,75 @@ be detected.)
 """
 
 
-def functions_page() -> str:
-    """The page."""
+#: Of the answer of an example, so much is shown. [count]
+ROWS, COLUMNS = 4, 6
+#: Computing times differ from run to run; times of a start are in s.
+WALL_TIME = "Time [ms]"
+#: Functions of tables that the shipped example leaves blank: their examples are answered with rows typed in.
+TYPED_IN = ("TV_EVENTS", "TV_SECTIONS", "TV_MOTOR_CIRCUIT", "TV_MOTOR_CURVES")
+
+
+def functions_page(answers: Mapping[str, Sequence[Sequence[object]]]) -> str:
+    """The page.
+
+    Parameters
+    ----------
+    answers : mapping of str to rows
+        What the example of each function answers, a row of headers first; none of a function whose answer
+        says nothing on paper.
+
+    Returns
+    -------
+    str
+        Text of docs/functions.md.
+    """
     rows = [
         f"| [`{f.name}`](#{f.name.casefold()}) | {_first(f.help)} | {'yes' if f.long else ''} |\n"
         for f in FUNCTIONS.values()
     ]
-    return HEAD + "".join(rows) + "".join(_section(f) for f in FUNCTIONS.values())
+    return (
+        HEAD
+        + "".join(rows)
+        + "".join(_section(f, answers.get(f.name, ())) for f in FUNCTIONS.values())
+    )
 
 
-def _section(function: Function) -> str:
+def _section(function: Function, answer: Sequence[Sequence[object]]) -> str:
     text = inspect.getdoc(function.answer) or ""
     lines = [f"\n## {function.name}\n", f"\n`{_call(function)}`\n", f"\n{text}\n"]
     lines += ["\n| argument | kind | what to give |\n|---|---|---|\n"]
     lines += [f"| {_named(a)} | {KINDS[a.kind]} | {a.help} |\n" for a in function.arguments]
     lines += [f"\nExample: `{function.example}`\n"]
+    heading = "Answer, with rows typed into the table:" if function.name in TYPED_IN else "Answer:"
+    lines += _answer(heading, answer)
     lines += [f"\n{MORE[function.name]}\n"] if function.name in MORE else []
     return "".join(lines)
+
+
+def _answer(heading: str, rows: Sequence[Sequence[object]]) -> list[str]:
+    """The first rows and columns of an answer, as a table, or the one value."""
+    if not rows:
+        return []
+    if len(rows) == 1 and len(rows[0]) == 1:
+        return [f"\n{heading} {_cell(rows[0][0])}\n"]
+    timed = [k for k, header in enumerate(rows[0]) if header == WALL_TIME]
+    rows = [[cell for k, cell in enumerate(row) if k not in timed] for row in rows]
+    wide = len(rows[0]) > COLUMNS
+    table = [
+        "| " + " | ".join(map(_cell, row[:COLUMNS])) + f"{' | …' if wide else ''} |\n"
+        for row in rows
+    ]
+    rule = "|---" * (min(len(rows[0]), COLUMNS) + wide) + "|\n"
+    left = len(rows) - 1 - ROWS
+    more = [f"\n{left} more row{'s' if left > 1 else ''}.\n"] if left > 0 else []
+    return [f"\n{heading}\n\n", table[0], rule, *table[1 : 1 + ROWS], *more]
+
+
+def _cell(value: object) -> str:
+    """A value with the digits that a reader compares."""
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    return "" if value is None else str(value).replace("|", "\\|")
 
 
 def _call(function: Function) -> str:

@@ -1,5 +1,6 @@
 """The site of `make docs`: every link leads somewhere, every picture is there, nothing is fetched, search works from a folder."""
 
+import os
 import re
 import shutil
 import subprocess
@@ -22,7 +23,8 @@ def site(tmp_path_factory):
     shutil.copy(ROOT / "mkdocs.yml", folder)
     shutil.copytree(ROOT / "docs", folder / "docs")
     words = [str(Path(sys.executable).with_name("zensical")), "build", "--strict"]
-    done = subprocess.run(words, cwd=folder, capture_output=True, text=True)
+    paths = os.environ | {"PYTHONPATH": str(ROOT / "scripts")}
+    done = subprocess.run(words, cwd=folder, env=paths, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr
     return folder / "build" / "site"
 
@@ -74,12 +76,14 @@ def test_a_missing_picture_and_a_fetched_script_are_found(site, tmp_path):
     (broken / "images" / "summary.png").unlink()
     page = broken / "motor.html"
     text = page.read_text(encoding="utf-8")
-    more = '<script src="https://example.org/x.js"></script><a href="method.html#no-such">x</a>'
+    more = (
+        '<script src="https://example.org/x.js"></script><a href="theory-start.html#no-such">x</a>'
+    )
     page.write_text(text.replace("</body>", f"{more}</body>"), encoding="utf-8")
     found = set(wrong_links(broken))
     assert "index.html: images/summary.png is not there" in found
     assert "motor.html fetches https://example.org/x.js" in found
-    assert "motor.html: method.html#no-such has no such heading" in found
+    assert "motor.html: theory-start.html#no-such has no such heading" in found
 
 
 def test_every_page_of_docs_is_in_the_menu():
@@ -101,3 +105,15 @@ def test_search_works_where_the_pages_are_opened_from_a_folder(site):
         page.get_by_text("a fluid coupling or a torque converter?").first.wait_for(timeout=20_000)
         browser.close()
     assert [url for url in asked if not url.startswith(("file:", "blob:", "data:"))] == []
+
+
+def test_every_equation_is_set(site):
+    """None is left as typed, and none has a command that the converter does not know."""
+    equations = 0
+    for path in site.rglob("*.html"):
+        text = path.read_text(encoding="utf-8")
+        equations += text.count("<math ")
+        prose = re.sub(r"(?s)<(pre|code|script)\b.*?</\1>", "", text)
+        left = re.findall(r"\$[^$\n<]*\\[^$\n<]*\$|\$\$|<m[io]>(?:\\[a-z]+|&amp;|&)</m[io]>", prose)
+        assert not left, (path.name, left)
+    assert equations > 50

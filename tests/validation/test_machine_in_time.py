@@ -247,9 +247,22 @@ def number(text) -> float:
     return float(str(text).split()[0])
 
 
-def test_reluctance_motor_direct_on_line():
-    case = load_case("SM01")
-    m, expected = case["machine"], case["expected"]
+def reluctance_start(case):
+    """Torque and speed of SM01 at the times of its series before the load comes, and its published torque."""
+    motion, inertia = reluctance_motion(case)
+    rows = [row for row in case["series"] if row["time"] < LOADED]
+    times = np.array([row["time"] for row in rows]) - CLOSED
+    published = np.array([row["torque_from_ref"] for row in rows])
+    return sampled(motion)(times), times, published
+
+
+#: Instants of SM01 at which the breaker closes and the load comes. [s]
+CLOSED, LOADED = 0.1, 1.5
+
+
+def reluctance_motion(case):
+    """The start of SM01 to the step of load, and its inertia."""
+    m = case["machine"]
     names = ("Rs", "Xs_leak", "Xmd", "Xmq", "Rrd", "Xrd_leak", "Rrq", "Xrq_leak")
     rs, xl, xmd, xmq, rd, xd, rq, xq = (number(m[name]) for name in names)
     omega = 2.0 * math.pi * number(m["frequency"])
@@ -257,25 +270,30 @@ def test_reluctance_motor_direct_on_line():
     circuit = Circuit(rs, xl, xmd, xmq, None, (Winding(rd, xd),), (Winding(rq, xq),))
     machine = Machine(circuit, base, omega / 2.0, omega)
     inertia = number(m["inertia_total"])
-    system = rigid(inertia)
     state = MachineState(np.zeros(4), 0.0, 0.5 * math.pi)
-    closing, load = 0.1, 1.5
     motion = machine_motion(
-        system,
+        rigid(inertia),
         machine,
         [Supply(0.0)],
         state,
-        load - closing,
+        LOADED - CLOSED,
         0.05 / omega,
         balance=Balance(0.0, 0.0),
     )
+    return motion, inertia
+
+
+def test_reluctance_motor_direct_on_line():
+    case = load_case("SM01")
+    expected = case["expected"]
+    motion, inertia = reluctance_motion(case)
     torque = sampled(motion)
     peak = expected["peak_torque_own"]
-    assert torque(expected["peak_time_own"] - closing) == pytest.approx(peak, rel=1e-5)
-    least = torque(expected["least_time_own"] - closing)
+    assert torque(expected["peak_time_own"] - CLOSED) == pytest.approx(peak, rel=1e-5)
+    least = torque(expected["least_time_own"] - CLOSED)
     assert least == pytest.approx(expected["least_torque_own"], rel=1e-5)
-    rows = [row for row in case["series"] if row["time"] < load]
-    times = np.array([row["time"] for row in rows]) - closing
+    rows = [row for row in case["series"] if row["time"] < LOADED]
+    times = np.array([row["time"] for row in rows]) - CLOSED
     speed = np.interp(times, motion.time, motion.v[0] / math.sqrt(inertia))
     own = np.array([row["speed_own"] for row in rows])
     published = np.array([row["speed_ref"] for row in rows])
