@@ -175,10 +175,10 @@ SHEETS: tuple[Sheet, ...] = (
     Sheet(
         "Motor",
         "input",
-        {"A": 1.5, "B": 18, "C": 12, "D:X": 11, "Y:AF": 8},
-        {"MotorData": "B5", "MotorCircuit": "B15", "MotorCurves": "B25", "SupplyVoltage": "L46",
-         "Supply": "P46", "MotorTimeConstants": "X46"},
-        (ChartAt("motor-curves", "L26", 640, 334),),
+        {"A": 1.5, "B": 18, "C": 12, "D:Z": 11, "AA:AG": 8},
+        {"MotorData": "B5", "MotorCircuit": "B15", "MotorCurves": "B25", "SupplyVoltage": "N46",
+         "Supply": "R46", "MotorTimeConstants": "AB46"},
+        (ChartAt("motor-curves", "N26", 640, 334),),
         freeze="A4",
         intro="Optional: the data sheet of a motor, from which its torque curves are calculated. Where sheet "
         "Torque has no curve of its station, the start uses them.",
