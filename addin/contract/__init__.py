@@ -41,6 +41,8 @@ module            responsibility
                   words
 `sheets`          what stands where on the shipped workbooks, as data: sheets, title block, key
                   numbers
+`print_areas`     what of a sheet is printed: the parts of it that have something to show, each
+                  on pages of its own
 `texts`           words on the shipped workbooks: captions, one sentence a sheet, and the sheet
                   `Notes`
 `trace_table`     the rows of sheet `Trace`: what each result is, by which equation, from what

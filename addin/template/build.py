@@ -126,17 +126,16 @@ class _Builder(LiveSheets):
         """All sheets: first the cells, then the charts that refer to them."""
         layout = with_studies(SHEETS) if self.studies else SHEETS
         layout = layout if self.variant.spelled is None else _with_live(layout)
-        for sheet in layout:
-            self.sheets[sheet.name] = self.workbook.add_worksheet(sheet.name)
+        for name in dict.fromkeys(sheet.worksheet for sheet in layout):
+            self.sheets[name] = self.workbook.add_worksheet(name)
         for name in ("Lists", "ChartData", COPY_SHEET):
             self.sheets[name] = self.workbook.add_worksheet(name)
         for sheet in layout:
             self._frame(sheet)
             for table, cell in sheet.tables.items():
-                self._table(sheet, fields.table(table), *xl_cell_to_rowcol(cell))
+                self._table(sheet, fields.table(table), *xl_cell_to_rowcol(sheet.at(cell)))
         self._case()
-        self._notes()
-        self._trace()
+        self._trace(self._notes())
         self._lists()
         self._chart_data()
         self._input_copy()
@@ -159,13 +158,14 @@ class _Builder(LiveSheets):
                     self.workbook, places, EVERY_CHART[at.name], (at.width, at.height)
                 )
                 options = {"object_position": 2, "description": at.name}
-                self.sheets[sheet.name].insert_chart(at.cell, chart, options)
+                self.page(sheet).insert_chart(sheet.at(at.cell), chart, options)
+        self._print_areas()
         self.sheets["Summary"].activate()
 
 
 def _with_live(sheets: Sequence[Sheet]) -> list[Sheet]:
     """`Live` behind the last sheet of inputs."""
-    last = max(k for k, sheet in enumerate(sheets) if sheet.kind == "input")
+    last = max(k for k, sheet in enumerate(sheets) if sheet.name == "Fatigue")
     return [*sheets[: last + 1], LIVE_SHEET, *sheets[last + 1 :]]
 
 

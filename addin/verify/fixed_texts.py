@@ -16,7 +16,7 @@ from addin.verify.structure import plain, present_sheet
 from addin.xlsx import Workbook
 from addin.xlsx.references import Rect, cell_name
 
-_EVERYTHING = Rect(1, 1, 3000, 60)
+_EVERYTHING = Rect(1, 1, 3000, 200)
 #: Words by which a row of Trace is known: sheet, table, column.
 _NAMED_BY = 3
 
@@ -56,7 +56,11 @@ def compare_texts(workbook: Workbook, same_version: bool) -> Iterator[Finding]:
     notes = [line for lines in NOTES.values() for line in lines]
     trace = [TRACE_HEADERS, *trace_rows(), *trace_groups()]
     of_studies = [row for row in trace_rows(studies=True) if row not in trace]
-    for sheet, rows, named_by in (("Notes", notes, 1), ("Trace", [*trace, *of_studies], _NAMED_BY)):
+    trace_sheet = "Trace" if "Trace" in workbook.sheet_names else "Notes"  # its own in 0.1.0
+    for sheet, rows, named_by in (
+        ("Notes", notes, 1),
+        (trace_sheet, [*trace, *of_studies], _NAMED_BY),
+    ):
         if sheet not in workbook.sheet_names or not workbook.sheet_bytes(sheet):
             continue
         places = _places(workbook, sheet)

@@ -24,9 +24,9 @@ from addin.contract.sheets import (
     CYCLE_FACTS,
     FACT_LINES,
     KEY_NUMBERS,
-    SHEETS,
     STRIP,
     TITLE_BLOCK,
+    part_named,
 )
 from addin.contract.tables import INPUT_TABLES, RESULT_TABLES, WORKBOOK_TABLES, Field
 from addin.verify.compare import RecordedValue, agreement, plain_value, value_in_words
@@ -220,12 +220,14 @@ def _beside_labels(
 
 def _lines(workbook: Workbook) -> Iterator[OwnFormula]:
     """The lines of words above the tables, unless they were moved as they are."""
-    sheets = {sheet.name: sheet for sheet in SHEETS}
     lines = [(sheet, first, formula) for sheet, first, _, formula, _, _ in FACT_LINES]
     for shipped, first, formula in (*lines, ("Summary", DOCUMENT_AT.rpartition("!")[2], STRIP)):
-        sheet = present_sheet(workbook, sheets[shipped])
+        of_this = part_named(shipped)
+        sheet = present_sheet(workbook, of_this)
         if sheet is None:
             continue
+        first = first.replace("$", "")
+        cell = of_this.at(first) if sheet == of_this.worksheet else first
         part = workbook.sheet_part(sheet)
         held = ((at, part.value(*at)) for at in part.formulas)
         moved = next(
@@ -234,8 +236,8 @@ def _lines(workbook: Workbook) -> Iterator[OwnFormula]:
         )
         if moved:
             yield OwnFormula(sheet, *moved, formula, "text line")
-        elif workbook.value(sheet, first.replace("$", "")) not in (None, ""):
-            yield OwnFormula(sheet, *parse_cell(first.replace("$", "")), formula, "text line")
+        elif workbook.value(sheet, cell) not in (None, ""):
+            yield OwnFormula(sheet, *parse_cell(cell), formula, "text line")
 
 
 def typed_over(workbook: Workbook, same_template: bool) -> Iterator[Finding]:

@@ -102,7 +102,7 @@ def _cell(traced_workbook: _Traced, wanted: str) -> Iterator[str]:
         row, column = parse_cell(cell.replace("$", "").upper())
     except ValueError:
         raise ValueError(
-            f"'{wanted}' is not a cell address; write it as 'Steady state!H9'."
+            f"'{wanted}' is not a cell address; write it as 'Results!AN9'."
         ) from None
     workbook = traced_workbook.workbook
     for spec in _RESULTS.values():

@@ -38,6 +38,7 @@ from addin.reading.workbook import WorkbookInput, read_workbook
 from addin.recorded.results import recorded_fact
 from addin.recorded.study_digests import stated_digests, twelve_digits
 from addin.writing.input_copy import input_copy
+from addin.writing.print_areas import renew_print_areas
 from addin.xlsx import (
     Formula,
     SaveReport,
@@ -71,7 +72,7 @@ _OPTIONAL = frozenset(
 #: What the rows of a plain recalculation are, below `NO_STUDY`.
 ANALYSES = (
     "Start: linear start with all teeth in contact, on which the plan is based. Start "
-    "with events: the same with the effects that sheet Effects shows as on. Errors "
+    "with events: the same with the effects that sheet Effects and accuracy shows as on. Errors "
     "are the change of the results from step h to h/2."
 )
 
@@ -152,6 +153,7 @@ def write_results(
     workbook.link_chart_titles(_title_links(workbook))
     _renew_banner(workbook)
     _fit_rows(workbook, present)
+    renew_print_areas(workbook)
     for spec in fields.INPUT_TABLES:  # typed by a program that leaves charts as they were
         table = workbook.tables.get(spec.name)
         if table is not None:
@@ -581,6 +583,7 @@ def _cut_to_room(workbook: Workbook, data: TableData) -> TableData:
 
 def _fit_rows(workbook: Workbook, written: Sequence[TableData]) -> None:
     """Row heights of tables with sentences that wrap; rows no longer used get the usual one."""
+    needed: dict[tuple[str, int], float] = {}  # tables side by side share their rows
     for data in written:
         spec, columns = fields.find_table(data.name), list(data.columns or ())
         wrapped = [
@@ -597,7 +600,10 @@ def _fit_rows(workbook: Workbook, written: Sequence[TableData]) -> None:
         ]
         heights += [text_height("", 1.0)] * (spec.room - len(heights))
         for row_number, height in enumerate(heights, table.data.top):
-            workbook.set_row_height(table.sheet, row_number, height)
+            at = table.sheet, row_number
+            needed[at] = max(height, needed.get(at, 0.0))
+    for (sheet, row_number), height in needed.items():
+        workbook.set_row_height(sheet, row_number, height)
 
 
 def _with_columns(workbook: Workbook, data: TableData, there: Sequence[str]) -> TableData:

@@ -164,7 +164,7 @@ def test_a_protected_sheet_is_named_before_anything_is_written(tmp_path, kept):
     book.sheets["Margins"].api.ProtectContents = True
     refill(book)
     assert [mode for mode, _ in book.alerts] == ["critical"]
-    assert "sheet Margins is protected" in book.alerts[0][1]
+    assert "sheet Results is protected" in book.alerts[0][1]
     assert book.written == set()
 
 

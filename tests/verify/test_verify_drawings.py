@@ -219,7 +219,7 @@ def test_a_unit_given_by_a_formula_that_reads_something_else_is_told(train):
 
 
 def test_charts_lie_where_they_are_said_to_lie(train):
-    """By the drawings of the package, read by hand: two charts on sheet Torque, at F... and so on."""
+    """By the drawings of the package, read by hand: two charts on sheet Torque and motor, at F... and so on."""
     places = {(one.sheet, one.cell) for one in drawn_charts(open_workbook(train, ignore_lock=True))}
     package = Package(train)
     corners = re.compile(r"<xdr:from><xdr:col>(\d+)</xdr:col>.*?<xdr:row>(\d+)</xdr:row>")

@@ -1,4 +1,4 @@
-"""Sheets Reversals, Effects and Accuracy: what stands there, in which units, and nothing beside."""
+"""Sheets Start, Effects and Accuracy: what stands there, in which units, and nothing beside."""
 
 from __future__ import annotations
 
@@ -236,7 +236,7 @@ def test_a_study_changes_nothing_but_its_own_cells(written: Path, tmp_path: Path
 
 
 def accuracy_chart(path: Path) -> str:
-    """The chart of sheet Accuracy, with the words it keeps of its title."""
+    """The chart of sheet Effects and accuracy, with the words it keeps of its title."""
     with zipfile.ZipFile(path) as archive:
         charts = [archive.read(n).decode() for n in archive.namelist() if "charts/chart" in n]
     (chart,) = [text for text in charts if "Processor time" in text]

@@ -1,4 +1,4 @@
-"""Sheet Frequencies: how each frequency follows stiffnesses and inertias, as live formulas."""
+"""Sheet Results: how each frequency follows stiffnesses and inertias, as live formulas."""
 
 from __future__ import annotations
 

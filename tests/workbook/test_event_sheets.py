@@ -159,7 +159,7 @@ def test_a_worst_clearing_time_on_the_sheet(tmp_path: Path) -> None:
 
 
 def test_an_event_in_the_start_on_the_sheet(tmp_path: Path) -> None:
-    """Begins goes into the file and comes back, a number or a word; peaks and air-gap torque stand on sheet Events."""
+    """Begins goes into the file and comes back, a number or a word; peaks and air-gap torque stand on sheet Torque and motor."""
     dip = MotorEventRow(
         "Dip", "Motor", "voltage dip", residual_voltage=0.8, clears_after=0.1, begins="running"
     )

@@ -1,4 +1,4 @@
-"""Sheet Motor: data sheets are read, curves are written, and the start uses them."""
+"""Sheet Torque and motor: data sheets are read, curves are written, and the start uses them."""
 
 from __future__ import annotations
 

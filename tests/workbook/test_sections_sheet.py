@@ -1,4 +1,4 @@
-"""Sheet Sections: rows are read, their stiffness and inertia are written, and the train uses them."""
+"""Sheet Train: rows are read, their stiffness and inertia are written, and the train uses them."""
 
 from __future__ import annotations
 
