@@ -47,7 +47,10 @@ def printed_areas(part: Sheet, standing: Standing) -> list[Area] | None:
     if part.printed_for == NEVER:
         return []
     if part.printed_for != ALWAYS:
-        wanted = part.printed_for or (*part.tables, *(t for at in part.charts for t in _drawn(at.name)))
+        wanted = part.printed_for or (
+            *part.tables,
+            *(t for at in part.charts for t in _drawn(at.name)),
+        )
         if not any(map(standing.has_content, wanted)):
             return []
     inserted = max((_inserted(part, name, at[0]) for name, at in rows.items() if at), default=0)

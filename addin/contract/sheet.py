@@ -89,7 +89,9 @@ class Sheet:
 
     def at(self, place: str) -> str:
         """A cell, a column or a range of columns of the part, on its sheet. [A1]"""
-        return _LETTERS.sub(lambda found: column_letters(column_number(found[0]) + self.shift), place)
+        return _LETTERS.sub(
+            lambda found: column_letters(column_number(found[0]) + self.shift), place
+        )
 
 
 _LETTERS = re.compile(r"[A-Z]+")

@@ -364,7 +364,6 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
 ))  # fmt: skip
 
 
-
 #: Sheets of earlier releases that are none now: their tables stand on others.
 EARLIER_SHEETS = frozenset({part.name for part in SHEETS if part.on} | {"Starts", "Trace"})
 

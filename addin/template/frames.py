@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from xlsxwriter.utility import xl_cell_to_rowcol, xl_rowcol_to_cell
@@ -13,7 +13,7 @@ from addin.charts.rows import Rows
 from addin.contract.banner import CHANGED_WORDS, DOCUMENT_AT, OVERALL_AT
 from addin.contract.print_areas import Standing, holds_data, print_area_text, printed_areas
 from addin.contract.sheet import ROW_HEIGHT, Sheet
-from addin.contract.sheets import KIND_WORDS, SHEETS, STRIP, TAB_COLOURS
+from addin.contract.sheets import KIND_WORDS, STRIP, TAB_COLOURS
 from addin.template.charts import Place
 from addin.template.examples import Example
 from addin.template.styles import Styles
@@ -55,6 +55,7 @@ class Frames:
         self.places: dict[str, Place] = {}
         self.unit_cells: dict[tuple[str, str], str] = {}
         self.sheets: dict[str, Any] = {}
+        self.parts: Sequence[Sheet] = ()  #: Of the sheets of a case.
         self.variant = variant
         self.studies = studies
         self.scalar_cells: list[tuple[int, int]] = []
@@ -136,7 +137,7 @@ class Frames:
         page.set_margins(left=_SIDE, right=_SIDE, top=0.45, bottom=0.6)
         page.set_footer('&L&"Arial"&8&F&C&"Arial"&8&A&R&"Arial"&8Page &P of &N', {"margin": 0.3})
         page.repeat_rows(0, sheet.header_rows - 1)
-        parts = [part for part in SHEETS if part.worksheet == sheet.worksheet]
+        parts = [part for part in self.parts if part.worksheet == sheet.worksheet]
         if parts:  # `_print_areas` says what of them
             page.set_print_scale(min(_print_scale(part, _PAPER[self.system]) for part in parts))
             return
@@ -155,8 +156,8 @@ class Frames:
 
     def _print_areas(self) -> None:
         """What is printed of the sheets of a case, as far as the inputs tell."""
-        for name in dict.fromkeys(part.worksheet for part in SHEETS):
-            parts = [part for part in SHEETS if part.worksheet == name]
+        for name in dict.fromkeys(part.worksheet for part in self.parts):
+            parts = [part for part in self.parts if part.worksheet == name]
             areas = [
                 area
                 for part in parts

@@ -205,7 +205,10 @@ def _beside_labels(
     labels = {plain(label): label for label in formulas}
     where = {number.label: number.where for number in KEY_NUMBERS if number.where}
     part = workbook.sheet_part(sheet)
+    headers = [table.ref for table in workbook.tables.values() if table.sheet == sheet]
     for row, column, words in list(_words_of(workbook, sheet)):
+        if any(ref.has(row, column) for ref in headers):
+            continue
         label = labels.get(words)
         beside = next(part.filled_cells(Rect(row, column + 1, row, column + 4)), None)
         if label is None or beside is None:

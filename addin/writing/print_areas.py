@@ -3,7 +3,13 @@
 from __future__ import annotations
 
 from addin.contract.chart_tables import CHART_TABLES
-from addin.contract.print_areas import Standing, holds_data, page_columns, print_area_text, printed_areas
+from addin.contract.print_areas import (
+    Standing,
+    holds_data,
+    page_columns,
+    print_area_text,
+    printed_areas,
+)
 from addin.contract.sheets import SHEETS
 from addin.xlsx import Workbook
 from addin.xlsx.references import Rect, parse_range, split_areas, split_sheet

@@ -283,6 +283,7 @@ def write_study(
         TableData(chart.name, accuracy_block(rows), chart.columns),
     ]
     workbook.write_tables(_present(workbook, wanted))
+    renew_print_areas(workbook)
     facts = {
         "run_AccuracySentence": words["sentence"],
         "run_AccuracyReference": words["reference"],

@@ -87,7 +87,7 @@ def test_a_workbook_of_an_earlier_version_is_recalculated_without_a_word(
     run: Calculation, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     sheets = tuple(
-        replace(s, tables={k: v for k, v in s.tables.items() if k != "EnergyShares"}, breaks=())
+        replace(s, tables={k: v for k, v in s.tables.items() if k != "EnergyShares"})
         for s in SHEETS
     )
     monkeypatch.setattr(template, "SHEETS", sheets)

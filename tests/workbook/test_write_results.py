@@ -146,7 +146,7 @@ def test_chart_data_are_never_longer_than_their_limit(written: Path) -> None:
 def test_tables_the_engineer_removed_are_named_not_missed(tmp_path: Path) -> None:
     book = openpyxl.load_workbook(SOURCE)
     del book["ChartData"]
-    del book["Steady state"]
+    del book["Results"]
     source = tmp_path / "fewer.xlsx"
     book.save(source)
     report = write_results(source, tmp_path / "out.xlsx", made_up_run(), STAMP)
