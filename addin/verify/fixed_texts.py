@@ -12,7 +12,7 @@ from addin.contract.tables import table
 from addin.contract.texts import NOTES
 from addin.contract.trace_table import TRACE_HEADERS, trace_groups, trace_rows
 from addin.verify.findings import Finding
-from addin.verify.structure import plain, present_sheet
+from addin.verify.structure import plain, present_sheet, shows_results
 from addin.xlsx import Workbook
 from addin.xlsx.references import Rect, cell_name
 
@@ -42,7 +42,7 @@ def compare_texts(workbook: Workbook, same_version: bool) -> Iterator[Finding]:
     """
     for shipped in with_studies(SHEETS):
         shown = present_sheet(workbook, shipped)
-        if shipped.kind == "result" and not shipped.hidden and shown is not None:
+        if shows_results(shipped) and shown is not None:
             places = _places(workbook, shown)
             for text in (
                 shipped.name,

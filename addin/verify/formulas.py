@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -221,6 +222,18 @@ def _beside_labels(
                 yield after
 
 
+#: Digests of the lines above the tables of sheets Start-up, Reversals, Starts and Events of earlier templates:
+#: those of 0.1.0, then those that were made before the ten sheets.
+_EARLIER_LINES = frozenset(
+    {"7ee63c59c54e70bf", "6e3f153f4c29777b", "45c318b3f4a1c2f6"}
+    | {"80f4c63c4607edce", "ebd1720e90fc230b", "556cf9b8d5aaa0f5", "e7beffd1d1a660c5"}
+)
+
+
+def _is_earlier_line(formula: str) -> bool:
+    return hashlib.sha256(formula.encode()).hexdigest()[:16] in _EARLIER_LINES
+
+
 def _lines(workbook: Workbook) -> Iterator[OwnFormula]:
     """The lines of words above the tables, unless they were moved as they are."""
     lines = [(sheet, first, formula) for sheet, first, _, formula, _, _ in FACT_LINES]
@@ -232,11 +245,11 @@ def _lines(workbook: Workbook) -> Iterator[OwnFormula]:
         first = first.replace("$", "")
         cell = of_this.at(first) if sheet == of_this.worksheet else first
         part = workbook.sheet_part(sheet)
-        held = ((at, part.value(*at)) for at in part.formulas)
-        moved = next(
-            (at for at, f in held if isinstance(f, Formula) and bare(f.text) == bare(formula)),
-            None,
-        )
+        values = ((at, part.value(*at)) for at in part.formulas)
+        held = {at: bare(f.text) for at, f in values if isinstance(f, Formula)}
+        if sheet != of_this.worksheet and any(map(_is_earlier_line, held.values())):
+            continue
+        moved = next((at for at, text in held.items() if text == bare(formula)), None)
         if moved:
             yield OwnFormula(sheet, *moved, formula, "text line")
         elif workbook.value(sheet, cell) not in (None, ""):

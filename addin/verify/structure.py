@@ -136,9 +136,16 @@ def without_banner(workbook: Workbook, banners: Collection[str]) -> Iterator[Fin
     """
     for shipped in with_studies(SHEETS):
         sheet = present_sheet(workbook, shipped)
-        if shipped.kind == "result" and not shipped.hidden and sheet and sheet not in banners:
+        if shows_results(shipped) and sheet and sheet not in banners:
             sentence = "the sheet does not show the overall verdict: its banner was removed, or is of another version"
             yield Finding("not shown", sheet, "", sentence, fails=False)
+
+
+def shows_results(sheet: Sheet) -> bool:
+    """Whether a sheet, or a part of one, shows results."""
+    results = {spec.name for spec in RESULT_TABLES}
+    is_mixed = sheet.kind == "input" and bool(results & set(sheet.tables))
+    return not sheet.hidden and (sheet.kind == "result" or is_mixed)
 
 
 def has_every_column(workbook: Workbook) -> bool:
