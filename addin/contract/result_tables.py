@@ -135,18 +135,18 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             sentence(
                 "Where", "Mode, element or speed that governs.",
                 "Mode, element or speed of the governing number", "docs/method.md",
-                of_row=("Verdicts.Result",), width=38.0,
+                of_row=("Verdicts.Result",), width=32.0,
             ),
             sentence(
                 "Coverage", "How much of the train is judged.",
                 "Elements with a limit for this check, of all that the check is for; modes and excitations of a "
                 "margin; crossings of a start",
-                "docs/method.md", of_case=("Elements.Kind", *LIMITS), width=16.0,
+                "docs/method.md", of_case=("Elements.Kind", *LIMITS), width=14.0,
             ),
             sentence(
                 "Not judged", "What is not judged, and the peak torque of each element over the rated torque.",
                 "Elements without a limit for this check; the input that is missing",
-                "docs/method.md", of_case=("Elements.Kind", *LIMITS), width=12.0,
+                "docs/method.md", of_case=("Elements.Kind", *LIMITS), width=20.0,
             ),
         ),
     ),
@@ -281,7 +281,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 "Not judged", "Elements without a limit that keep the margin from being accepted.",
                 "Elements of the mode that must be judged and have no limit, with their shares of strain energy and "
                 "modal torque",
-                f"{STEADY}; {MIL}", of_row=("SteadyState.Verdict", "SteadyState.Error"), of_case=MODAL, width=46.0,
+                f"{STEADY}; {MIL}", of_row=("SteadyState.Verdict", "SteadyState.Error"), of_case=MODAL, width=26.0,
             ),
         ),
         extra_columns=(

@@ -40,4 +40,6 @@ RUN_FACTS: tuple[tuple[str, str], ...] = (
     ("run_RatedPower", "Rated power [kW]"),
     ("run_RatedTorque", "Rated torque [N m]"),
     ("run_RunningLoadShare", "Sum of the running loads over rated torque [%]"),
+    ("run_PrintedModes", "What of modes and margins is not printed"),
+    ("run_PrintedResponse", "What of the steady-state response is not printed"),
 )

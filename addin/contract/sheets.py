@@ -6,7 +6,7 @@ from addin.contract import number_formats as shown
 from addin.contract.banner import NOTES
 from addin.contract.chart_tables import HISTORIES
 from addin.contract.result_tables import CROSSING_ROWS
-from addin.contract.sheet import ALWAYS, NEVER, ChartAt, KeyNumber, Sheet, side_by_side
+from addin.contract.sheet import ALWAYS, NEVER, ROW_HEIGHT, ChartAt, KeyNumber, Sheet, side_by_side
 from addin.contract.tables import table
 from addin.contract.texts import EFFECT_NOTES
 
@@ -45,7 +45,9 @@ def _said(formula: str) -> str:
 
 #: Notes that sheet Summary has room for, below its verdicts; the rest is on sheet Audit.
 SUMMARY_NOTES = 8
+#: Each on two rows.
 NOTES_BEGIN = 28
+NOTES_END = NOTES_BEGIN + 2 * SUMMARY_NOTES
 
 
 def _note_line(number: int) -> str:
@@ -112,12 +114,14 @@ FACT_LINES: tuple[tuple[str, str, str, str, str, float], ...] = (
         15.0,
     ),
     *(
-        ("Summary", f"H{row}", f"N{row}", _note_line(number), "prose", 26.0)
-        for number, row in enumerate(range(NOTES_BEGIN, NOTES_BEGIN + SUMMARY_NOTES), 1)
+        ("Summary", f"H{row}", f"N{row + 1}", _note_line(number), "prose", ROW_HEIGHT)
+        for number, row in enumerate(range(NOTES_BEGIN, NOTES_END, 2), 1)
     ),
-    ("Accuracy", "B5", "P5", BLANK_TEXT.format("run_AccuracySentence"), "sentence", 42.0),
-    ("Accuracy", "B6", "P6", BLANK_TEXT.format("run_AccuracyReference"), "prose", 26.0),
-    ("Accuracy", "B7", "P7", BLANK_TEXT.format("run_AccuracyInputs"), "note", 15.0),
+    ("Margins", "B4", "J4", BLANK_TEXT.format("run_PrintedModes"), "note", 15.0),
+    ("Steady state", "B4", "N4", BLANK_TEXT.format("run_PrintedResponse"), "note", 15.0),
+    ("Accuracy", "B4", "P4", BLANK_TEXT.format("run_AccuracySentence"), "sentence", 30.0),
+    ("Accuracy", "B5", "P5", BLANK_TEXT.format("run_AccuracyReference"), "prose", 26.0),
+    ("Accuracy", "B6", "P6", BLANK_TEXT.format("run_AccuracyInputs"), "note", 15.0),
 )
 
 #: Sheets, and the parts of those that have several, from left to right.
@@ -125,14 +129,14 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
     Sheet(
         "Summary",
         "summary",
-        {"A": 1.5, "B": 20, "C": 10, "D": 7, "E:F": 12, "G": 1.5, "H": 20, "I:J": 9.5, "K": 13,
-         "L": 38, "M": 16, "N": 12},
+        {"A": 1.5, "B": 24, "C": 10, "D": 7, "E:F": 10, "G": 1.5, "H": 20, "I:J": 9.5, "K": 13,
+         "L": 32, "M": 14, "N": 20},
         {"Verdicts": "H11"},
         (ChartAt("train", "B12", 452, 270),),
         freeze="",
         header_rows=2,
         printed_for=ALWAYS,
-        print_to=NOTES_BEGIN + SUMMARY_NOTES - 1,
+        print_to=NOTES_END - 1,
         largest=70,
     ),
     Sheet(
@@ -253,9 +257,9 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
     Sheet(
         "Margins",
         "result",
-        {"A": 1.5, "B": 7, "C": 22, "D": 9, "E": 11, "F:G": 9, "H": 20, "I": 46, "J": 9},
-        {"SeparationMargins": "B26"},
-        (ChartAt("interference", "B5", 900, 340),),
+        {"A": 1.5, "B": 6, "C": 20, "D": 8, "E": 10, "F:G": 8, "H": 16, "I": 26, "J": 8, "K": 1, "L:S": 8},
+        {"SeparationMargins": "B5"},
+        (ChartAt("interference", "L5", 480, 420),),
         on="Results",
         intro="Margin = |f − f_exc| / f_exc, the least over the speeds of continuous operation; "
         "0 where an excitation crosses the mode within this range.",

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from addin.contract.chart_tables import CHART_TABLES
 from addin.contract.print_areas import (
     Standing,
@@ -20,7 +22,7 @@ _NAME = "_xlnm.Print_Area"
 _NOTHING = Rect(1, 1, 1, 1)
 
 
-def renew_print_areas(workbook: Workbook) -> None:
+def renew_print_areas(workbook: Workbook, printed: Mapping[str, int], only: str = "") -> None:
     """Let the sheets print what they show now, where nobody has chosen other print areas.
 
     Parameters
@@ -28,8 +30,12 @@ def renew_print_areas(workbook: Workbook) -> None:
     workbook : Workbook
         With its results written. A sheet whose print area is not one that torsionbook has made, or whose tables
         the engineer has moved apart, prints as before.
+    printed : mapping of str to int
+        Tables of which only so many of the first rows are printed. [count]
+    only : str
+        The sheet, as it is shipped, that is looked at; empty = each. [name]
     """
-    for name in dict.fromkeys(part.worksheet for part in SHEETS):
+    for name in dict.fromkeys(part.worksheet for part in SHEETS if only in ("", part.worksheet)):
         parts = [part for part in SHEETS if part.worksheet == name]
         here = {
             workbook.tables[table].sheet
@@ -43,7 +49,7 @@ def renew_print_areas(workbook: Workbook) -> None:
         ours = {columns for part in parts for columns in page_columns(part)}
         if not _is_ours(workbook, sheet, ours):
             continue
-        found = [printed_areas(part, _standing(workbook, part.columns)) for part in parts]
+        found = [printed_areas(part, _standing(workbook, part.columns, printed)) for part in parts]
         if None not in found:
             areas = [area for areas in found for area in areas or ()]
             workbook.set_print_area(sheet, print_area_text(sheet, areas))
@@ -64,14 +70,15 @@ def _is_ours(workbook: Workbook, sheet: str, ours: set[tuple[int, int]]) -> bool
     return True
 
 
-def _standing(workbook: Workbook, columns: tuple[int, int]) -> Standing:
+def _standing(workbook: Workbook, columns: tuple[int, int], printed: Mapping[str, int]) -> Standing:
     """What stands in a workbook, as far as it is about a part in some columns."""
 
     def rows(name: str) -> tuple[int, int] | None:
         table = workbook.tables.get(name)
         if table is None or not columns[0] <= table.ref.left <= columns[1]:
             return None
-        return table.ref.top, table.ref.bottom
+        count = printed.get(name) or table.data.height
+        return table.ref.top, min(table.ref.bottom, table.ref.top + count)
 
     def has_content(name: str) -> bool:
         table = workbook.tables.get(name)

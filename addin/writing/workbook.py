@@ -39,6 +39,7 @@ from addin.recorded.results import recorded_fact
 from addin.recorded.study_digests import stated_digests, twelve_digits
 from addin.writing.input_copy import input_copy
 from addin.writing.print_areas import renew_print_areas
+from addin.writing.printed_rows import printed_rows
 from addin.xlsx import (
     Formula,
     SaveReport,
@@ -153,7 +154,7 @@ def write_results(
     workbook.link_chart_titles(_title_links(workbook))
     _renew_banner(workbook)
     _fit_rows(workbook, present)
-    renew_print_areas(workbook)
+    renew_print_areas(workbook, printed_rows(run.tables).counts)
     for spec in fields.INPUT_TABLES:  # typed by a program that leaves charts as they were
         table = workbook.tables.get(spec.name)
         if table is not None:
@@ -283,7 +284,7 @@ def write_study(
         TableData(chart.name, accuracy_block(rows), chart.columns),
     ]
     workbook.write_tables(_present(workbook, wanted))
-    renew_print_areas(workbook)
+    renew_print_areas(workbook, {}, only=spec.sheet)
     facts = {
         "run_AccuracySentence": words["sentence"],
         "run_AccuracyReference": words["reference"],
@@ -412,6 +413,7 @@ def _result_blocks(run: RunView, units: ShownUnits) -> list[TableData]:
         "Plans": [{"plan": plan["number"], "reason": plan["reason"]} for plan in run.plans],
         "BearingForces": (run.startup or {}).get("bearing_forces", ()),
         "EnergyShares": run.energies,
+        "SteadyState": printed_rows(run.tables).response,
     }
     return [_result_block(spec, tables.get(spec.name, ()), units) for spec in specs]
 
@@ -429,7 +431,7 @@ def _run_facts(run: RunView, stamp: RunStamp, units: ShownUnits) -> TableData:
     ratings = run.case.ratings
     start = run.startup or {}
     speed = ratings.synchronous_speed
-    governing = start_cycle_facts(run)
+    governing, printed = start_cycle_facts(run), printed_rows(run.tables)
     endurance = governing["endurance"]
     facts: dict[str, Any] = {
         "run_Stamp": stamp.sentence,
@@ -456,6 +458,8 @@ def _run_facts(run: RunView, stamp: RunStamp, units: ShownUnits) -> TableData:
         "run_AccuracySentence": NO_STUDY,
         "run_AccuracyReference": ANALYSES,
         "run_AccuracyInputs": stamp.sentence,
+        "run_PrintedModes": printed.on_modes,
+        "run_PrintedResponse": printed.on_response,
     }
     rows = [[name, meaning, facts[name]] for name, meaning in RUN_FACTS]
     return TableData("RunFacts", rows, ["Name", "Meaning", "Value"])

@@ -213,7 +213,7 @@ STUDY = [
 
 @pytest.mark.slow
 def test_without_a_study_the_sheet_says_how_to_make_one(written: Path) -> None:
-    assert line(opened(written), "Accuracy", 5) == NO_STUDY
+    assert line(opened(written), "Accuracy", 4) == NO_STUDY
     assert "torsionbook accuracy" in NO_STUDY
 
 
@@ -226,8 +226,8 @@ def test_a_study_changes_nothing_but_its_own_cells(written: Path, tmp_path: Path
     assert [row["Error peak"] for row in rows] == pytest.approx([0.1, 0.001, 0.2])
     assert [row["Time"] for row in rows] == pytest.approx([4.0, 8.0, 20.0])
     book = opened(target)
-    assert [line(book, "Accuracy", k) for k in (5, 6)] == [WORDS["sentence"], WORDS["reference"]]
-    assert STAMP.sha256[:12] in line(book, "Accuracy", 7)
+    assert [line(book, "Accuracy", k) for k in (4, 5)] == [WORDS["sentence"], WORDS["reference"]]
+    assert STAMP.sha256[:12] in line(book, "Accuracy", 6)
     changed = different_parts(written, target)
     names = openpyxl.load_workbook(written).sheetnames
     own = {
@@ -297,7 +297,7 @@ def test_a_recalculation_after_a_study_leaves_nothing_of_it(written: Path, tmp_p
     again = write_results(target, tmp_path / "again.xlsx", made_up_run(), STAMP).path
     assert rows_of(again, "AccuracyCost") == rows_of(written, "AccuracyCost")
     book = opened(again)
-    assert [line(book, "Accuracy", row) for row in (5, 6)] == [NO_STUDY, ANALYSES]
+    assert [line(book, "Accuracy", row) for row in (4, 5)] == [NO_STUDY, ANALYSES]
 
 
 def test_the_chart_draws_methods_apart_and_no_error_of_zero() -> None:
