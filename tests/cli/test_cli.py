@@ -376,7 +376,12 @@ def test_the_study_changes_its_own_sheet_and_no_other_result(studied):
         for row in sheet.iter_rows():
             for cell in row:
                 assert cell.value == before[sheet.title][cell.coordinate].value
-    words = [cell.value for row in after["Effects and accuracy"].iter_rows(4, 6, 11) for cell in row if cell.value]
+    words = [
+        cell.value
+        for row in after["Effects and accuracy"].iter_rows(4, 6, 11)
+        for cell in row
+        if cell.value
+    ]
     assert words[0] == content["accuracy"]["sentence"]
     assert content["case_sha256"][:12] in words[2]
 

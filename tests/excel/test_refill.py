@@ -89,7 +89,7 @@ def test_every_cell_ends_as_in_the_recalculated_file(tmp_path, kept, name):
     }
     assert ours == tables
     changed = {n for n, s in book.sheets.items() if s.cells != before[n]}
-    assert {"Frequencies", "Start-up"} <= changed
+    assert {"Results", "Start"} <= changed
     assert book.app.state == USUAL
 
 
@@ -161,7 +161,7 @@ def test_wrong_inputs_are_told_and_nothing_is_written(tmp_path, kept):
 
 def test_a_protected_sheet_is_named_before_anything_is_written(tmp_path, kept):
     book = open_book(tmp_path, "example_proposed")
-    book.sheets["Margins"].api.ProtectContents = True
+    book.sheets["Results"].api.ProtectContents = True
     refill(book)
     assert [mode for mode, _ in book.alerts] == ["critical"]
     assert "sheet Results is protected" in book.alerts[0][1]
@@ -174,7 +174,7 @@ def test_excel_is_put_back_as_it_was_whatever_happens(tmp_path, kept):
     def fails(*_):
         raise RuntimeError("made up")
 
-    book.sheets["Summary"].set = book.sheets["Frequencies"].set = fails
+    book.sheets["Summary"].set = book.sheets["Results"].set = fails
     with pytest.raises(RuntimeError, match="made up"):
         refill(book)
     assert book.app.state == USUAL
