@@ -166,7 +166,10 @@ def _settings(results: Results) -> Iterator[tuple[str, str]]:
     case, start = results.case, results.start
     margins = results.margins
     low_high = margins.speed_range
-    yield "Required margin", f"{margins.required:.0%} ({case.margin_basis or 'calculated'})"
+    yield (
+        "Required margin",
+        f"{margins.required:.0%} ({case.standard or 'Szenasi'}, {case.margin_basis or 'calculated'})",
+    )
     if low_high:
         rpm = [s * 9.549296585513721 for s in low_high]
         yield "Operating speed range", f"{rpm[0]:.6g} to {rpm[1]:.6g} rpm"

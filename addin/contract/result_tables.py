@@ -151,6 +151,44 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
         ),
     ),
     table(
+        "StandardRequirements", sheet="Effects and accuracy", caption="What the standard asks for",
+        help="Margins and analyses that scalar Standard asks for, each with its source and the checks that show it.",
+        row_name=("Requirement",), rank=9, room=8, later=True,
+        columns=(
+            text(
+                "Requirement", "Margin or analysis that is asked for.", "Profile of Standard; no rows where that is blank",
+                "docs/method.md, Standards", of_case=("Standard",), width=24.0,
+            ),
+            sentence(
+                "Demand", "What is asked.", "Profile of Standard", "docs/method.md, Standards",
+                of_case=("Standard",), width=40.0,
+            ),
+            sentence(
+                "Source", "Who asks for it.", "Profile of Standard", "docs/method.md, Standards",
+                of_case=("Standard",), width=34.0,
+            ),
+            flag(
+                "Text read", "Whether the text of the source itself was read; no = as others quote it.",
+                "yes for the paper; no for standards whose text was not at hand", "docs/method.md, Standards",
+                of_case=("Standard",),
+            ),
+            sentence(
+                "Shown by", "Checks of table Verdicts that show it.", "Checks of its kind",
+                "docs/method.md, Standards", of_row=("Verdicts.Check",), width=26.0,
+            ),
+            verdict(
+                "Verdict", "The worst verdict of these checks; not judged where there is none.",
+                "The worst verdict of the checks that show it; not judged without any", "docs/method.md, Standards",
+                of_row=("Verdicts.Verdict",),
+            ),
+            sentence(
+                "Missing", "What is asked for and not calculated.",
+                "Start or short circuit that the inputs do not have", "docs/method.md, Standards",
+                of_case=("MotorEvents.Kind", "EventTorque.Event"), width=36.0,
+            ),
+        ),
+    ),
+    table(
         "NaturalFrequencies", sheet="Results", caption="Natural frequencies",
         help="Undamped natural frequencies; rigid-body modes first, with frequency 0.",
         row_name=("Mode",), changes_shown=("Frequency", "Largest strain energy"), rank=1,
@@ -262,8 +300,9 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             ),
             number(
                 "Required", "fraction", "Required margin.",
-                "20 % for calculated, 10 % for measured frequencies, or MarginRequired", STEADY,
-                of_case=("MarginBasis", "MarginRequired"), format=shown.ONE_DECIMAL, pane=Pane.MINOR,
+                "MarginRequired; else of Standard: Szenasi or blank 20 % for calculated, 10 % for measured frequencies, API "
+                "617 and API 541/546 10 %", STEADY,
+                of_case=("Standard", "MarginBasis", "MarginRequired"), format=shown.ONE_DECIMAL, pane=Pane.MINOR,
             ),
             verdict(
                 "Verdict", "pass, pass within its error, accepted by forced response, not judged, or fail.",

@@ -81,16 +81,23 @@ _BY_GROUP: Mapping[str, tuple[Field, ...]] = {
             blank="0 %",
         ),
         choice(
+            "Standard",
+            tuple(choices.Standard),
+            "Who says which margins and analyses are needed. Szenasi: 20 % for calculated, 10 % for measured "
+            "frequencies. API 617 and API 541/546: 10 %. own: MarginRequired.",
+            blank="margins as Szenasi; no analysis is asked for",
+        ),
+        choice(
             "MarginBasis",
             tuple(choices.MarginBasis),
-            "Calculated frequencies need a margin of 20 %, measured ones 10 %.",
+            "Whether frequencies are calculated or measured; measured ones need less margin where the standard says so.",
             blank="calculated",
         ),
         number(
             "MarginRequired",
             "fraction",
-            "Required separation margin, when it differs from 20 % (calculated) or 10 % (measured).",
-            blank="20 % calculated, 10 % measured",
+            "Required separation margin, when it differs from that of the standard.",
+            blank="by Standard and MarginBasis",
         ),
         choice(
             "StressBasis",

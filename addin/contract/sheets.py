@@ -342,6 +342,14 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
         print_to=_BELOW_EFFECTS + len(EFFECT_NOTES),
     ),
     Sheet(
+        "Standard",
+        "result",
+        {"A": 1.5, "B": 24, "C": 40, "D": 34, "E": 9, "F": 26, "G": 14, "H": 36},
+        {"StandardRequirements": "B5"},
+        on="Effects and accuracy",
+        intro="What the standard that is named in scalar Standard asks for, and which checks show it.",
+    ),
+    Sheet(
         "Accuracy",
         "result",
         {"A": 1.5, "B": 21, "C": 40, "D:F": 10, "G": 1.5, "H:P": 8},

@@ -131,6 +131,7 @@ def summary(subject: Subject) -> Section:
     return section(
         "Summary",
         subject.table("Verdicts", note=note),
+        *([subject.table("StandardRequirements")] if subject.rows("StandardRequirements") else []),
         parts=(
             section("Key figures", Facts(tuple(_key_figures(subject)))),
             section("Warnings of the calculation", listed),

@@ -39,6 +39,15 @@ class ContactLaw(StrEnum):
     NO_ADHESION = "no adhesion"
 
 
+class Standard(StrEnum):
+    """Who says what a train must fulfil."""
+
+    SZENASI = "Szenasi"
+    API_617 = "API 617"
+    API_541 = "API 541/546"
+    OWN = "own"
+
+
 class MarginBasis(StrEnum):
     """How the natural frequencies are known, which decides the separation margin they need."""
 

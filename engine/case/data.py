@@ -482,8 +482,10 @@ class CaseData:
     maximum_speed: float | None = None  #: Likewise. [rad/s]
     damping_ratio: float | None = None  #: Fraction of critical damping of all elastic modes. [1]
     damping_range: float | None = None  #: All damping may be smaller by this share; blank = 0. [1]
-    margin_basis: str | None = None  #: ``calculated`` (20 %) or ``measured`` (10 %).
-    margin_required: float | None = None  #: Overrides the basis. [1]
+    #: Who says which margins and analyses are needed: one of `Standard`; blank = ``Szenasi``, without a check of its own.
+    standard: str | None = None
+    margin_basis: str | None = None  #: How frequencies are known: ``calculated`` or ``measured``.
+    margin_required: float | None = None  #: Overrides standard and basis. [1]
     #: ``peak-to-peak`` (default) or ``zero-to-peak``: what is compared with UTS/25.
     stress_basis: str | None = None
     #: Speed of the reference shaft where the start ends; blank = 97 % of synchronous. [rad/s]

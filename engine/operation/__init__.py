@@ -3,6 +3,7 @@
 =================  ==================================================================================
 module             responsibility
 =================  ==================================================================================
+`standards`        what a standard asks of a train: margins, analyses, and their sources
 `margins`          separation margins, the bands of frequencies they forbid, and the interference
                    diagram
 `steady_state`     harmonic response of the train, and the vibratory torques and stresses of running

@@ -19,15 +19,13 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from engine.arrays import Floats
-from engine.case.choices import MarginBasis
 from engine.case.data import CaseData
 from engine.case.result_words import Judgement
 from engine.model.excitation import Excitation, operating_range
 from engine.model.modes import Modes
 from engine.model.train import Train
+from engine.operation.standards import required_margin
 
-#: The paper: 20 percent for calculated, 10 percent for measured natural frequencies.
-MARGIN_BY_BASIS: dict[str, float] = {MarginBasis.CALCULATED: 0.20, MarginBasis.MEASURED: 0.10}
 #: A margin this much below the required one is the required one, rounded.
 MARGIN_ROUNDING = 1e-9
 #: The interference diagram reaches this multiple of synchronous speed.
@@ -78,24 +76,6 @@ class SeparationMargins:
     def not_kept(self) -> tuple[MarginRow, ...]:
         """Rows whose margin is too small, whatever the forced response says. [rows]"""
         return tuple(row for row in self.rows if not row.kept)
-
-
-def required_margin(case: CaseData) -> float:
-    """Required margin: MarginRequired, else by MarginBasis.
-
-    Parameters
-    ----------
-    case : CaseData
-        The case. [SI]
-
-    Returns
-    -------
-    float
-        Required margin. [1]
-    """
-    if case.margin_required is not None:
-        return case.margin_required
-    return MARGIN_BY_BASIS[case.margin_basis or MarginBasis.CALCULATED]
 
 
 def separation_margins(

@@ -24,7 +24,7 @@ from engine.motor.from_case import motor_curves, motor_time_constants
 from engine.numerics.same_bits import product
 from engine.operation.margins import percent_speed
 from engine.results.results import AccuracyRow, AtSpeed, Results
-from engine.results.verdicts import event_verdict, yield_torque
+from engine.results.verdicts import event_verdict, standard_rows, yield_torque
 from engine.start.start_fatigue import is_counted
 
 Row = dict[str, Any]
@@ -37,6 +37,7 @@ def result_tables(results: Results) -> Mapping[str, list[Row]]:
     """The result tables of the contract: name → rows with JSON keys."""
     return {
         "Verdicts": _rows(results.verdicts),
+        "StandardRequirements": _rows(standard_rows(results.case, results.verdicts[1:])),
         **speed_tables(results),
         "SectionResults": section_results(results.case),
         "MotorCurves": motor_curves(results.case),

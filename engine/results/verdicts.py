@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from engine.backlash.operating_events import OperatingEvent
 from engine.case.coverage import (
@@ -27,6 +27,14 @@ from engine.case.result_words import ACCEPTABLE, Judgement, NoNumber, Outcome
 from engine.fatigue.allowable_starts import AllowableStarts
 from engine.fatigue.stress import stress_of_unit_torque
 from engine.operation.margins import MarginRow, SeparationMargins
+from engine.operation.standards import (
+    EVENTS,
+    MARGIN,
+    RESPONSE,
+    REVERSAL,
+    profile_of,
+    short_circuits_missing,
+)
 from engine.operation.steady_state import STRESS_ROUNDING, SteadyState, SteadyStateRow
 from engine.results.implausible_results import implausible_results
 from engine.results.results import Results, Verdict
@@ -75,6 +83,7 @@ def verdicts_of(results: Results) -> tuple[Verdict, ...]:
             *_starts(results),
         ]
     checks += [*_events(case, results.events), *_life(results)]
+    checks += _asked_by_standard(case, checks)
     if implausible := implausible_results(results):
         where = "; ".join(one.finding for one in implausible)
         overall = Verdict("Overall", None, None, "text", Judgement.CHECK_INPUTS, where)
@@ -95,6 +104,82 @@ def overall_verdict(verdicts: Iterable[Judgement]) -> Judgement:
     found = set(verdicts)
     worst = next((v for v in _WORST_FIRST if v in found), Judgement.INCOMPLETE)
     return _OVERALL.get(worst, worst)
+
+
+# --- what a standard asks for ---------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class StandardRow:
+    """One thing that the standard asks for, and what was found."""
+
+    requirement: str  #: Its name.
+    demand: str  #: What is asked.
+    source: str  #: Who asks for it.
+    #: Whether the text of the source was read for it.
+    text_read: bool
+    shown_by: str | None  #: The checks that show it; None where there is none.
+    verdict: Judgement  #: The worst of theirs; ``not judged`` where there is none.
+    missing: str | None  #: What is not there.
+
+
+def standard_rows(case: CaseData, checks: Sequence[Verdict]) -> tuple[StandardRow, ...]:
+    """What the standard of a case asks of its train, each with the verdict of the checks that show it; none without one.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+    checks : sequence of Verdict
+        All checks. [SI]
+
+    Returns
+    -------
+    tuple of StandardRow
+        In the order of the profile. [words]
+    """
+    rows: list[StandardRow] = []
+    for r in profile_of(case).requirements if case.standard is not None else ():
+        shown = [c for c in checks if c.check.startswith(r.checks)]
+        if not shown and r.checks in (RESPONSE, REVERSAL):
+            continue  # the train has no part that it could be about
+        missing = ""
+        if r.checks == EVENTS and (faults := short_circuits_missing(case)):
+            missing = (
+                f"No {' and no '.join(faults)} in table MotorEvents, and no fault in EventTorque."
+            )
+        elif not shown:
+            missing = "No start is calculated: type MotorTorque or MotorData."
+        demand = r.demand
+        if r.checks == (MARGIN,) and case.margin_required is not None:
+            demand = f"{demand} Here {100.0 * case.margin_required:.4g} % is required: MarginRequired is typed."
+        verdict = overall_verdict(c.verdict for c in shown) if shown else Judgement.NOT_JUDGED
+        if missing and shown:
+            verdict = _covered(verdict, missing)
+        names = ", ".join(c.check for c in shown)
+        rows.append(
+            StandardRow(
+                r.requirement, demand, r.source, r.read, names or None, verdict, missing or None
+            )
+        )
+    return tuple(rows)
+
+
+def _asked_by_standard(case: CaseData, checks: Sequence[Verdict]) -> Iterator[Verdict]:
+    """Analyses that the standard asks for and that are not there; nothing where none is chosen.
+
+    What is there has a check of its own, so that this one is about what is missing alone.
+    """
+    rows = standard_rows(case, checks)
+    if not rows:
+        return
+    lacking = [r for r in rows if r.missing]
+    coverage = _share(rows, lacking, "requirements")
+    named = "; ".join(f"{r.requirement}: {r.missing}" for r in lacking)
+    verdict = Judgement.NOT_JUDGED if lacking else Judgement.PASS
+    yield Verdict(
+        f"Analyses that {case.standard} asks for", None, None, "text", verdict, "", coverage, named
+    )
 
 
 # --- what a verdict covers ------------------------------------------------------------------------

@@ -11,7 +11,7 @@ import pytest
 from addin.contract.field import SHAPE_COLUMNS
 from addin.contract.shipped import template_path
 from addin.contract.sources import GROUPS
-from addin.contract.tables import INPUT_TABLES, RESULT_TABLES, SCALARS, WORKBOOK_TABLES
+from addin.contract.tables import INPUT_TABLES, RESULT_TABLES, SCALARS, WORKBOOK_TABLES, table
 from addin.contract.trace_table import TRACE_HEADERS, trace_rows
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -82,8 +82,8 @@ def test_sheet_trace_and_header_prompts_show_it():
 
     tables = {name: (page, page.tables[name]) for page in book.worksheets for name in page.tables}
     for spec in TABLES:
-        page_, table = tables[spec.name]
-        top, left = openpyxl.utils.cell.range_boundaries(table.ref)[1::-1]
+        page_, there = tables[spec.name]
+        top, left = openpyxl.utils.cell.range_boundaries(there.ref)[1::-1]
         prompts = {
             str(cell): rule
             for rule in page_.data_validations.dataValidation
@@ -97,4 +97,4 @@ def test_sheet_trace_and_header_prompts_show_it():
             assert rule.prompt.startswith(field.trace.equation[:100].split("\n")[0])
             assert len(rule.prompt) <= 255
             assert rule.type in (None, "none")
-    assert len(RESULT_TABLES[2].workbook_columns) == SHAPE_COLUMNS + 1
+    assert len(table("ModeShapes").workbook_columns) == SHAPE_COLUMNS + 1

@@ -125,10 +125,12 @@ _ENDS = "2.5 % and 97.5 % quantile of the posterior, over all solutions"
 #: What is not given of measurements that no train explains.
 _NONE = "; blank = measurements not explained"
 _LEAST_MARGIN = "|f − f_exc|/f_exc, the least over all excitations and continuous speeds"
-_REQUIRED = "20 % calculated, 10 % measured, or MarginRequired"
+_REQUIRED = (
+    "By Standard and MarginBasis (Szenasi: 20 % calculated, 10 % measured), or MarginRequired"
+)
 _VERDICT = "As in SeparationMargins"
 _SPEEDS = ("MinimumSpeed", "MaximumSpeed", "Excitations.Order", "Excitations.Frequency")
-_BASIS = ("MarginBasis", "MarginRequired")
+_BASIS = ("Standard", "MarginBasis", "MarginRequired")
 
 _INPUTS: tuple[TableSpec, ...] = (
     table(

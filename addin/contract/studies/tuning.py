@@ -331,7 +331,7 @@ _RESULTS: tuple[TableSpec, ...] = (
             _OPTION, _SHARE, *_lines("fraction", "Worst separation margin.", "SeparationMargins.Margin"),
             number(
                 "Required", "fraction", "Required margin.",
-                trace=_as("SeparationMargins.Required", "MarginRequired, else by MarginBasis"),
+                trace=_as("SeparationMargins.Required", "MarginRequired, else by Standard and MarginBasis"),
                 format=shown.ONE_DECIMAL,
             ),
         ),
@@ -366,11 +366,11 @@ _RESULTS: tuple[TableSpec, ...] = (
             ),
             number(
                 "From", "frequency", "Lowest frequency × (1 − required margin).", _BAND, STEADY,
-                of_case=("MinimumSpeed", "MarginBasis", "MarginRequired"),
+                of_case=("MinimumSpeed", "Standard", "MarginBasis", "MarginRequired"),
             ),
             number(
                 "To", "frequency", "Highest frequency × (1 + required margin).", _BAND, STEADY,
-                of_case=("MaximumSpeed", "MarginBasis", "MarginRequired"),
+                of_case=("MaximumSpeed", "Standard", "MarginBasis", "MarginRequired"),
             ),
             number(
                 "Lowest", "frequency", "Excitation frequency at the lowest speed.",

@@ -27,6 +27,7 @@ from engine.case.choices import (
     Method,
     RainflowResidue,
     Scanned,
+    Standard,
     StressBasis,
     TorqueFollows,
 )
@@ -68,6 +69,7 @@ QUANTITIES = (
     Limit("PullInDamping", NOT_NEGATIVE, "N m s/rad"),
 )
 CHOICES: dict[str, type[StrEnum]] = {
+    "Standard": Standard,
     "MarginBasis": MarginBasis,
     "StressBasis": StressBasis,
     "InitialState": InitialState,
@@ -124,6 +126,7 @@ def check_scalars(case: CaseData) -> Iterator[Problem]:
     yield from _ratings(case)
     yield from _speed_range(case)
     yield from _partners(case)
+    yield from _own_margin(case)
     yield from _trip(case)
 
 
@@ -155,6 +158,18 @@ def _partners(case: CaseData) -> Iterator[Problem]:
                 f"the cell is blank, but {name} is given; it must be given where {name} is. Type "
                 f"{other}, {meaning}, or clear {name}.",
             )
+
+
+def _own_margin(case: CaseData) -> Iterator[Problem]:
+    """A standard of one's own has the margin that is typed."""
+    if case.standard == Standard.OWN and case.margin_required is None:
+        yield SCALARS.problem(
+            "MarginRequired",
+            None,
+            "a margin, where Standard is own",
+            "the cell is blank, but Standard is own; no margin can be judged. Type MarginRequired, for example 15 %, or "
+            "choose another Standard.",
+        )
 
 
 def _trip(case: CaseData) -> Iterator[Problem]:

@@ -33,7 +33,8 @@ from engine.arrays import Floats
 from engine.case.case import Case
 from engine.case.data import CaseData
 from engine.case.study_inputs import StudyInputs, study_digest
-from engine.operation.margins import MARGIN_BY_BASIS, SeparationMargins
+from engine.operation.margins import SeparationMargins
+from engine.operation.standards import profile_of
 from engine.run import at_speed
 from engine.studies.calibration.inputs import CalibrationPlan, plan_calibration
 from engine.studies.calibration.least_squares import (
@@ -375,8 +376,9 @@ class _Estimate:
     def _frequencies(self, margins: SeparationMargins) -> tuple[CalibratedFrequency, ...]:
         measured = {mode: self.plan.frequencies[i] for i, mode in self.solution.modes.items()}
         number = {int(at) + 1: mode for mode, at in enumerate(self.solution.order)}
-        limit = MARGIN_BY_BASIS["calculated"]
-        deciding = {number[r.mode] for r in margins.rows if r.margin < limit and r.mode in number}
+        deciding = {
+            number[r.mode] for r in margins.rows if r.margin < margins.required and r.mode in number
+        }
         twists = self.model.base.modes.twists[self.model.base.modes.n_rigid :]
         first = [int(m) for m in np.flatnonzero(twists)[:SHOWN_MODES]]
         return tuple(
@@ -586,7 +588,12 @@ def _basis(
     """Whether MarginBasis becomes measured, and why."""
     if case.margin_required is not None:
         return False, f"MarginRequired is {case.margin_required:.1%} and overrides MarginBasis."
-    limit = MARGIN_BY_BASIS["calculated"]
+    limit, measured = margins.required, profile_of(case).margins["measured"]
+    if limit == measured:
+        return False, (
+            f"MarginBasis changes nothing: {profile_of(case).name} requires {limit:.0%} of calculated and of measured "
+            "frequencies."
+        )
     at = {f.calibrated_mode: f for f in frequencies}
     least: dict[int, float] = {}
     for row in margins.rows:
@@ -619,7 +626,7 @@ def _basis(
         which = ", ".join(str(at[m].mode) for m in sorted(unknown))
         return False, (
             f"{stays}: {'; '.join(reasons)}. A more accurate measurement is needed of mode {which} "
-            f"to apply the margin of {MARGIN_BY_BASIS['measured']:.0%}."
+            f"to apply the margin of {measured:.0%}."
         )
     already = "is confirmed" if case.margin_basis == "measured" else "becomes measured"
     return True, (

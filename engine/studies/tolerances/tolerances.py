@@ -29,7 +29,8 @@ from engine.numerics.sample_statistics import (
     rank_regression,
     share_interval,
 )
-from engine.operation.margins import MARGIN_ROUNDING, required_margin
+from engine.operation.margins import MARGIN_ROUNDING
+from engine.operation.standards import required_margin
 from engine.start.start_fatigue import is_counted, judged_shafts
 from engine.studies.nearby_start import LINEAR, NO_START, NearbyStartPlan, unit_stress
 from engine.studies.scatter import METHODS, sample_size

@@ -24,9 +24,9 @@ from engine.operation.margins import (
     Window,
     forbidden_bands,
     free_windows,
-    required_margin,
     rows_of_bands,
 )
+from engine.operation.standards import required_margin
 from engine.studies.tuning.combinations import TuningPlan
 from engine.studies.tuning.evaluate import EvaluatedCombination, KeyAnswers
 from engine.studies.tuning.maps import TuningMap, tuning_map
