@@ -16,8 +16,8 @@ from addin.charts.data import governing_shaft
 from engine.fatigue.sn_curve import SNCurve
 from engine.start.start_fatigue import sn_curve_of
 
-#: Most rows of table `StartCycles`: those that fill the page on which it is printed.
-LISTED_CYCLES = 24
+#: Most rows of table `StartCycles`.
+LISTED_CYCLES = 40
 
 
 def start_cycle_rows(run: RunView) -> list[dict[str, Any]]:

@@ -11,6 +11,8 @@ from engine.case.result_words import Judgement
 Row = Mapping[str, Any]
 #: Modes are printed up to this multiple of the highest excitation; those above are far from every one.
 _ABOVE_EXCITATION = 2.0
+#: Cycles that fill the page on which they are printed; the largest damage stands first.
+_CYCLES = 24
 
 
 @dataclass(frozen=True)
@@ -51,6 +53,7 @@ def printed_rows(tables: Mapping[str, Sequence[Row]]) -> PrintedRows:
             "NaturalFrequencies": few_modes,
             "SeparationMargins": few_margins,
             "SteadyState": len(few),
+            "StartCycles": _CYCLES,
         },
         [*few, *(row for row in every if id(row) not in chosen)],
         _on_modes(len(modes) - few_modes, len(margins) - few_margins),

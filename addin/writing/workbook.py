@@ -226,7 +226,9 @@ def tables_to_write(
     """
     units, problems = read_shown_units(workbook, run.case.ratings.rated_torque)
     blocks = chart_blocks(run.case, units, run, chosen)
-    wanted = [*_result_blocks(run, units), _run_facts(run, stamp, units)]
+    # a workbook of an earlier version has no place for what is said of the order
+    sorts = "run_PrintedResponse" in workbook.defined_names
+    wanted = [*_result_blocks(run, units, sorts), _run_facts(run, stamp, units)]
     wanted += [TableData(table.name, blocks[table.name], table.columns) for table in CHART_TABLES]
     copied = input_copy(read or read_workbook(workbook), stamp.sha256)
     if not copied and CHANGED_WORDS in _banner(workbook):
@@ -405,7 +407,7 @@ def read_shown_units(
     return shown_units(names, rated_torque)
 
 
-def _result_blocks(run: RunView, units: ShownUnits) -> list[TableData]:
+def _result_blocks(run: RunView, units: ShownUnits, sorts: bool) -> list[TableData]:
     """Rows of every result table; live checks are formulas whose value is calculated when saving."""
     specs = (*fields.RESULT_TABLES, *fields.WORKBOOK_TABLES)
     tables = dict(run.tables) | {
@@ -413,8 +415,9 @@ def _result_blocks(run: RunView, units: ShownUnits) -> list[TableData]:
         "Plans": [{"plan": plan["number"], "reason": plan["reason"]} for plan in run.plans],
         "BearingForces": (run.startup or {}).get("bearing_forces", ()),
         "EnergyShares": run.energies,
-        "SteadyState": printed_rows(run.tables).response,
     }
+    if sorts:
+        tables["SteadyState"] = printed_rows(run.tables).response
     return [_result_block(spec, tables.get(spec.name, ()), units) for spec in specs]
 
 
