@@ -44,7 +44,7 @@ LOOKED_AT = (
     "merged cells",
     "pictures, shapes, sparklines and comments over cells",
     "titles of charts and sheets",
-    "texts of Notes and Trace",
+    "texts of Notes",
 )
 #: What a reader sees and nobody looks at here.
 NOT_JUDGED = (

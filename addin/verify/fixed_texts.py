@@ -1,4 +1,4 @@
-"""Texts of torsionbook: titles of result sheets, and what a reviewer reads on Notes and Trace beside the results."""
+"""Texts of torsionbook: titles of result sheets, and what a reviewer reads on Notes beside the results."""
 
 from __future__ import annotations
 
