@@ -16,8 +16,8 @@ module         responsibility
                behind it
 `calc`         kept for installed LibreOffice extensions, which start `python -m
                addin.calc.worker`
-`template`     builds the shipped workbooks from the records of `addin.contract`
 `writing`      results into cells, JSON and history files; one file from input to output
+`template`     builds the shipped workbooks from the records of `addin.contract`
 `batch`        folders of inputs and programmes of cases, on all cores or a cluster
 `studies`      one input through a study: check, calculate, write
 `reference`    generated reference: JSON Schemas, the pages of results and of functions; written
@@ -29,6 +29,7 @@ module         responsibility
 `diff`         two revisions of a train side by side: what changed in the inputs, and what it did
 `report`       the calc sheet as a document: one model, built once from the results, and two thin
                writers
+`exchange`     trains in the files of others: tables of text, openTorsion and ROSS
 `cli`          the command line, one module a command; the only room that prints
 =============  ===================================================================================
 

@@ -328,12 +328,18 @@ def study(
 
 
 def trains_of_study() -> tuple[int, ...]:
-    """Numbers of the trains of the whole study."""
+    """Numbers of the trains of the whole study, of every kind in proportion wherever it is cut short."""
     tolerances = [n for n in range(FULL, OTHER_TOLERANCES) if n % 20 in OTHER_TOLERANCE]
     integrated = [n for n in range(FULL, INTEGRATED) if n % 20 in INDEPENDENT]
     leaving = range(LEAVES_MODES, LEAVES_MODES + LEAVING_MODES)
     without = range(LEAVES_EFFECT, LEAVES_EFFECT + LEAVING_EFFECT)
-    return (*range(FULL), *tolerances, *integrated, *leaving, *without)
+    place = {}
+    for numbers in (range(FULL), tolerances, integrated, leaving, without):
+        for i, number in enumerate(
+            numbers
+        ):  # two of a pair, linear and with clearances, stay together
+            place.setdefault(number, (i // 2 + 0.5) / (len(numbers) / 2))
+    return tuple(sorted(place, key=lambda number: place[number]))
 
 
 def _at_hand(folder: Path, numbers: Set[int]) -> Iterator[tuple[int, Record]]:
@@ -376,8 +382,10 @@ def _safely(number: int, nudges: int, earlier: Record | None) -> Record:
 def main() -> None:
     """Run the study, print it, and on request write its page."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.tolerance_study")
-    parser.add_argument("--quick", action="store_true", help=f"the first {QUICK} trains only")
-    parser.add_argument("--trains", type=int, help="the first so many trains only")
+    parser.add_argument("--quick", action="store_true", help=f"{QUICK} trains only")
+    parser.add_argument(
+        "--trains", type=int, help="so many trains only, of every kind in proportion"
+    )
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="processes")
     parser.add_argument(
         "--nudges", type=int, default=SENSITIVE_NUDGES, help="most repetitions of a sensitive start"
@@ -393,7 +401,7 @@ def main() -> None:
     )
     args = parser.parse_args()
     few = args.trains or (QUICK if args.quick else 0)
-    numbers = range(few) if few else trains_of_study()
+    numbers = trains_of_study()[: few or None]
     found = summary_of(study(numbers, args.jobs, nudges=args.nudges, truths=args.truths))
     sections = study_pages.study_sections(found)
     report.show(sections)

@@ -73,7 +73,7 @@ class _Reader(ast.NodeVisitor):
 
 def sentences(root: Path = ROOT) -> Iterator[tuple[str, str]]:
     """File and sentence, in the order of the files."""
-    for package in ("engine", "addin"):
+    for package in ("engine", "addin", "torsionbook"):
         for path in sorted((root / package).rglob("*")):
             place = path.relative_to(root).as_posix()
             if path.suffix == ".py":

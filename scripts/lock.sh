@@ -24,11 +24,12 @@ group() { echo "--group pyproject.toml:$1"; }
     compile "$@" $(group excel) -c requirements/run.txt -o requirements/excel.txt
     compile "$@" $(group server) -c requirements/run.txt -o requirements/server.txt
     compile "$@" $(group report) -c requirements/run.txt -o requirements/report.txt
+    compile "$@" $(group python) -c requirements/run.txt -c requirements/report.txt -o requirements/python.txt
     compile "$@" $(group cluster) -c requirements/run.txt -o requirements/cluster.txt
     compile "$@" pyproject.toml $(group build) $(group parquet) $(group excel) $(group server) \
-        $(group report) $(group cluster) $(group dev) -c requirements/run.txt \
+        $(group report) $(group python) $(group cluster) $(group dev) -c requirements/run.txt \
         -c requirements/parquet.txt -c requirements/excel.txt -c requirements/server.txt \
-        -c requirements/report.txt -c requirements/cluster.txt -o requirements/dev.txt
+        -c requirements/report.txt -c requirements/python.txt -c requirements/cluster.txt -o requirements/dev.txt
     compile "$@" $(group compiler) -o requirements/build.txt
     compile "$@" $(group lock) -o requirements/lock.txt
 }

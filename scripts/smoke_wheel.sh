@@ -23,8 +23,8 @@ env/bin/python -m pip install --quiet --disable-pip-version-check --no-input \
     --no-deps --no-index "$wheel"
 
 env/bin/python -c '
-import pathlib, sys, addin, engine
-for package in (addin, engine):
+import pathlib, sys, addin, engine, torsionbook
+for package in (addin, engine, torsionbook):
     home = pathlib.Path(list(package.__path__)[0])
     assert home.is_relative_to(pathlib.Path(sys.prefix).resolve()), f"{home} is not the installed one"
 '

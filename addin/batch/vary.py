@@ -29,10 +29,11 @@ from addin.batch.own_files import IS_OURS, RESULT, RESULT_COLUMNS, RESULT_CSV, s
 from addin.batch.records import AN_EARLIER, CRASHED, DONE, NOT_RENAMED, OUTDATED, outcome_of
 from addin.batch.scheduler import Listener
 from addin.batch.summary import guarded
-from addin.batch.vary_columns import TableRefused, Varied, read_columns
+from addin.batch.vary_columns import TableRefused, read_columns
 from addin.batch.vary_rows import Chunk, calculate_rows
 from addin.batch.vary_table import ROWS, CsvForm, VariedTable
 from addin.contract.version import product_version
+from addin.reading.input_names import NamedInput
 from addin.reading.one_file import Unreadable, read_checked
 from addin.reading.typed_case import TypedCase
 from addin.workers.pool import Crashed, Task, Workers
@@ -250,12 +251,12 @@ class _Work:
             del self.open[task.tag]
 
 
-def _kinds(columns: Sequence[Varied]) -> dict[str, str]:
+def _kinds(columns: Sequence[NamedInput]) -> dict[str, str]:
     """Columns of the result, and the kind of each."""
     return {
         "row": "int64",
         "name": "string",
-        **{c.header: "double" if c.spec.is_number else "string" for c in columns},
+        **{c.name: "double" if c.spec.is_number else "string" for c in columns},
         **{name: kind for name, kind, _ in RESULT_COLUMNS},
     }
 

@@ -11,12 +11,11 @@ from typing import Any
 
 from addin.batch.own_files import RESULT_COLUMNS
 from addin.batch.records import DONE, FAULT, WRONG_INPUT
-from addin.batch.vary_columns import Varied
 from addin.calculation.key_figures import key_figures
 from addin.contract.problems import shortened
 from addin.contract.tables import SCALAR_TABLE
 from addin.contract.units import UnitScale
-from addin.reading.case_json import typed_value
+from addin.reading.input_names import NamedInput, entry_of
 from addin.reading.typed_case import (
     Findings,
     Typed,
@@ -39,7 +38,7 @@ class Chunk:
     """The task of calculating some rows."""
 
     base: bytes  #: Pickled `TypedCase`. [bytes]
-    columns: tuple[Varied, ...]  #: The table's columns, without the one of names.
+    columns: tuple[NamedInput, ...]  #: The table's columns, without the one of names.
     #: Row number, name and values of each row. [as read]
     rows: tuple[tuple[int, str | None, tuple[Any, ...]], ...]
     #: Fields of the case that the command line sets. [SI]
@@ -86,7 +85,7 @@ def _calculated(
         if problems:
             reasons = [_reason(problem, columns, typed) for problem in problems]
             return inputs | {"outcome": WRONG_INPUT, "reason": "\n".join(reasons)}
-        inputs |= {column.header: _in_case(column, data) for column in relative}
+        inputs |= {column.name: _in_case(column, data) for column in relative}
         case = Case(**(vars(data) | dict(task.overrides)))
         digest = case_digest(data)
         if digest not in known:
@@ -101,7 +100,7 @@ def _calculated(
 
 def _put(
     task: Chunk, values: Sequence[Any], typed: TypedCase, findings: Findings
-) -> tuple[dict[str, Any], list[Varied]]:
+) -> tuple[dict[str, Any], list[NamedInput]]:
     """Put the values of a row into a case.
 
     Returns what was put, for the result, and the columns of which only the case knows how much that
@@ -112,11 +111,11 @@ def _put(
     for column, value in zip(task.columns, values, strict=False):
         if task.comma and isinstance(value, str) and column.spec.is_number:
             value = _with_point(column, value, findings)
-        entry = _entry(column, value, findings)
-        inputs[column.header] = _shown(column, entry)
+        entry = entry_of(column, value, findings)
+        inputs[column.name] = _shown(column, entry)
         if entry is None:
             continue
-        if inputs[column.header] is None:
+        if inputs[column.name] is None:
             relative.append(column)
         table, row, name = column.place
         if row is None:
@@ -127,7 +126,7 @@ def _put(
     return inputs, relative
 
 
-def _in_case(column: Varied, data: CaseData) -> float | None:
+def _in_case(column: NamedInput, data: CaseData) -> float | None:
     """The input of a case in the unit of its column; None where that unit depends on the case, too."""
     table, row, _ = column.place
     holder: Any = data if row is None else getattr(data, TABLES[table][0])[row - 1]
@@ -136,7 +135,7 @@ def _in_case(column: Varied, data: CaseData) -> float | None:
     return None if value is None or scale.base else scale.from_si(value)
 
 
-def _with_point(column: Varied, value: str, findings: Findings) -> str:
+def _with_point(column: NamedInput, value: str, findings: Findings) -> str:
     """A number whose decimal sign is the comma; blank where it has points as well, which is noted."""
     number = _SIGNED.match(value)
     if number is None:
@@ -153,24 +152,7 @@ def _with_point(column: Varied, value: str, findings: Findings) -> str:
     return number.group().replace(",", ".") + value[number.end() :]
 
 
-def _entry(column: Varied, value: Any, findings: Findings) -> Typed | str | None:
-    """A value of the table as an input; None for a blank and for one that cannot be read."""
-    if value is None or (isinstance(value, str) and not value.strip()):
-        return None
-    if isinstance(value, str) and column.spec.is_number:
-        try:
-            value = float(value)
-        except ValueError:
-            value = value.strip()
-    elif not column.spec.is_number and not isinstance(value, str):
-        value = f"{value:.15g}" if isinstance(value, float) else str(value)
-    entry = typed_value(value, column.spec, column.place, findings, column.unit)
-    if isinstance(entry, Typed) and column.scale is not None and not isinstance(value, str):
-        return Typed(entry.number, column.scale, column.unit)
-    return entry
-
-
-def _shown(column: Varied, entry: Typed | str | None) -> Any:
+def _shown(column: NamedInput, entry: Typed | str | None) -> Any:
     """An input for the result, in the unit of its column; None where that cannot be."""
     if not isinstance(entry, Typed):
         return entry
@@ -180,13 +162,13 @@ def _shown(column: Varied, entry: Typed | str | None) -> Any:
     return None if own.base or there.base else there.from_si(own.to_si(entry.number))
 
 
-def _reason(problem: Problem, columns: Sequence[Varied], typed: TypedCase) -> str:
+def _reason(problem: Problem, columns: Sequence[NamedInput], typed: TypedCase) -> str:
     """What is wrong in a row, by its column where it is one of the table's."""
     message = in_typed_units(problem, typed).message
     place = (problem.table, problem.row, problem.column)
     for column in columns:
         if column.place == place:
-            return f"{column.header}: {message}"
+            return f"{column.name}: {message}"
     row = "" if problem.row is None else f"[{problem.row}]"
     where = problem.column if problem.table == SCALAR_TABLE else f"{problem.table}{row}.{problem.column}"  # fmt: skip
     return f"{where.rstrip('.')} (of the base case): {message}"

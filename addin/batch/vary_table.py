@@ -11,7 +11,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from addin.batch.vary_columns import TableRefused, Varied
+from addin.batch.vary_columns import TableRefused
+from addin.reading.input_names import NamedInput
 
 #: Rows of a chunk. [count]
 ROWS = 50
@@ -107,7 +108,7 @@ class VariedTable:
             return CsvForm(encoding, stated.group(1), states=True)
         return CsvForm(encoding, max((",", ";", "\t"), key=first.count))
 
-    def has_decimal_commas(self, columns: Sequence[Varied | None]) -> bool:
+    def has_decimal_commas(self, columns: Sequence[NamedInput | None]) -> bool:
         """Whether the comma is the decimal sign: a table has one, never both."""
         separator = self.form().separator
         if self._is_parquet or separator == ",":

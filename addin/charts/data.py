@@ -313,7 +313,8 @@ def _clearing_rows(run: RunView | None, units: ShownUnits, labels: dict[str, Cel
         labels["Clearing element"] = "(no element)"
         return [[None] * 3]
     name, worst = run.clearing
-    labels["Clearing title"] = f"Peak against clearing time of event '{name}', worst phase at each"
+    of_each = f", worst {worst.turn} at each" if worst.turn else ""
+    labels["Clearing title"] = f"Peak against clearing time of event '{name}'{of_each}"
     labels["Clearing element"] = worst.element
     unit = units.factor("AirGapTorque", "Largest")
     columns = (worst.clearing, worst.air_gap / unit, worst.torque / unit)

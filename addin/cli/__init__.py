@@ -18,8 +18,9 @@ module            responsibility
 `app`             the command line: the same path on files as in Excel, without Excel
 `check`           `torsionbook check`: errors of inputs with their cells, and answers that cannot
                   be given yet
-`export`          `torsionbook export`: the inputs of a workbook as a case JSON
+`export`          `torsionbook export`: inputs as a case JSON, or the train as others read it
 `new`             A workbook to fill in, of the variant that its program needs
+`import_`         `torsionbook import`: a train from a table of text, openTorsion or ROSS
 `recalc`          `torsionbook recalc`: inputs calculated, results written, and a summary of them
 `report`          `torsionbook report`
 `study`           what the commands of the studies have in common: targets, processes, Ctrl-C, the

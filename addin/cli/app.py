@@ -6,6 +6,7 @@ A command's module is imported when the command is called, so that --help and ve
 from __future__ import annotations
 
 import importlib
+import keyword
 import os
 import sys
 import traceback
@@ -24,6 +25,7 @@ from addin.workers.stop import causes
 GROUPS = {
     "Daily": {
         "new": "Make a workbook: blank, a filled example, or with the inputs of an existing file.",
+        "import": "Make a workbook from a table of text, or from a model of openTorsion or ROSS.",
         "check": "Read and check inputs without calculating: every error with its sheet and cell.",
         "recalc": "Calculate workbooks or case JSON files and write their results.",
         "batch": "Calculate folders of workbooks on all cores; a file with errors does not stop the others.",
@@ -32,7 +34,7 @@ GROUPS = {
         "report": "Write the calc sheet as a document: PDF, Word, or both.",
         "verify": "Recalculate from the inputs in a file and compare every result recorded in it.",
         "diff": "Compare inputs and results of two files: changed inputs and their effect on results.",
-        "export": "Write the inputs of a workbook as a case JSON, in SI, with those of the studies.",
+        "export": "Write the inputs as a case JSON, or the train as a table of text, for openTorsion or ROSS.",
     },
     "Studies": STUDY_COMMANDS,
     "Other programs": {
@@ -51,7 +53,12 @@ def module_of(name: str) -> str:
     It holds a function, or a `typer.Typer` of subcommands, of the command's name; one module makes the
     commands of all studies from their records.
     """
-    return "addin.cli.study" if name in STUDY_COMMANDS else f"addin.cli.{name}"
+    return "addin.cli.study" if name in STUDY_COMMANDS else f"addin.cli.{_python_name(name)}"
+
+
+def _python_name(name: str) -> str:
+    """The name of a command's function and module; a word of the language has a line behind it."""
+    return f"{name}_" if keyword.iskeyword(name) else name
 
 
 class LazyCommands(TyperGroup):
@@ -72,7 +79,7 @@ class LazyCommands(TyperGroup):
         if cmd_name in STUDY_COMMANDS:
             command = module.study_command(cmd_name)
         else:
-            command = getattr(module, cmd_name)
+            command = getattr(module, _python_name(cmd_name))
         if isinstance(command, typer.Typer):
             return get_group(command)
         single = typer.Typer(add_completion=False, rich_markup_mode="markdown")

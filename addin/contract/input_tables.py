@@ -44,7 +44,7 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
             number("Inertia", "inertia", "Polar inertia (WR²) at the station's own speed."),
             number(
                 "Speed ratio", "ratio", "Speed of the station divided by the speed of the motor shaft.",
-                blank="1",
+                blank="that of its shaft, of the gears of table Meshes, else 1",
             ),
             number(
                 "Damping", "torsional damping",
@@ -187,6 +187,13 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
             choice(
                 "Gear type", tuple(GearType), "Internal gears keep the sense of rotation.",
                 blank="external",
+            ),
+            integer("Teeth drive", "Teeth of the gear on the From side.", blank="not used"),
+            integer("Teeth driven", "Teeth of the gear on the To side.", blank="not used"),
+            number(
+                "Speed ratio", "ratio",
+                "Speed of the To side divided by that of the From side; stations behind the gear may then stay blank.",
+                blank="from teeth, else pitch radii, else table Stations",
             ),
         ),
     ),
@@ -420,8 +427,9 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
             ),
             number(
                 "Residual voltage", "fraction",
-                "At the motor's terminals before closing; or what a dip, or an unbalanced phase, keeps.",
-                us="pu", si="pu", units=("pu", "%"), blank="1 (closing), what is left (reclosing)",
+                "At the motor's terminals before closing, or before a fault off the line; or what a dip, or an unbalanced "
+                "phase, keeps.",
+                us="pu", si="pu", units=("pu", "%"), blank="1 (closing), what is left (reclosing), on the line (fault)",
             ),
             number(
                 "Clears after", "time", "How long the line is faulted, changed or off; or worst.",

@@ -10,6 +10,7 @@ from addin.contract import live_formulas as live
 from addin.contract import number_formats as shown
 from addin.contract.field import (
     UNLIMITED,
+    Field,
     Pane,
     ReportedError,
     TableSpec,
@@ -76,19 +77,26 @@ LIMITS = (
 #: Rows kept free for the crossings of the start; what stands below them begins there.
 CROSSING_ROWS = 8
 _SCAN_METHOD = "docs/method.md, Events of a motor"
-#: Of an event whose phase, angle or clearing time is ``worst``, where it was found.
-_WORST_INSTANT = tuple(
-    number(
-        name, dimension, f"{column} with the largest torque of this row, where {column} is worst.",
-        f"largest of all {column} of the scan, then of those beside it, ever nearer", _SCAN_METHOD,
-        of_case=(f"MotorEvents.{column}", *more), pane=Pane.MINOR, error=ReportedError.ESTIMATE,
-    )
-    for name, dimension, column, more in (
-        ("Worst phase", "angle", "Phase", ()),
-        ("Worst angle", "angle", "Angle", ()),
-        ("Worst clearing time", "time", "Clears after", ("MotorEvents.Earliest clearing", "MotorEvents.Latest clearing")),
-    )
-)  # fmt: skip
+
+
+def _worst_instant(largest: str, suffix: str = "") -> tuple[Field, ...]:
+    """Of an event whose phase, angle or clearing time is ``worst``, where it was found."""
+    return tuple(
+        number(
+            f"{name}{suffix}", dimension, f"{column} with the largest {largest} of this row, where {column} is worst.",
+            f"largest of all {column} of the scan, then of those beside it, ever nearer", _SCAN_METHOD,
+            of_case=(f"MotorEvents.{column}", *more), pane=Pane.MINOR, error=ReportedError.ESTIMATE,
+        )
+        for name, dimension, column, more in (
+            ("Worst phase", "angle", "Phase", ()),
+            ("Worst angle", "angle", "Angle", ()),
+            (
+                "Worst clearing time", "time", "Clears after",
+                ("MotorEvents.Earliest clearing", "MotorEvents.Latest clearing"),
+            ),
+        )
+    )  # fmt: skip
+
 
 #: Result tables of workbook and JSON.
 RESULT_TABLES: tuple[TableSpec, ...] = (
@@ -1030,7 +1038,8 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 of_row=("EventPeaks.Maximum", "EventPeaks.Minimum", *SECTION), error=ReportedError.EVENTS,
             ),
             number(
-                "Damage", "count", "Miner sum of one such event; of one in a start, from it to the end of the start.",
+                "Damage", "count", "Miner sum of one such event, the worst one where something is worst; of one in a start, from it to the end of "
+                "the start.",
                 f"Σ nᵢ/Nᵢ over the rainflow cycles of SCF · {STRESS}; amplitude = half range, mean ignored",
                 FIGURE_3, of_case=(*EVENT, *FATIGUE), format=shown.DAMAGE, error=ReportedError.EVENT_DAMAGE,
             ),
@@ -1073,7 +1082,8 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 EVENT_METHOD, of_case=("EffectChoices.Choice", "MaximumTime", *CLEARANCES),
                 format=shown.ERROR, error=ReportedError.ESTIMATE, pane=Pane.MINOR,
             ),
-            *_WORST_INSTANT,
+            *_worst_instant("torque"),
+            *_worst_instant("damage", " of damage"),
         ),
     ),
     table(
@@ -1111,7 +1121,12 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 EVENT_METHOD, of_case=("TolerancePeak",),
                 format=shown.ERROR, error=ReportedError.ESTIMATE, pane=Pane.MINOR,
             ),
-            *_WORST_INSTANT,
+            *_worst_instant("torque"),
+            number(
+                "Slip", "fraction", "Slip of the motor in operation, before the event; 0 of a motor in step; blank in a start.",
+                "The slip at which the average torque is that which balances the running loads", EVENT_METHOD,
+                of_case=EVENT, format=shown.TELLING_SHARE, pane=Pane.MINOR,
+            ),
         ),
     ),
     table(

@@ -69,9 +69,8 @@ FACT_LINES: tuple[tuple[str, str, str, str, str, float], ...] = (
         "Q4",
         _said(
             'IF(run_Outcome="","No start was calculated: neither motor torque nor torque against '
-            'time is given on sheet Torque and motor.",run_Outcome&IF(COUNT(NaturalFrequencies[Percent speed])=0,'
-            # by the inputs: each table that formulas name counts for the calculator, `MOST_COLUMNS`
-            '"   No crossings: no mode is below twice the line frequency.",""))'
+            'time is given on sheet Torque and motor.",run_Outcome&IF(COUNT(StartupCrossings[Mode])=0,'
+            '"   No crossings: no pulsating torque of the motor crosses a mode.",""))'
         ),
         "fact",
         18.0,
@@ -84,7 +83,7 @@ FACT_LINES: tuple[tuple[str, str, str, str, str, float], ...] = (
             'IF(run_Outcome="","No start: no motor torque is given.",'
             'IF(COUNTIF(TorqueReversals[Element],"?*")=0,"The train has no gear mesh and no geared coupling '
             'with backlash, so no torque reversal is judged.",'
-            'IF(COUNT(Meshes[Bearing stiffness drive])+COUNT(Meshes[Bearing stiffness driven])=0,"No bearing forces: no gear moves on its bearings in this '
+            'IF(COUNT(BearingForces[Force])=0,"No bearing forces: no gear moves on its bearings in this '
             'start. Type bearing data on sheet Train; see the plan on sheet Effects and accuracy.","")))'
         ),
         "note",
@@ -217,7 +216,7 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
     Sheet(
         "Events",
         "result",
-        {"A": 1.5, "B": 20, "C": 17, "D:E": 10, "F:H": 8, "I:K": 9, "L": 10, "M": 14, "N:R": 8.5},
+        {"A": 1.5, "B": 16, "C": 13, "D:E": 9, "F:H": 7, "I:K": 8, "L": 8.5, "M": 11, "N:U": 7.3},
         {"EventPeaks": "B5"},
         on="Torque and motor",
         intro="Faults in operation: events of tables EventTorque and MotorEvents upon the train that "
@@ -236,12 +235,12 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
         "Fatigue",
         "input",
         {"A": 1.5, "B": 19, "C:M": 8.8, "N": 1, "O:U": 8},
-        {"Materials": "B5", "SNPoints": "I5", "AllowableStarts": "B27", "StartCycles": "O24"},
+        {"Materials": "B5", "SNPoints": "I5", "AllowableStarts": "B22", "StartCycles": "O37"},
         (ChartAt("sn", "O5", 427, 300),),
         intro="Strength and S-N lines of the shaft materials (zero-to-peak; nominal stress times SCF is compared "
         "with them), and the fatigue damage of one start by rainflow count and Miner's rule.",
         printed_for=ALWAYS,
-        print_to=29,
+        print_to=35,
         largest=70,
     ),
     Sheet(
@@ -428,7 +427,7 @@ def _of_shaft(column: str) -> str:
 
 
 #: Cell of the caption above the facts of the governing shaft on sheet `Fatigue`.
-CYCLE_FACTS_AT = "B14"
+CYCLE_FACTS_AT = "O24"
 
 #: What leads from the cycles of one start to 1/q.
 CYCLE_FACTS = (

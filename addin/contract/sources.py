@@ -132,9 +132,12 @@ OF_SECTION = tuple(
         "Keyway depth",
     )
 )
+#: What the speed ratios of stations follow from, beside the pitch radii.
+OF_RATIO = ("Meshes.Teeth drive", "Meshes.Teeth driven", "Meshes.Speed ratio")
 TRAIN = (
     "Stations.Inertia",
     "Stations.Speed ratio",
+    *OF_RATIO,
     "Elements.Kind",
     "Elements.From",
     "Elements.To",

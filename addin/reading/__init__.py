@@ -11,6 +11,7 @@ module          responsibility
                 plain calculation
 `case_json`     case JSON to `CaseData`, and back
 `workbook`      workbook to `CaseData`, and every problem with the cell where it is corrected
+`input_names`   names of single inputs, such as ``Elements[LS coupling].Stiffness``
 `one_file`      any input file to `CaseInput`, or why it cannot be opened
 ==============  ==================================================================================
 """

@@ -108,6 +108,71 @@ def typed_value(
     return reading._entry(value, spec, place)
 
 
+def typed_rows(name: str, rows: Any, findings: Findings) -> list[dict[str, Entry]]:
+    """The rows of one table by the rules of the case JSON.
+
+    Parameters
+    ----------
+    name : str
+        Table. [name]
+    rows : list of mapping
+        Objects whose keys are columns. [as typed]
+    findings : Findings
+        Takes what cannot be read. [problems]
+
+    Returns
+    -------
+    list of dict
+        Each row by column header. [as typed]
+    """
+    reading = _Reading()
+    reading.findings = findings
+    reading._read_rows(name, rows)
+    return reading.typed.tables.get(name, [])
+
+
+def typed_input(
+    typed: TypedCase,
+    findings: Findings,
+    studies: tuple[TypedCase, Findings] | None = None,
+    warnings: tuple[str, ...] = (),
+) -> CaseInput:
+    """What was typed, as an input that is checked; places are keys of the case JSON.
+
+    Parameters
+    ----------
+    typed : TypedCase
+        Everything typed. [as typed]
+    findings : Findings
+        Of the reader. [problems]
+    studies : tuple of (TypedCase, Findings), optional
+        The same of the study tables. [as typed]
+    warnings : tuple of str, optional
+        Of the reader. [sentences]
+
+    Returns
+    -------
+    CaseInput
+        Data and problems. [SI]
+    """
+    of_reader = findings.without()
+    data = to_case_data(typed, findings)
+    read = None
+    if studies is not None:
+        apart, of_studies = studies
+        read = studies_read(
+            set(apart.tables), apart, typed, of_studies, lambda one: _located(one, apart), ()
+        )
+    return CaseInput(
+        data=data,
+        problems=tuple(_located(problem, typed) for problem in all_problems(data, findings)),
+        warnings=warnings,
+        typed=typed,
+        studies=read,
+        findings=of_reader,
+    )
+
+
 def case_to_json(data: CaseData, studies: StudiesRead | None = None) -> dict[str, Any]:
     """A case as JSON object of the contract, numbers in SI.
 
@@ -378,31 +443,20 @@ class _Reading:
 
     def result(self) -> CaseInput:
         """Everything read and checked."""
-        data = to_case_data(self.typed, self.findings)
-        problems = all_problems(data, self.findings) if self.readable else self.findings.problems
-        return CaseInput(
-            data=data,
-            problems=tuple(_located(problem, self.typed) for problem in problems),
-            warnings=(),
-            typed=self.typed,
-            studies=self._studies(),
-        )
+        if not self.readable:
+            problems = tuple(_located(problem, self.typed) for problem in self.findings.problems)
+            return CaseInput(CaseData(), problems, (), self.typed)
+        return typed_input(self.typed, self.findings, self._studies())
 
-    def _studies(self) -> StudiesRead | None:
+    def _studies(self) -> tuple[TypedCase, Findings] | None:
         """The keys of the studies, where there are any: read apart, so that they spoil no case."""
         if not self.studies:
             return None
         apart = _Reading()
         for key, rows in self.studies.items():
             apart._read_rows(_STUDIES[key].name, rows)
-        return studies_read(
-            {_STUDIES[key].name for key in self.studies},
-            apart.typed,
-            self.typed,
-            apart.findings,
-            lambda problem: _located(problem, apart.typed),
-            (),
-        )
+            apart.typed.tables.setdefault(_STUDIES[key].name, [])
+        return apart.typed, apart.findings
 
 
 #: What every result JSON has, also one that holds errors only.

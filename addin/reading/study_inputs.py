@@ -100,6 +100,7 @@ def studies_read(
     -------
     StudiesRead
     """
+    of_reader = findings.without()
     ratings = _ratings(case)
     bases = PerUnitBases(ratings.rated_torque, ratings.synchronous_speed, ratios_of(case))
     return StudiesRead(
@@ -110,6 +111,7 @@ def studies_read(
         frozenset(findings.bad),
         locate,
         typed,
+        of_reader,
     )
 
 

@@ -120,6 +120,16 @@ class Findings:
         """Say nothing more of places whose cause is already noted."""
         self.bad.update(places)
 
+    def without(self, renewed: Callable[[Place], bool] = lambda place: False) -> Findings:
+        """A copy, without what is noted of places that are typed anew."""
+        copy = Findings()
+        for problem in self.problems:
+            if not renewed((problem.table, problem.row, problem.column)):
+                copy.problems.append(problem)
+        if copy.problems:  # places are silent because of these alone
+            copy.bad = {place for place in self.bad if not renewed(place)}
+        return copy
+
 
 @dataclass(frozen=True)
 class StudiesRead:
@@ -132,6 +142,7 @@ class StudiesRead:
     bad: frozenset[Place]  #: Places of which nothing more is to be said. [places]
     locate: Callable[[Problem], CellProblem]  #: A problem with its cell and the number as typed.
     typed: TypedCase  #: Every entry of the study tables. [as typed]
+    findings: Findings  #: Cells that the reader could not read.
 
     def problems_of(
         self, tables: Collection[str], checked: Collection[Problem] = ()
@@ -155,6 +166,8 @@ class CaseInput:
     typed: TypedCase  #: Every entry with its unit as typed. [as typed]
     #: What is typed on the study sheets; None where there are none. [SI]
     studies: StudiesRead | None = field(default=None, kw_only=True)
+    #: Cells that the reader could not read: what stays wrong where other inputs are changed.
+    findings: Findings = field(default_factory=Findings, kw_only=True, repr=False, compare=False)
 
     def case(self) -> Case:
         """The checked case.
@@ -330,7 +343,7 @@ class PerUnitBases:
 
     rated_torque: float | None  #: Of `Ratings`. [N m]
     synchronous_speed: float | None  #: Of the reference shaft. [rad/s]
-    ratios: Mapping[str, float | None]  #: Speed ratio of each station. [1]
+    ratios: Mapping[str | None, float]  #: Speed ratio of each station. [1]
     #: Impedance that is 1 per unit of the motor at each station. [ohm]
     impedances: Mapping[str | None, float | None] = field(default_factory=dict)
 
@@ -361,7 +374,7 @@ class PerUnitBases:
             return None
         if typed.scale.base == SYNCHRONOUS_SPEED:
             return number * self.synchronous_speed
-        full = self.synchronous_speed * (self.ratios.get(station or "") or 0.0)
+        full = self.synchronous_speed * self.ratios.get(station, 0.0)
         return number / full if full > 0.0 else None
 
 
@@ -491,8 +504,8 @@ def _refuse_circular(typed: TypedCase, findings: Findings) -> None:
         )
 
 
-def ratios_of(typed: TypedCase) -> dict[str, float | None]:
-    """Speed ratio of each station as typed.
+def ratios_of(typed: TypedCase) -> dict[str | None, float]:
+    """Speed ratio of each station, typed or filled through gears.
 
     Parameters
     ----------
@@ -501,15 +514,22 @@ def ratios_of(typed: TypedCase) -> dict[str, float | None]:
 
     Returns
     -------
-    dict of str to (float or None)
+    dict of str to float
         By station. [1]
     """
-    ratios: dict[str, float | None] = {}
-    for row in typed.tables.get("Stations", []):
-        name, ratio = row.get("Station"), row.get("Speed ratio")
-        if isinstance(name, str):
-            ratios[name] = ratio.scale.to_si(ratio.number) if isinstance(ratio, Typed) else 1.0
-    return ratios
+    typed = with_names_as_defined(
+        replace(typed, tables={name: typed.tables.get(name, []) for name in _OF_RATIOS})
+    )
+    scratch = Findings()  # what cannot be read is noted when the tables are read with their bases
+    tables = {
+        spec.key: rows_in_si(spec, TABLES[spec.name][1], typed, _NO_BASES, scratch)
+        for spec in map(input_table, _OF_RATIOS)
+    }
+    return CaseData(**tables).speed_ratios  # type: ignore[arg-type]
+
+
+#: Tables that the speed ratios of stations follow from.
+_OF_RATIOS = ("Stations", "Elements", "Meshes", "MotorTorque", "MotorData")
 
 
 def _base_impedances(typed: TypedCase, rated_power: float | None) -> dict[str | None, float | None]:

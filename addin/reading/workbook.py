@@ -70,6 +70,9 @@ _OPTIONAL = frozenset(
         "DampingRange",
         "InitialState",
         "TorqueFollows",
+        "Teeth drive",
+        "Teeth driven",
+        "Meshes.Speed ratio",
         "MotorTorque.Phase",
         "MotorTorque.Pulsation1",
         "EventTorque.Base",
@@ -250,6 +253,7 @@ class _Reading:
         for table in INPUT_TABLES:
             self._read_table(table)
         self._note_earlier_default()
+        of_reader = self.findings.without()
         data = to_case_data(self.typed, self.findings)
         problems = all_problems(data, self.findings)
         return WorkbookInput(
@@ -261,6 +265,7 @@ class _Reading:
             template_version=version,
             typed=self.typed,
             studies=self._studies(),
+            findings=of_reader,
             locations=self.locations,
             workbook=self.workbook,
         )
@@ -405,9 +410,9 @@ class _Reading:
             self._note_missing_table(spec, table)
             return
         self.locations.tables[spec.name] = table
-        headers = {_header(name): i for i, name in enumerate(table.columns)}
+        headers = {folded_header(name): i for i, name in enumerate(table.columns)}
         for column in spec.columns:
-            index = headers.get(_header(column.name))
+            index = headers.get(folded_header(column.name))
             if index is None:
                 self._note_missing_column(spec, column, table)
                 continue
@@ -442,8 +447,8 @@ class _Reading:
     def _note_missing_column(self, spec: TableSpec, column: Field, table: Table) -> None:
         if not _OPTIONAL.isdisjoint((column.name, f"{spec.name}.{column.name}")):
             return
-        known = {_header(other.name) for other in (*spec.columns, *spec.extra_columns)}
-        others = [name for name in table.columns if _header(name) not in known]
+        known = {folded_header(other.name) for other in (*spec.columns, *spec.extra_columns)}
+        others = [name for name in table.columns if folded_header(name) not in known]
         meant = nearest(column.name, others, 0.5)
         hint = f" Column '{meant}' is similar; rename it." if meant else ""
         self.findings.add(
@@ -674,6 +679,6 @@ def _rows_in_words(rows: list[int]) -> str:
     return "rows " + ", ".join(map(str, rows)) + " are"
 
 
-def _header(text: str) -> str:
+def folded_header(text: str) -> str:
     """A header without line breaks, double blanks and capitals."""
     return " ".join(text.replace("\u00a0", " ").split()).casefold()

@@ -368,7 +368,8 @@ def _details() -> Shape:
         "motor_inertia_constant": described("H of the Inertia typed at the motors. [s]", NUMBER),
         "load": described("LoadTorque, referred to the motor, over rated torque. [1]", NUMBER),
         "running_load": described(
-            "Running load, referred to the motor, over rated torque. [1]", NUMBER
+            "Running load, or what is taken for it where all are blank, referred to the motor, over rated torque. [1]",
+            NUMBER,
         ),
     }
     return {

@@ -6,7 +6,8 @@ Text is plain text: both writers show it as it is, whatever signs it holds.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 from addin.report.formula import Node
 from engine.case.result_words import Judgement
@@ -94,6 +95,8 @@ class Figure:
     width: float  #: Size on the page. [mm]
     height: float  #: Likewise. [mm]
     number: int = 0  #: Counted through the document.
+    #: The drawing of matplotlib, where neither form was asked for.
+    drawing: Any = field(default=None, compare=False, repr=False)
 
 
 @dataclass(frozen=True)

@@ -99,7 +99,9 @@ class Pictures:
     """Draws the charts of one calculation."""
 
     charts: Charts  #: What is drawn. [shown units]
-    vectors: bool = True  #: Which forms are wanted: for the PDF, for the DOCX.
+    vectors: bool = (
+        True  #: Which forms are wanted: for the PDF, for the DOCX; with neither the drawing itself.
+    )
     pixels: bool = False  #: Likewise.
 
     # ---- the train -----------------------------------------------------------------------------
@@ -430,13 +432,16 @@ class Pictures:
 
     def _picture(self, drawing: Drawing, caption: str) -> Figure:
         """A drawing as vectors and as pixels; no date in either."""
+        width, height = drawing.get_size_inches()
+        size = (width / _MM, height / _MM)
+        if not (self.vectors or self.pixels):
+            return Figure(caption, b"", b"", *size, drawing=drawing)
         with warnings.catch_warnings():
             # a name in a script that the font lacks is drawn as boxes here; it stands in the tables
             warnings.filterwarnings("ignore", message="Glyph .* missing from")
             svg = self._saved(drawing, "svg") if self.vectors else b""
             png = self._saved(drawing, "png") if self.pixels else b""
-        width, height = drawing.get_size_inches()
-        return Figure(caption, svg, png, width / _MM, height / _MM)
+        return Figure(caption, svg, png, *size)
 
     def _saved(self, drawing: Drawing, form: str) -> bytes:
         target = io.BytesIO()

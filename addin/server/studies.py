@@ -16,14 +16,14 @@ from addin.reading.case_json import read_case_json
 from addin.server.answers import Refused, input_errors
 from addin.studies.registry import every_study
 from addin.studies.run_study import calculate_study, to_json
-from addin.studies.study import Option
+from addin.studies.study import Option, wrong_setting
 from addin.workers.parallel_map import serial_map
 from addin.writing.results_json import errors_to_json
 
 #: Studies that may be asked for, by the names of their commands.
 STUDIES = {study.command: study for study in every_study()}
-#: Most samples of one request, and the largest seed that is taken. [count]
-MOST_SAMPLES, LARGEST = 100_000, 2**63 - 1
+#: Most samples of one request. [count]
+MOST_SAMPLES = 100_000
 
 
 @dataclass(frozen=True)
@@ -53,29 +53,15 @@ def read_study(message: Mapping[str, Any]) -> StudyRequest:
     settings = message.get("settings", {})
     if not isinstance(settings, dict):
         raise Refused(400, 'settings is not an object. Give one such as {"samples": 1000}.')
-    options = {
-        option.name: _limited(option) for option in STUDIES[command].options if option.is_setting
-    }
-    for name, value in settings.items():
-        if name not in options:
-            known = f"Available: {', '.join(options)}" if options else "It has none"
-            raise Refused(400, f"{command} has no setting '{name[:40]}'. {known}.")
-        if not _fits(options[name], value):
-            raise Refused(400, f"{name} must be {options[name].allowed}.")
+    options = [_limited(option) for option in STUDIES[command].options]
+    if wrong := wrong_setting(command, options, settings):
+        raise Refused(400, wrong)
     return StudyRequest(command, case, settings)
 
 
 def _limited(option: Option) -> Option:
     """An option as a client may set it: no more samples than one request may calculate."""
     return replace(option, most=MOST_SAMPLES) if option.name == "samples" else option
-
-
-def _fits(option: Option, value: Any) -> bool:
-    if type(value) is not option.kind:  # a flag is no number here
-        return False
-    if isinstance(value, int) and option.kind is int:
-        return (option.least or 0) <= value <= (option.most or LARGEST)
-    return not option.words or value in option.words
 
 
 # --- in the processes -----------------------------------------------------------------------------

@@ -33,7 +33,9 @@ PAGE_CHARTS = (
 )
 _DATA = tuple(dict.fromkeys(series.table for name in PAGE_CHARTS for series in CHARTS[name].series))
 SPEED_TABLES = ("NaturalFrequencies", "SeparationMargins", "SteadyState", "ModeShapes")
-START_TABLES = ("Verdicts", "StartupPeaks", "AllowableStarts", "TorqueReversals", "Effects")
+START_TABLES = (
+    "Verdicts", "StartupPeaks", "AllowableStarts", "TorqueReversals", "EventPeaks", "AirGapTorque", "Effects",
+)  # fmt: skip
 
 
 def speed_view(model: Model) -> dict[str, Any]:

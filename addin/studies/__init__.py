@@ -11,6 +11,7 @@ module           responsibility
 `calibration`    measured frequencies and peak torques: its starts and its rows
 `raw_samples`    raw samples as a file, CSV or Parquet
 `registry`       every study, found in this folder, and what is wrong with the rows of all of them
+`check_input`    an input checked without calculating
 `run_study`      one input through a study: read, check, calculate, write
 `sensitivities`  what a small change of each input does
 `starts`         start matrix and damage ledger: its units of work and its rows

@@ -18,6 +18,9 @@ from engine.case.case import Case
 from engine.case.study_inputs import DisplayUnit, StudyInputs
 from engine.errors import Problem
 
+#: Largest seed that is taken. [count]
+LARGEST_NUMBER = 2**63 - 1
+
 
 @dataclass(frozen=True)
 class CutShort:
@@ -119,6 +122,26 @@ class Option:
         if self.most is None:
             return f"a whole number, {self.least} or more"
         return f"a whole number from {self.least} to {self.most:,}"
+
+    def takes(self, value: Any) -> bool:
+        """Whether it may have a value."""
+        if type(value) is not self.kind:  # a flag is no number here
+            return False
+        if isinstance(value, int) and self.kind is int:
+            return (self.least or 0) <= value <= (self.most or LARGEST_NUMBER)
+        return not self.words or value in self.words
+
+
+def wrong_setting(command: str, options: Sequence[Option], settings: Mapping[str, Any]) -> str:
+    """What is wrong with the settings of a study, in a sentence; empty where nothing is."""
+    known = {option.name: option for option in options if option.is_setting}
+    for name, value in settings.items():
+        if name not in known:
+            all_of_them = f"Available: {', '.join(known)}" if known else "It has none"
+            return f"{command} has no setting '{name[:40]}'. {all_of_them}."
+        if not known[name].takes(value):
+            return f"{name} must be {known[name].allowed}."
+    return ""
 
 
 @dataclass(frozen=True)

@@ -26,5 +26,7 @@ module              responsibility
                     as inputs are typed
 `build`             builds the shipped workbooks from the one table of fields: ``python -m
                     addin.template.build FOLDER``
+`rebuilt`           a workbook that openpyxl wrote, made whole again: its inputs in a template, and
+                    the sheets that a script added
 ==================  ==============================================================================
 """

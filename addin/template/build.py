@@ -134,7 +134,9 @@ class _Builder(LiveSheets):
         for sheet in layout:
             self._frame(sheet)
             for table, cell in sheet.tables.items():
-                self._table(sheet, fields.table(table), *xl_cell_to_rowcol(sheet.at(cell)))
+                row, left = xl_cell_to_rowcol(sheet.at(cell))
+                row += self._rows_pushed_in(sheet, row)
+                self._table(sheet, fields.table(table), row, left)
         self._case()
         self._trace(self._notes())
         self._lists()
@@ -162,6 +164,16 @@ class _Builder(LiveSheets):
                 self.page(sheet).insert_chart(sheet.at(at.cell), chart, options)
         self._print_areas()
         self.sheets["Summary"].activate()
+
+    def _rows_pushed_in(self, sheet: Sheet, row: int) -> int:
+        """Rows by which the tables that begin above are longer than shipped."""
+        above = [fields.table(name) for name, cell in sheet.tables.items() if _row(cell) < row]
+        inputs = [spec for spec in above if spec in fields.EVERY_INPUT]
+        return sum(max(len(self._typed_rows(spec)) - spec.rows, 0) for spec in inputs)
+
+
+def _row(cell: str) -> int:
+    return int(xl_cell_to_rowcol(cell)[0])
 
 
 def _with_live(sheets: Sequence[Sheet]) -> list[Sheet]:

@@ -227,6 +227,7 @@ def _beside_labels(
 _EARLIER_LINES = frozenset(
     {"7ee63c59c54e70bf", "6e3f153f4c29777b", "45c318b3f4a1c2f6"}
     | {"80f4c63c4607edce", "ebd1720e90fc230b", "556cf9b8d5aaa0f5", "e7beffd1d1a660c5"}
+    | {"249de0bd97110106"}
 )
 
 

@@ -12,15 +12,36 @@ import signal
 import sys
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from pathlib import Path
+from types import ModuleType
 
 #: How long a process that is asked to end may take. [s]
 LAST_WORDS = 2.0
 #: How often a process whose program seems gone looks whether it is. [s]
 LOOK = 0.2
+
+
+_starting = threading.Lock()
+
+
+@contextmanager
+def _without_the_script() -> Iterator[None]:
+    """A spawned process runs the script of its program once more, unless there is none to be seen.
+
+    What is done in our processes is in our modules; a user's script without ``if __name__ == "__main__"``
+    would begin its studies anew in each.
+    """
+    with _starting:
+        script = sys.modules["__main__"]
+        sys.modules["__main__"] = ModuleType("__main__")
+        try:
+            yield
+        finally:
+            sys.modules["__main__"] = script
 
 
 class Process:
@@ -39,7 +60,8 @@ class Process:
         self._process: BaseProcess = context.Process(
             target=_begin, args=(serve, child_end), daemon=True
         )
-        self._process.start()
+        with _without_the_script():
+            self._process.start()
         child_end.close()  # so that a process that ends is seen as the end of the line
 
     @property

@@ -110,8 +110,7 @@ def study_inputs_of(
     for name, block in blocks.items():
         reading.table(input_table(name), block)
     ratings = case.ratings
-    ratios = {str(row.station): row.speed_ratio or 1.0 for row in case.stations}
-    bases = PerUnitBases(ratings.rated_torque, ratings.synchronous_speed, ratios)
+    bases = PerUnitBases(ratings.rated_torque, ratings.synchronous_speed, case.speed_ratios)
     inputs = study_rows(reading.typed, bases, reading.findings)
     units = units_for_words(reading.typed, TypedCase())
     return replace(inputs, units=units), tuple(reading.findings.problems)

@@ -47,7 +47,7 @@ from addin.contract.units import (
     UnitScale,
     parse_unit,
 )
-from addin.reading.typed_case import Entry, PerUnitBases, Typed, ratios_of
+from addin.reading.typed_case import Entry, PerUnitBases, Typed
 from addin.reading.workbook import WorkbookInput
 from addin.xlsx import Formula, Table, TableData
 from addin.xlsx.references import Rect, absolute_range, cell_name, parse_cell, quoted_sheet
@@ -99,9 +99,10 @@ class _Copy:
     @cached_property
     def bases(self) -> PerUnitBases:
         """What relative units refer to."""
-        ratings = self.read.data.ratings
-        ratios = ratios_of(self.read.typed)
-        return PerUnitBases(ratings.rated_torque, ratings.synchronous_speed, ratios)
+        data = self.read.data
+        return PerUnitBases(
+            data.ratings.rated_torque, data.ratings.synchronous_speed, data.speed_ratios
+        )
 
     def tables(self) -> Iterator[TableData]:
         """Checks, units and copies."""

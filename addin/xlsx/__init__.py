@@ -25,6 +25,7 @@ module             responsibility
 `sheet_part`       rows, cells and styles of one sheet
 `tables`           Excel tables and their size
 `workbook_part`    sheets, defined names, relationships, content types, calculation settings
+`plain_formulas`   formulas with cells in the place of parts of tables
 `dependents`       which formulas depend on changed cells
 `shared_texts`     texts to which cells refer by number
 `written`          what was written, to be checked before the file is put in place
@@ -39,6 +40,7 @@ module             responsibility
 `save`             writing whole or not at all
 `table_writing`    rows into tables, with all that follows them and all that may be in the way
 `workbook`         `open_workbook` and `Workbook`: what the rest of the add-in uses
+`added_sheets`     whole sheets of another workbook behind those of a workbook
 `macros`           a VBA project and a hidden sheet of settings: .xlsx to .xlsm
 =================  ===============================================================================
 """

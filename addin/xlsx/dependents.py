@@ -21,6 +21,7 @@ from addin.xlsx.formula_text import (
     parse_formula,
     shifted_range,
 )
+from addin.xlsx.plain_formulas import Home, PlainFormulas
 from addin.xlsx.references import MAX_COLUMN, MAX_ROW, Rect, parse_range, split_sheet
 from addin.xlsx.tables import Table
 from addin.xlsx.workbook_part import DefinedName
@@ -131,41 +132,32 @@ class ReferenceResolver:
         Sheet names of the workbook.
     names : sequence of DefinedName
         All defined names, local ones too.
-    tables : iterable of Table
-        All tables, with the size that they have now.
     """
 
-    def __init__(
-        self, sheets: Sequence[str], names: Sequence[DefinedName], tables: Iterable[Table]
-    ) -> None:
+    def __init__(self, sheets: Sequence[str], names: Sequence[DefinedName]) -> None:
         self._sheets = {sheet.lower(): sheet for sheet in sheets}
         self._names = {(name.local_sheet.lower(), name.name.lower()): name for name in names}
-        self._tables = {table.name.lower(): table for table in tables}
         self._known: dict[FormulaCell, list[tuple[str, Rect]] | None] = {}
         self._name_steps = 0
 
     def reads(self, formula: FormulaCell) -> list[tuple[str, Rect]] | None:
         """Rectangles that the formula reads; None = possibly everything."""
-        if not formula.text:
-            return None
         if formula not in self._known:
             self._name_steps = 0
-            self._known[formula] = self._reads(
-                formula.text, formula.sheet, formula.rect, formula.shift, depth=0
-            )
+            self._known[formula] = self._reads(formula.text, formula.sheet, formula.shift, depth=0)
         return self._known[formula]
 
     def _reads(
-        self, text: str, sheet: str, at: Rect, shift: tuple[int, int], depth: int
+        self, text: str, sheet: str, shift: tuple[int, int], depth: int
     ) -> list[tuple[str, Rect]] | None:
         parsed = parse_formula(text)
         # Names may lead in circles, and doubling themselves at each turn: beyond some steps they may read everything.
         self._name_steps += depth > 0
-        if parsed.unclear or depth > 20 or self._name_steps > _MOST_NAME_STEPS:
+        if not text or parsed.unclear or depth > 20 or self._name_steps > _MOST_NAME_STEPS:
             return None
         areas: list[tuple[str, Rect]] = []
         for reference in parsed.references:
-            read = self._areas(reference, sheet, at, shift, depth)
+            read = self._areas(reference, sheet, shift, depth)
             if read is None:
                 return None
             areas.extend(read)
@@ -175,19 +167,18 @@ class ReferenceResolver:
         self,
         reference: Reference | TableReference | NameReference | Span,
         sheet: str,
-        at: Rect,
         shift: tuple[int, int],
         depth: int,
     ) -> list[tuple[str, Rect]] | None:
         if isinstance(reference, Reference):
             return self._cells(reference.sheet, reference.text, sheet, shift)
         if isinstance(reference, TableReference):
-            return self._table_area(reference.table, reference.inside, sheet, at)
+            return None  # formulas come here without tables
         if isinstance(reference, NameReference):
-            return self._name_areas(reference.sheet, reference.name, sheet, at, depth)
+            return self._name_areas(reference.sheet, reference.name, sheet, depth)
         # Of a span the rectangle around both ends.
-        start = self._areas(reference.start, sheet, at, shift, depth)
-        end = self._areas(reference.within, sheet, at, shift, depth)
+        start = self._areas(reference.start, sheet, shift, depth)
+        end = self._areas(reference.within, sheet, shift, depth)
         if not start or not end or len(end) > 1 or start[0][0] != end[0][0]:
             return None
         return [(start[0][0], start[0][1].join(end[0][1]))]
@@ -215,17 +206,8 @@ class ReferenceResolver:
             return ""
         return self._sheets.get(name.lower())
 
-    def _table_area(
-        self, name: str, inside: str, sheet: str, at: Rect
-    ) -> list[tuple[str, Rect]] | None:
-        """Cells of a part of a table; without a name, of the one around the formula."""
-        tables = self._tables.values()
-        around = (table for table in tables if table.sheet == sheet and table.ref.meets(at))
-        table = self._tables.get(name.lower()) if name else next(around, None)
-        return None if table is None else [(table.sheet, table.read_by(inside, at))]
-
     def _name_areas(
-        self, prefix: str, name: str, sheet: str, at: Rect, depth: int
+        self, prefix: str, name: str, sheet: str, depth: int
     ) -> list[tuple[str, Rect]] | None:
         if not prefix and name.upper() in _LANGUAGE_WORDS:
             return []
@@ -234,12 +216,10 @@ class ReferenceResolver:
             return None
         key = name.lower()
         defined = self._names.get((scope.lower(), key)) or self._names.get(("", key))
-        if defined is not None:
-            # References of a name are relative to the cell that uses it unless all carry dollar signs.
-            if any("$" not in one.text for one in _written_cells(defined.text)):
-                return None
-            return self._reads(defined.text, scope or sheet, at, (0, 0), depth + 1)
-        return self._table_area(name, "", sheet, at) if key in self._tables else None
+        # References of a name are relative to the cell that uses it unless all carry dollar signs.
+        if defined is None or any("$" not in one.text for one in _written_cells(defined.text)):
+            return None
+        return self._reads(defined.text, scope or sheet, (0, 0), depth + 1)
 
 
 def _written_cells(text: str) -> Iterator[Reference]:
@@ -351,11 +331,20 @@ class FormulaMap:
         names: tuple[DefinedName, ...],
         tables: tuple[Table, ...],
     ) -> None:
-        self.cells = cells
-        self.tables = tables
-        self.reads = ReferenceResolver(sheets, names, tables).reads
+        plain = PlainFormulas(names, tables)
+        #: The formulas without tables (`PlainFormulas`).
+        self.cells = tuple(_without_tables(cell, plain) for cell in cells)
+        #: What names stand for without tables, by what they stand for in the file.
+        self.names = {one.text: new.text for one, new in zip(names, plain.names, strict=True)}
+        #: Texts that differ from those of the file, by place: a shared one where it is stated.
+        self.rewritten = {
+            new.place: new.text
+            for one, new in zip(cells, self.cells, strict=True)
+            if new is not one and new.shift == (0, 0)
+        }
+        self.reads = ReferenceResolver(sheets, plain.names).reads
         #: What each formula reads; None = possibly everything. All are resolved here: threads may share the map.
-        self.areas = [self.reads(cell) for cell in cells]
+        self.areas = [self.reads(cell) for cell in self.cells]
         self._reached: dict[Frozen, frozenset[int]] = {}
 
     @cached_property
@@ -378,6 +367,15 @@ class FormulaMap:
                 self._reached = {}
             self._reached[asked] = reached
         return reached
+
+
+def _without_tables(cell: FormulaCell, plain: PlainFormulas) -> FormulaCell:
+    """A formula with cells in the place of tables; of a shared one as its first cell states it."""
+    rect = cell.home if cell.spills else cell.rect
+    rows, columns = cell.shift
+    first = Rect(rect.top - rows, rect.left - columns, rect.bottom - rows, rect.right - columns)
+    text = plain.text(cell.text, Home(cell.sheet, (first, rect)))
+    return cell if text == cell.text else cell._replace(text=text or "")
 
 
 def formula_map(

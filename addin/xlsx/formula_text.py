@@ -7,7 +7,7 @@ Only what bears on dependence is recognised. Whatever this module does not under
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -29,6 +29,7 @@ _TOKEN = re.compile(
     """,
     re.VERBOSE,
 )
+_QUOTED_TEXT = re.compile(r'"[^"]*"')
 _CELL_PARTS = re.compile(r"(\$?)([A-Za-z]{1,3})(\$?)([0-9]+)")
 
 # Functions whose value depends on cells that no reference of the formula names.
@@ -87,8 +88,9 @@ class Parsed:
 
     @property
     def names(self) -> list[str]:
-        """The names that it refers to; not those within spans."""
-        return [one.name for one in self.references if isinstance(one, NameReference)]
+        """The names that it refers to."""
+        ends = [one.within if isinstance(one, Span) else one for one in self.references]
+        return [one.name for one in ends if isinstance(one, NameReference)]
 
 
 _KINDS: dict[str, type[Reference] | type[TableReference] | type[NameReference]] = {
@@ -98,11 +100,15 @@ _KINDS: dict[str, type[Reference] | type[TableReference] | type[NameReference]] 
 }
 
 
+#: A piece of a formula as written; of a token its match, whose last group is its kind; of a bracket what it holds, None
+#: where it is never closed.
+Piece = tuple[str, re.Match[str] | None, str | None]
+
+
 @lru_cache(maxsize=65_536)
 def parse_formula(text: str) -> Parsed:
     """Find the references and functions of a formula."""
-    if len(text) > MAX_FORMULA or (len(text) > 1_000 and _has_stray_quotes(text)):
-        # No program takes it, or each of its quotes would be followed to the end.
+    if not is_readable(text):
         return Parsed((), frozenset(), unclear=True)
     references: list[Reference | TableReference | NameReference | Span] = []
     functions: set[str] = set()
@@ -130,8 +136,13 @@ def parse_formula(text: str) -> Parsed:
     return Parsed(tuple(references), frozenset(functions), unclear)
 
 
-def _has_stray_quotes(text: str) -> bool:
-    return bool(text.count("'") % 2 or text.count('"') % 2 or text.count("''") > 50)
+def is_readable(text: str) -> bool:
+    """Whether a formula may be cut into tokens: programs take it, and none of its quotes is followed to the end in vain."""
+    if len(text) <= 1_000:
+        return True
+    outside = _QUOTED_TEXT.sub("", text)
+    stray = '"' in outside or outside.count("'") % 2 or outside.count("''") > 50
+    return len(text) <= MAX_FORMULA and not stray
 
 
 def _span(tokens: Sequence[tuple[str, str, str]]) -> Span | None:
@@ -163,7 +174,7 @@ def _tokens(text: str) -> Iterator[tuple[str, str, str]]:
         if kind == "ref":
             yield from _cell_token(match)
         elif kind == "function":
-            yield "function", _bare_function(match["function"]), ""
+            yield "function", bare_function(match["function"]), ""
         elif kind in ("bracket", "lone"):
             inside, position = _bracketed(text, position)
             if inside is None:
@@ -188,7 +199,8 @@ def _cell_token(match: re.Match[str]) -> Iterator[tuple[str, str, str]]:
     yield "cells", sheet, text
 
 
-def _bare_function(name: str) -> str:
+def bare_function(name: str) -> str:
+    """Name of a function in capitals, without what files of newer functions put before it."""
     bare = name.upper()
     for prefix in ("_XLFN.", "_XLWS.", "_XLUDF."):
         bare = bare.removeprefix(prefix)
@@ -221,28 +233,12 @@ def shifted_formula(text: str, rows: int, columns: int) -> str:
         (match["sheet"] or "") + shifted_range(match["ref"], rows, columns)
         if match is not None and match.lastgroup == "ref"
         else piece
-        for piece, match, _ in _pieces(text)
+        for piece, match, _ in pieces(text)
     )
 
 
-def with_plain_ranges(text: str, cells: Callable[[str, str], str]) -> str:
-    """The formula with plain ranges in the place of structured references.
-
-    Parameters
-    ----------
-    text : str
-        The formula.
-    cells : callable
-        The range of a structured reference, by its table and what stands in the brackets.
-    """
-    return "".join(
-        piece if match is None or inside is None else cells(match["name"] or "", inside)
-        for piece, match, inside in _pieces(text)
-    )
-
-
-def _pieces(text: str) -> Iterator[tuple[str, re.Match[str] | None, str | None]]:
-    """A formula cut into its tokens, what is between them, and what stands inside of brackets."""
+def pieces(text: str) -> Iterator[Piece]:
+    """A formula cut into its tokens, and what is before, between and behind them."""
     position = 0
     while (match := _TOKEN.search(text, position)) is not None:
         yield text[position : match.start()], None, None

@@ -20,11 +20,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from addin.xlsx.calculator_copy import (
-    calculator_copy,
-    mentioned_in_names,
-    reads_other_workbook,
-)
+from addin.xlsx.calculator_copy import calculator_copy, reads_other_workbook
 from addin.xlsx.dependents import (
     ChangedCells,
     FormulaCell,
@@ -36,9 +32,6 @@ from addin.xlsx.dependents import (
 from addin.xlsx.formula_text import (
     CHANGES_BY_ITSELF,
     LOOKS_AT_HIDDEN_ROWS,
-    Reference,
-    Span,
-    TableReference,
     parse_formula,
 )
 from addin.xlsx.kept_calculator import SHELF
@@ -56,8 +49,6 @@ _HAS_RICH_VALUE = re.compile(rb"""\svm=["']""")
 _PARENTHESES = re.compile(r"[()]")
 # How the calculator calls a structured reference that it does not know.
 _NAMED_REFERENCE = re.compile(r"[^\s\[\]]*\[.*\]")
-# The calculator takes no more columns of tables in all.
-MOST_COLUMNS = 256
 # Spreadsheet programs take 64 levels of functions; a calculator that is given far more may run out of stack.
 MAX_DEPTH = 256
 
@@ -211,63 +202,6 @@ def _rich_values(workbook: WorkbookState) -> ChangedCells:
     return found
 
 
-@dataclass
-class _Named:
-    """A table that formulas name: which do, and the first and last column of the sheet that they need."""
-
-    cells: list[FormulaCell]
-    left: int
-    right: int
-
-
-def _naming(
-    workbook: WorkbookState, cells: Sequence[FormulaCell], left_out: Collection[str] = ()
-) -> dict[str, _Named]:
-    """Tables that formulas name; one without a name is the table around its formula."""
-    tables = {table.name.casefold(): table for table in workbook.tables.values()}
-    of_sheet = {
-        sheet: [t for t in tables.values() if t.sheet == sheet] for sheet in workbook.sheet_names
-    }
-    is_mentioned = mentioned_in_names(workbook)
-    found: dict[str, _Named] = {}
-    for cell in cells:
-        if cell.text in left_out:
-            continue
-        around = [t for t in of_sheet[cell.sheet] if t.ref.meets(cell.rect)]
-        for one in parse_formula(cell.text).references:
-            end = one.within if isinstance(one, Span) else one
-            if isinstance(end, Reference):
-                continue
-            if isinstance(end, TableReference):
-                word, inside = end.table, end.inside
-            else:
-                word, inside = end.name, ""
-            known = tables.get(word.casefold())
-            for table in [known] if known else around if not word else ():
-                area = table.ref if is_mentioned(table) else table.read_by(inside, cell.rect)
-                left, right = area.left, area.right
-                if table in around:  # a formula stands in its own table
-                    left = max(min(left, cell.rect.left), table.ref.left)
-                    right = min(max(right, cell.rect.right), table.ref.right)
-                named = found.setdefault(table.name, _Named([], left, right))
-                named.cells.append(cell)
-                named.left, named.right = min(named.left, left), max(named.right, right)
-    return found
-
-
-def _beyond_the_limit(naming: Mapping[str, _Named]) -> list[FormulaCell]:
-    """Formulas that name more tables than the calculator takes: those that the fewest formulas name."""
-    left, beyond = MOST_COLUMNS, []
-    for name in sorted(naming, key=lambda one: len(naming[one].cells), reverse=True):
-        table = naming[name]
-        columns = table.right - table.left + 1
-        if columns > left:
-            beyond += table.cells
-        else:
-            left -= columns
-    return beyond
-
-
 class _Refresh:
     """One renewal of cached values: recalculate, judge, replace or remove."""
 
@@ -345,9 +279,8 @@ class _Refresh:
         recalculated, reason = self._calculated(self._areas(), keep=True)
         if recalculated is not None:
             return recalculated, reason
-        # Formulas that may read anything need more tables than the calculator takes, or are what it refuses; and it
-        # refuses circles, which spreadsheet programs leave or calculate round by round. It is not given what would be
-        # beyond spreadsheet programs.
+        # Formulas that may read anything may be what it refuses; and it refuses circles, which spreadsheet programs leave
+        # or calculate round by round. It is not given what would be beyond spreadsheet programs.
         circles = self.formulas.graph.in_circles()
         left_out = {self.everything[index].text for index in circles}
         left_out |= {cell.text for cell in self._over_hidden_rows()}
@@ -358,9 +291,6 @@ class _Refresh:
             or _is_beyond_programs(cell.text)
             or "LAMBDA" in parse_formula(cell.text).functions
         }
-        naming = _naming(self.workbook, self.everything, left_out)
-        left_out |= {cell.text for cell in _beyond_the_limit(naming)}
-
         if left_out:
             again = self._calculated(known, left_out)
             recalculated, reason = again[0], again[1] or reason
@@ -413,10 +343,7 @@ class _Refresh:
         cells = self.everything
         if any(_is_beyond_programs(cell.text) for cell in cells if cell.text not in left_out):
             return None, "A formula is too long or nested too deeply for a spreadsheet program."
-        with_formulas = {cell.sheet for cell in cells}
-        naming = _naming(self.workbook, cells, left_out)
-        named = {name: (table.left, table.right) for name, table in naming.items()}
-        fed, dropped = calculator_copy(self.workbook, with_formulas, read, left_out, named)
+        fed, dropped = calculator_copy(self.workbook, self.formulas, read, left_out)
         package = io.BytesIO()
         # Not compressed, as it lives for milliseconds.
         self.workbook.container.write(package, fed, dropped, compress=False)
@@ -496,7 +423,7 @@ class _Refresh:
         return {self.everything[index] for index in reached}
 
     def _is_doubtful(self, cell: FormulaCell, affected: bool, recalculated: _Recalculated) -> bool:
-        if cell.is_data_table or cell.text in self.left_out:
+        if cell.is_data_table or not cell.text or cell.text in self.left_out:
             return affected  # calculated nowhere: the copy had its old value
         if not parse_formula(cell.text).functions.isdisjoint(recalculated.doubtful_functions):
             return True

@@ -14,16 +14,10 @@ from threading import Lock
 from weakref import WeakSet
 
 from addin.xlsx.calculator_copy import reads_other_workbook
-from addin.xlsx.dependents import FormulaCell, FormulaMap, Place
-from addin.xlsx.formula_text import (
-    CHANGES_BY_ITSELF,
-    LOOKS_AT_HIDDEN_ROWS,
-    parse_formula,
-    with_plain_ranges,
-)
-from addin.xlsx.references import Rect, absolute_range, quoted_sheet
+from addin.xlsx.dependents import FormulaMap, Place
+from addin.xlsx.formula_text import CHANGES_BY_ITSELF, LOOKS_AT_HIDDEN_ROWS, parse_formula
+from addin.xlsx.references import Rect
 from addin.xlsx.state import WorkbookState
-from addin.xlsx.tables import Table
 from addin.xlsx.values import Constant
 
 # Settings that decide what formulas give: the calendar, rounds of calculation, rounding to what is shown.
@@ -68,11 +62,6 @@ class KeptCalculator:
 
         self._homes = [cell.place for cell in formulas.cells]
         self._settings = _settings(workbook)
-        self._headers = {
-            (table.sheet, Rect(row, table.ref.left, row, table.ref.right)): list(table.columns)
-            for table in formulas.tables
-            if (row := table.header_row) is not None
-        }
         self._values: dict[tuple[str, Rect], list[Constant]] = {
             run: [] for run in _runs(formulas, set(self._homes))
         }
@@ -81,12 +70,8 @@ class KeptCalculator:
         self._calculator = formualizer.Workbook.from_bytes(
             package, config=formualizer.WorkbookConfig(eval_config=alone)
         )
-        # It opens a workbook without its tables.
-        tables = {table.name.lower(): table for table in formulas.tables}
-        for home, cell in zip(self._homes, formulas.cells, strict=True):
-            text = with_plain_ranges(cell.text, _cells_of(tables, cell))
-            if text != cell.text:
-                self._calculator.set_formula(*home, f"={text}")
+        # Cells given before the first calculation cost it a time that grows with the square of the formulas.
+        self._calculator.evaluate_all()
         results = self.results(workbook)
         if results is None or any(
             _differ([result], [shown(home)]) for home, result in results.items()
@@ -101,11 +86,7 @@ class KeptCalculator:
         workbook : WorkbookState
             A workbook with the same formulas.
         """
-        # a whole file with a header in a cell that is not that of its table stops the calculator
-        if _settings(workbook) != self._settings or any(
-            workbook.sheet_part(sheet).constants(rect) != names
-            for (sheet, rect), names in self._headers.items()
-        ):
+        if _settings(workbook) != self._settings:
             return None
         for (sheet, rect), before in self._values.items():
             values = workbook.sheet_part(sheet).constants(rect)
@@ -142,17 +123,6 @@ def _runs(formulas: FormulaMap, homes: set[Place]) -> Iterator[tuple[str, Rect]]
             top = row
         if (sheet, column, row + 1) not in cells:
             yield sheet, Rect(top, column, row, column)
-
-
-def _cells_of(tables: Mapping[str, Table], cell: FormulaCell) -> Callable[[str, str], str]:
-    """How a formula names the cells of structured references."""
-
-    def cells(name: str, inside: str) -> str:
-        table = tables[name.lower()]
-        area = absolute_range(table.read_by(inside, cell.rect))
-        return f"{quoted_sheet(table.sheet)}!{area}"
-
-    return cells
 
 
 def _can_be_kept(workbook: WorkbookState, formulas: FormulaMap) -> bool:
@@ -215,11 +185,11 @@ class Shelf:
                 self._kept.popitem(last=False)
 
     def wants(self, formulas: FormulaMap) -> bool:
-        """Whether a calculator is worth making: the formulas come again, and it can be made."""
+        """Whether a calculator is worth making: the formulas come again, none is kept for them, and it can be made."""
         with self._lock:
             is_first = formulas not in self._seen
             self._seen.add(formulas)
-            return not is_first and formulas not in self._refused
+            return not is_first and formulas not in self._refused and formulas not in self._kept
 
     def make(
         self,

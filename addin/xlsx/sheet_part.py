@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from bisect import bisect_left
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 from operator import itemgetter
 from typing import NamedTuple, cast
@@ -403,6 +403,21 @@ class SheetPart:
             new.text = text
             if text != text.strip():
                 new.set(_XML_SPACE, "preserve")
+        self._touch()
+
+    def exchange_formulas(self, texts: Mapping[tuple[int, int], str]) -> None:
+        """Exchange the texts of formulas by row and column; one without text goes, and its value stays."""
+        for place, text in texts.items():
+            cell = self._cell(*place)
+            formula = None if cell is None else cell.find(_F)
+            if cell is None or formula is None:
+                continue
+            if text:
+                formula.text = text
+                continue
+            cell.remove(formula)
+            # A cell that is no formula any more is no dynamic array either.
+            cell.attrib.pop("cm", None)
         self._touch()
 
     def show_rows(self, top: int, bottom: int) -> list[int]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import Any
 
 from addin.xlsx.errors import WorkbookMismatch, damaged
@@ -18,8 +18,19 @@ from addin.xlsx.sheet_ranges import read_range
 from addin.xlsx.values import unescape
 from addin.xlsx.xml_part import Element, main
 
-_INNER = re.compile(r"\[((?:[^\[\]']|'.)*)\]")
-_QUOTED = re.compile(r"'(.)")
+_QUOTED = re.compile(r"'(.)", re.DOTALL)
+_ALL, _DATA, _HEADERS, _TOTALS, _THIS_ROW = (
+    frozenset([word]) for word in ("#all", "#data", "#headers", "#totals", "#this row")
+)
+# A column begins with no number sign: that of a header is escaped by an apostrophe, as brackets in it are.
+_WORD = r"\[(\s*\#(?:all|data|headers|totals|this\ row)\s*)\]"
+_COLUMN = r"\[((?!\s*\#)(?:[^\[\]']|'.)+)\]"
+# Behind a word some programs leave out the brackets of a column.
+_PART = re.compile(
+    rf"""(?:{_WORD}(?:\s*,\s*{_WORD})?(?:\s*,\s*(?=\S)|$))?
+    (?:{_COLUMN}(?:\s*:\s*{_COLUMN})?|((?!\#)(?:[^\[\]':]|'.)+))?""",
+    re.VERBOSE | re.IGNORECASE | re.DOTALL,
+)
 
 
 @dataclass(frozen=True)
@@ -55,6 +66,10 @@ class Table:
         """Column of the sheet that each header stands in, by the header in small letters."""
         return {name.casefold(): self.ref.left + k for k, name in enumerate(self.columns)}
 
+    @cached_property
+    def _columns_in_small_letters(self) -> tuple[str, ...]:
+        return tuple(name.casefold() for name in self.columns)
+
     def column_index(self, name: str) -> int:
         """Position of a column, from 0; spelling in capitals or small letters does not matter.
 
@@ -76,58 +91,86 @@ class Table:
         bottom = self.data.top + max(rows, 1) - 1 + self.has_totals
         return replace(self, ref=self.ref.with_bottom(bottom))
 
-    def read_by(self, inside: str, at: Rect) -> Rect:
-        """Cells that a structured reference reads, rather too many than too few."""
-        if inside not in self._read:
-            this_row = not _special_words(inside).isdisjoint(("@", "#this row"))
-            self._read[inside] = this_row, self._area(inside)
-        this_row, area = self._read[inside]
-        if this_row and self.ref.top <= at.top and at.bottom <= self.ref.bottom:
-            return Rect(at.top, area.left, at.bottom, area.right)
-        return area
+    def cells_of(self, inside: str, row: int | None) -> tuple[Rect, bool] | None:
+        """Cells that a structured reference means, and whether they are those of the row of its formula.
+
+        Parameters
+        ----------
+        inside : str
+            What stands between the brackets of the table; empty for its name alone.
+        row : int or None
+            Row of the formula; None for one that stands in no row of the sheet of the table.
+
+        Returns
+        -------
+        tuple of (Rect, bool), or None
+            None where words, columns or rows are not there for certain.
+        """
+        if inside not in self._parts:
+            self._parts[inside] = self._part(inside)
+        part = self._parts[inside]
+        if part is None:
+            return None
+        words, left, right = part
+        is_this_row = words == _THIS_ROW
+        if not is_this_row:
+            rows = self._rows.get(words)
+        else:
+            rows = None if row is None or not self.data.has(row, left) else (row, row)
+        return None if rows is None else (Rect(rows[0], left, rows[1], right), is_this_row)
 
     @cached_property
-    def _read(self) -> dict[str, tuple[bool, Rect]]:
-        """What the references met so far read: a workbook repeats the same few in thousands of formulas."""
+    def _parts(self) -> dict[str, tuple[frozenset[str], int, int] | None]:
+        """What the references met so far mean: a workbook repeats the same few in many formulas."""
         return {}
 
-    def _area(self, inside: str) -> Rect:
-        """Cells that a structured reference reads outside the table."""
-        columns = _named_columns(inside, self.columns)
-        left = self.ref.left + min(columns, default=0)
-        right = self.ref.left + max(columns, default=len(self.columns) - 1)
-        # Plain columns are data for certain: a totals row that adds them up does not read itself.
-        special = _special_words(inside)
-        rows = self.ref
-        if special <= {"#data"} and self.data.top <= self.data.bottom:
-            rows = self.data
-        elif special == {"#totals"} and self.has_totals:
-            rows = Rect(self.ref.bottom, self.ref.left, self.ref.bottom, self.ref.right)
-        return Rect(rows.top, left, rows.bottom, right)
+    def _part(self, inside: str) -> tuple[frozenset[str], int, int] | None:
+        """The words of a structured reference, its first and its last column."""
+        found = _PART.fullmatch(_as_list(inside))
+        if found is None:
+            return None
+        words = frozenset(word.strip().lower() for word in found.group(1, 2) if word)
+        ends = [self._column_named(name) for name in found.group(3, 4, 5) if name]
+        columns = [at for at in ends if at is not None]
+        if len(columns) < len(ends):
+            return None
+        left, right = min(columns, default=self.ref.left), max(columns, default=self.ref.right)
+        return words, left, right
+
+    def _column_named(self, written: str) -> int | None:
+        """Column of the sheet of which a formula writes the header; None where that is not certain."""
+        name = unescape(_QUOTED.sub(r"\1", written))
+        for wanted in (name, name.strip()):
+            for headers, one in (
+                (self.columns, wanted),
+                (self._columns_in_small_letters, wanted.casefold()),
+            ):
+                if headers.count(one) == 1:
+                    return self.ref.left + headers.index(one)
+        return None
+
+    @cached_property
+    def _rows(self) -> dict[frozenset[str], tuple[int, int]]:
+        """First and last row that the words of a structured reference mean, other than this row."""
+        ref, data = self.ref, self.data
+        rows = {_ALL: (ref.top, ref.bottom), _DATA: (data.top, data.bottom)}
+        rows[frozenset()] = rows[_DATA]
+        if self.has_header:
+            rows |= {_HEADERS: (ref.top, ref.top), _HEADERS | _DATA: (ref.top, data.bottom)}
+        if self.has_totals:
+            rows |= {_TOTALS: (ref.bottom, ref.bottom), _DATA | _TOTALS: (data.top, ref.bottom)}
+        return rows
 
 
-@lru_cache(maxsize=4096)
-def _named_columns(inside: str, columns: tuple[str, ...]) -> tuple[int, ...]:
-    """Positions of the columns named; empty when any word is not understood, which means all."""
-    words = _INNER.findall(inside) or [inside.lstrip("@")]
-    positions: list[int] = []
-    known = {column.casefold(): index for index, column in enumerate(columns)}
-    for word in words:
-        name = unescape(_QUOTED.sub(r"\1", word)).strip().casefold()
-        if name.startswith("#") and word.startswith("#"):
-            continue
-        if name not in known:
-            return ()
-        positions.append(known[name])
-    return tuple(positions)
-
-
-@lru_cache(maxsize=4096)
-def _special_words(inside: str) -> frozenset[str]:
-    """``#All``, ``#Data`` and the like, in small letters; ``@`` is one of them."""
-    words = _INNER.findall(inside) or [inside]
-    found = {word.strip().lower() for word in words if word.strip().startswith("#")}
-    return frozenset(found | ({"@"} if inside.lstrip().startswith("@") else set()))
+def _as_list(inside: str) -> str:
+    """A structured reference with each of its words and columns in brackets, ``@`` as the word that it stands for."""
+    text = inside.strip()
+    columns = text.removeprefix("@").lstrip()
+    if columns and not columns.startswith("["):
+        columns = f"[{columns}]"
+    if not text.startswith("@"):
+        return columns
+    return f"[#This Row],{columns}" if columns else "[#This Row]"
 
 
 def parse_table(root: Element, sheet: str, part: str) -> Table:

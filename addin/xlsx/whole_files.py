@@ -60,8 +60,18 @@ def write_json(path: Path, content: Mapping[str, Any]) -> None:
     OSError
         If the file cannot be written; one that was there is as before.
     """
+    write_text(path, json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write text whole or not at all, in UTF-8 with the line ends it has.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written; one that was there is as before.
+    """
     if path.is_dir():
         raise IsADirectoryError(errno.EISDIR, "is a folder", str(path))
     path.parent.mkdir(parents=True, exist_ok=True)
-    text = json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
-    write_whole(path, lambda made: made.write_text(text, encoding="utf-8", newline="\n"))
+    write_whole(path, lambda made: made.write_text(text, encoding="utf-8", newline=""))

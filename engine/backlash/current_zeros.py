@@ -1,4 +1,4 @@
-"""A fault that clears phase by phase, each where the motor's current in it passes zero.
+"""A fault that clears phase by phase, each where the motor's current in it passes zero, all teeth in contact.
 
 A phase that has cleared has the whole voltage of the line, the others have none; the zeros are those of the currents
 that the machine in time has then.
@@ -85,14 +85,29 @@ def clearing_by_phase(
         i, pole = first
         time, now = _zero(stretch, motion, i, pole)
         waiting.remove(pole)
-        supplies.append(_cleared(time, [p for p in poles if p not in waiting], len(poles)))
+        supplies.append(cleared_supply(time, [p for p in poles if p not in waiting], len(poles)))
     if waiting:
         supplies.append(Supply(time))
     return tuple(supplies)
 
 
-def _cleared(time: float, cleared: Sequence[float], of: int) -> Supply:
-    """Whole voltage in some phases, none in the others; of all of them, or of one between two phases, all of it."""
+def cleared_supply(time: float, cleared: Sequence[float], of: int) -> Supply:
+    """Whole voltage in some phases, none in the others; of all of them, or of one between two phases, all of it.
+
+    Parameters
+    ----------
+    time : float
+        From when on, from the event. [s]
+    cleared : sequence of float
+        Axes of the phases that have cleared. [rad]
+    of : int
+        How many there are. [count]
+
+    Returns
+    -------
+    Supply
+        [pu, rad]
+    """
     if len(cleared) == of:
         return Supply(time)
     real = sum(cos(2.0 * axis) for axis in cleared) / 3.0

@@ -458,7 +458,7 @@ class _Simulation:
         self.field_time = t
         self.electrical[3][:] = t
         self.electrical[8][self.model.of_discharge] = 0.0
-        self.machines.apply_field()
+        self.machines.apply_field(self.phase)
         self.clock.fresh = 2
 
     def _advance(self, stop: float) -> int:

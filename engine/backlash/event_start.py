@@ -140,9 +140,11 @@ class StartEvent:
     """A change of the supply of one motor while it starts. The answers are those from it on, and times count from it."""
 
     station: int  #: Where the motor acts. [index]
-    #: What it is connected to from then on, times from breaker closing; voltages over that of the start. [s, pu, rad]
+    #: What it is connected to from then on, times from breaker closing; voltages over that of the source. [s, pu, rad]
     supplies: tuple[Supply, ...]
     followed: float  #: How long it is followed after the last of them where the start has ended sooner. [s]
+    #: Axes of the currents that must pass zero before a phase clears; empty: all clear at once. [rad]
+    poles: tuple[float, ...] = ()
 
     @property
     def begins(self) -> float:
@@ -157,16 +159,7 @@ class StartEvent:
         machine : MachineInTime
             As it starts. [pu]
         """
-        share = machine.supplies[-1].forward[0]
-        changes = (
-            replace(
-                s,
-                forward=(share * s.forward[0], s.forward[1]),
-                backward=(share * s.backward[0], s.backward[1]),
-            )
-            for s in self.supplies
-        )
-        return replace(machine, supplies=(*machine.supplies, *changes))
+        return replace(machine, supplies=(*machine.supplies, *self.supplies), poles=self.poles)
 
 
 @dataclass(frozen=True, eq=False)
@@ -325,7 +318,7 @@ def one_run(
     effects: StartEffects,
     linear: Start,
     step: float | None,
-    event: EventTorques | None = None,
+    event: EventTorques | StartEvent | None = None,
 ) -> EventSimulation:
     """One simulation of a start with events, or of an event in operation, without any estimate of its error.
 
@@ -341,8 +334,8 @@ def one_run(
         The linear start. [SI]
     step : float or None
         Longest step; None = that of the first, coarsest run. [s]
-    event : EventTorques, optional
-        The event in operation. [N m]
+    event : EventTorques or StartEvent, optional
+        The event in operation, or in the start. [N m]
 
     Returns
     -------

@@ -10,34 +10,31 @@ from typing import Any
 import numpy as np
 
 from engine.arrays import Floats
+from engine.backlash.current_zeros import LONGEST_ARC, cleared_supply
 from engine.case.data import CaseData
 from engine.case.effect import StartEffects
 from engine.model.motor import Motor
 from engine.model.train import Train
 from engine.motor.circuit import Circuit, line_omega, starting_circuit
 from engine.motor.from_case import MotorFromData, motors_without_curve
-from engine.motor.supply import Source
+from engine.motor.supply import STIFF, Source
 from engine.motor.two_axis import MachineState, flux_system, number_of_fluxes, with_same_currents
+from engine.numerics.same_bits import cos, product, sin
 from engine.start.machine_motion import Machine, Supply, switched
 from engine.stepping.library import struct
 
-
-@dataclass(frozen=True)
-class Connected:
-    """A motor behind a source, its impedance part of the stator's."""
-
-    circuit: Circuit  #: As it starts. [pu]
-    voltage: float  #: Of the source. [pu]
-    #: Circuit once the field is applied, and the voltage of the field then; None: no field is applied. [pu]
-    excited: tuple[Circuit, float] | None = None
+#: Steps while a zero of a current is awaited, where a current is taken to be zero, and from where on the last leap
+#: goes to the expected zero; before it goes so much of the way, lest it is passed. [periods of the line; 1]
+CHUNK, NEAR_ZERO, LAST_LEAP, SHORT = 0.01, 1e-8, 1e-5, 0.9
 
 
 @dataclass(frozen=True, eq=False)
 class MachineInTime:
     """A motor of the loop as a two-axis machine."""
 
-    machine: Machine  #: The motor. [pu, SI]
-    supplies: tuple[Supply, ...]  #: What its stator is connected to, rising in time. [pu, rad]
+    machine: Machine  #: The motor alone. [pu, SI]
+    #: What its stator is connected to, rising in time; voltages over that of the source. [pu, rad]
+    supplies: tuple[Supply, ...]
     flux: Floats  #: Before the first of them. [pu] Shape (n_flux,).
     field_voltage: float = 0.0  #: Of the field, from the beginning. [pu]
     #: Angle of the line ahead of axis d less half the phase of the motor's pulsation in the loop. [rad]
@@ -45,7 +42,11 @@ class MachineInTime:
     voltage: int = -1  #: Curve of the line's voltage against speed; -1: always 1. [index]
     #: Circuit once the field is applied, and the voltage of the field then; None: no field is applied. [pu]
     excited: tuple[Circuit, float] | None = None
-    switched: tuple[Connected, ...] = ()  #: What it is switched over to, one after the other. [pu]
+    #: What feeds it, and what it is switched over to, one after the other. [pu]
+    sources: tuple[Source, ...] = (STIFF,)
+    #: Axes of the currents that must pass zero before a phase clears, at the last of the supplies; empty: all clear
+    #: at once. Angles count from the line's at the supply before it. [rad]
+    poles: tuple[float, ...] = ()
 
     def scaled(self, factor: float) -> MachineInTime:
         """The same with so many times the torque. [1]"""
@@ -53,14 +54,50 @@ class MachineInTime:
         return replace(self, machine=machine)
 
 
+class _Clearing:
+    """Zeros of the currents of a fault, met from one step to the next.
+
+    A step is made to end near each expected zero, ever nearer, so that a run need not go back.
+    """
+
+    def __init__(self, time: float, poles: Sequence[float], period: float) -> None:
+        self.waiting, self.cleared = list(poles), list[float]()
+        self.next, self.latest = time, time + LONGEST_ARC * period
+        self._period = period
+        self._last: tuple[float, dict[float, float]] = (time, {})
+
+    def met(self, time: float, currents: Mapping[float, float]) -> bool:
+        """Whether a current is zero; its phase has then cleared. Otherwise `next` is when to look again. [s, pu]"""
+        before, values = self._last
+        away = CHUNK * self._period
+        for pole, value in currents.items():
+            if pole not in values:
+                continue
+            passed = values[pole] * value <= 0.0
+            falls = (values[pole] - value) / (time - before)
+            left = value / falls if falls * value > 0.0 else math.inf
+            if passed or left <= NEAR_ZERO * self._period:
+                self.waiting.remove(pole)
+                self.cleared.append(pole)
+                self._last, self.next = (time, {}), time
+                return True
+            short = 1.0 if left <= LAST_LEAP * self._period else SHORT
+            away = min(away, short * left)
+        self._last, self.next = (time, dict(currents)), time + away
+        return False
+
+
 class Machines:
     """Machines of a run in the arrays that the loop reads; they change as things are switched."""
 
     def __init__(self, machines: Sequence[MachineInTime], frame: float) -> None:
         self._machines = list(machines)
+        self._present = [m.supplies[0] for m in machines]
         self._waiting = [list(m.supplies) for m in machines]
-        self._over = [list(m.switched) for m in machines]
-        self._is_excited = False
+        self._sources = [list(m.sources) for m in machines]
+        self._off_until: list[float | None] = [None] * len(machines)  # of a switch-over
+        self._clearings: list[_Clearing | None] = [None] * len(machines)
+        self._circuits = [m.machine.circuit for m in machines]  # with what stands before the stator
         n = len(machines)
         excited = [m.excited[0] if m.excited else m.machine.circuit for m in machines]
         most = max(map(number_of_fluxes, excited), default=1)
@@ -83,76 +120,107 @@ class Machines:
         """Supplies that begin by then; `phase` is that of the loop's motors."""
         for k, waiting in enumerate(self._waiting):
             while waiting and waiting[0].begins <= time:
-                self._connect(k, waiting.pop(0), phase)
+                supply = waiting.pop(0)
+                if self._machines[k].poles and not waiting:
+                    period = 2.0 * math.pi / self._machines[k].machine.line_omega
+                    self._clearings[k] = _Clearing(time, self._machines[k].poles, period)
+                else:
+                    self._present[k] = supply
+                    self._connect(k, phase)
+            self._clear(k, time, phase)
+            off_until = self._off_until[k]
+            if off_until is not None and off_until <= time:
+                self._off_until[k] = None
+                self._connect(k, phase)
 
     @property
     def next_change(self) -> float:
         """When a supply changes next; infinite where none does. [s]"""
-        return min((w[0].begins for w in self._waiting if w), default=math.inf)
+        begins = (w[0].begins for w in self._waiting if w)
+        looks = (c.next for c in self._clearings if c is not None)
+        off = (t for t in self._off_until if t is not None)
+        return min([*begins, *looks, *off], default=math.inf)
 
-    def apply_field(self) -> None:
+    def apply_field(self, phase: Floats) -> None:
         """The discharge resistor is taken out of each field, and the exciter put in."""
-        self._is_excited = True
         for k, m in enumerate(self._machines):
             if m.excited is not None:
                 circuit, voltage = m.excited
-                self._machines[k] = replace(m, field_voltage=voltage)
-                self._become(k, circuit)
+                machine = replace(m.machine, circuit=circuit)
+                self._machines[k] = replace(m, machine=machine, field_voltage=voltage)
+                self._connect(k, phase)
 
     def switch_over(self, time: float, opened: Mapping[int, float], phase: Floats) -> None:
         """Each motor to its next source; the currents of its windings go on unless it is off the line first.
 
         `opened` says how long which motors are. [s]
         """
-        for k, waiting in enumerate(self._over):
-            to = waiting.pop(0)
+        for k, sources in enumerate(self._sources):
             if k in opened:
-                self._connect(k, Supply(time, is_open=True), phase)
-            self._machines[k] = replace(self._machines[k], excited=to.excited)
-            is_excited = self._is_excited and to.excited is not None
-            self._become(k, to.excited[0] if is_excited and to.excited else to.circuit)
-            supply = Supply(time + opened.get(k, 0.0), (to.voltage, 0.0))
-            if k in opened:
-                self._waiting[k].append(supply)
-            else:
-                self._connect(k, supply, phase)
+                self._off_until[k] = time + opened[k]
+            sources.pop(0)
+            self._connect(k, phase)
 
     def trip(self, phase: Floats) -> None:
         """The breakers of all motors open for good; what happens to the line reaches none any more."""
-        self._waiting = [[] for _ in self._machines]
-        for k in range(len(self._machines)):
-            self._connect(k, Supply(0.0, is_open=True), phase)
+        for k, waiting in enumerate(self._waiting):
+            waiting.clear()
+            self._clearings[k] = None
+            self._off_until[k] = math.inf
+            self._connect(k, phase)
 
-    def _become(self, k: int, circuit: Circuit) -> None:
-        """Another circuit from now on."""
+    def _clear(self, k: int, time: float, phase: Floats) -> None:
+        """Phases whose currents are zero by then."""
+        m, clearing = self._machines[k], self._clearings[k]
+        while clearing is not None and clearing.next <= time:
+            begins = m.supplies[-2].begins
+            currents = {p: self._current(k, p, time - begins, phase) for p in clearing.waiting}
+            if time >= clearing.latest:  # then the breaker interrupts what flows
+                clearing.cleared = list(m.poles)
+            elif not clearing.met(time, currents):
+                continue
+            supply = cleared_supply(time, clearing.cleared, len(m.poles))
+            size, angle = supply.backward
+            turned = 2.0 * m.machine.line_omega * begins
+            self._present[k] = replace(supply, backward=(size, angle + turned))
+            self._connect(k, phase)
+            if len(clearing.cleared) == len(m.poles):
+                self._clearings[k] = clearing = None
+
+    def _current(self, k: int, axis: float, since: float, phase: Floats) -> float:
+        """Along an axis of the stator, which the voltage of the line had at the event, so long ago. [pu, s]"""
         m = self._machines[k]
-        flux = with_same_currents(m.machine.circuit, circuit, self._flux(k))
-        self._machines[k] = replace(m, machine=replace(m.machine, circuit=circuit), flux=flux)
-        self._put(k, flux, is_open=not self._arrays["stator"][k])
+        i_d, i_q = (
+            float(x)
+            for x in product(self._arrays["current"][k][:, : len(self._flux(k))], self._flux(k))
+        )
+        angle = m.machine.line_omega * since - (0.5 * float(phase[k]) + m.ahead) - axis
+        return float(i_d * cos(angle) - i_q * sin(angle))
 
     def _flux(self, k: int) -> Floats:
         return np.asarray(self._arrays["flux"][k, : self._arrays["n_flux"][k]].copy())
 
-    def _connect(self, k: int, supply: Supply, phase: Floats) -> None:
-        arrays, m = self._arrays, self._machines[k]
+    def _connect(self, k: int, phase: Floats) -> None:
+        """The stator to what feeds it now; the currents of all windings go on where it stays closed."""
+        arrays, m, source = self._arrays, self._machines[k], self._sources[k][0]
+        off = self._off_until[k] is not None
+        supply = Supply(0.0, is_open=True) if off else self._present[k]
+        circuit = m.machine.circuit if supply.at_terminals else source.before(m.machine.circuit)
+        flux = with_same_currents(self._circuits[k], circuit, self._flux(k))
+        self._circuits[k] = circuit
+        machine = replace(m.machine, circuit=circuit)
         axis = -(0.5 * float(phase[k]) + m.ahead)
-        flux = self._flux(k)
-        state = MachineState(flux, m.field_voltage, axis)
-        supply, flux = switched(m.machine, supply, state, flux)
-        self._put(k, flux, is_open=supply.is_open)
-        arrays["forward"][k] = supply.forward[0], supply.forward[1] + m.ahead
-        arrays["backward"][k] = supply.backward[0], supply.backward[1] + m.ahead
-
-    def _put(self, k: int, flux: Floats, *, is_open: bool) -> None:
-        """Equations of a rotor at rest, to which the loop adds its motion, and fluxes."""
-        arrays, m, n = self._arrays, self._machines[k], len(flux)
-        machine = m.machine
+        supply, flux = switched(machine, supply, MachineState(flux, m.field_voltage, axis), flux)
+        # equations of a rotor at rest, to which the loop adds its motion
         system = flux_system(
-            machine.circuit, machine.line_omega, 0.0, m.field_voltage, is_open=is_open
+            circuit, machine.line_omega, 0.0, m.field_voltage, is_open=supply.is_open
         )
-        arrays["n_flux"][k], arrays["q"][k], arrays["stator"][k] = n, system.q, float(not is_open)
+        n = len(flux)
+        arrays["n_flux"][k], arrays["q"][k], arrays["stator"][k] = n, system.q, not supply.is_open
         arrays["rate"][k, :n, :n], arrays["current"][k, :, :n] = system.rate, system.stator_current
         arrays["field"][k, :n], arrays["flux"][k, :n] = system.field, flux
+        for name, (size, angle) in (("forward", supply.forward), ("backward", supply.backward)):
+            arrays[name][k] = source.voltage * size, angle + m.ahead
 
 
 def machines_of_start(
@@ -186,48 +254,37 @@ def machines_of_start(
     machines = []
     for motor in motors:
         sheet = data[train.stations[motor.station]]
-        first, *others = (_connected(case, motor, sheet, effects, speed) for speed in above)
+        stages = [
+            next(s for s in sheet.stages if s.connection.until > speed).connection.source
+            for speed in above
+        ]
         voltage = -1
         if motor.line_voltage is not None:
             voltage = n_curves - len(supplied)
             voltage += next(i for i, m in enumerate(supplied) if m is motor)
+        scale = math.sqrt(motor.scale)
         machines.append(
             MachineInTime(
-                Machine(first.circuit, sheet.torque_base, sheet.synchronous_speed, omega),
-                (Supply(0.0, (first.voltage, 0.0)),),
-                np.zeros(number_of_fluxes(first.circuit)),
+                Machine(sheet.starting, sheet.torque_base, sheet.synchronous_speed, omega),
+                (Supply(0.0),),
+                np.zeros(number_of_fluxes(sheet.starting)),
                 # half the phase is the angle of the line ahead of axis q
                 ahead=0.5 * math.pi,
                 voltage=voltage,
-                excited=first.excited,
-                switched=tuple(others),
+                excited=_excited(case, sheet) if effects.pull_in else None,
+                sources=tuple(replace(s, voltage=scale * s.voltage) for s in stages),
             )
         )
     return tuple(machines)
 
 
-def _connected(
-    case: CaseData, motor: Motor, sheet: MotorFromData, effects: StartEffects, above: float
-) -> Connected:
-    """What a motor is connected to from a fraction of synchronous speed on."""
+def _excited(case: CaseData, sheet: MotorFromData) -> tuple[Circuit, float] | None:
+    """The circuit with its field applied, and the voltage of the field."""
     factor = 1.0 if sheet.sheet.start_factor is None else sheet.sheet.start_factor
     running = starting_circuit(sheet.circuit, factor=factor)
-    source = next(s for s in sheet.stages if s.connection.until > above).connection.source
-    return Connected(
-        source.before(sheet.starting),
-        math.sqrt(motor.scale) * source.voltage,
-        _excited(case, running, source, sheet.torque_base) if effects.pull_in else None,
-    )
-
-
-def _excited(
-    case: CaseData, running: Circuit, source: Source, torque_base: float
-) -> tuple[Circuit, float] | None:
-    """The circuit with its field applied, and the voltage of the field."""
     if running.field is None:
         return None
     # PullOutTorque = E V / Xd at rated voltage, E = Xmd if
     xd = running.stator_leakage + running.magnetising_d
-    emf = (case.pull_out_torque or 0.0) / torque_base * xd
-    voltage = running.field.resistance * emf / running.magnetising_d
-    return source.before(running), voltage
+    emf = (case.pull_out_torque or 0.0) / sheet.torque_base * xd
+    return running, running.field.resistance * emf / running.magnetising_d

@@ -27,16 +27,19 @@ from engine.model.motor import Motor
 from engine.model.train import Train
 from engine.motor.circuit import Circuit, line_omega, starting_circuit
 from engine.motor.curves import running_slip, stalls_at
-from engine.motor.fault_torques import largest_of_constant_fluxes
+from engine.motor.fault_torques import largest_line_to_line, largest_of_constant_fluxes
 from engine.motor.from_case import MotorFromData, motors_from_data
+from engine.motor.supply import STIFF, Source
 from engine.motor.two_axis import (
     MachineState,
     flux_system,
     open_circuit_state,
+    residual_voltage,
     running_state,
     slipping_state,
+    with_same_currents,
 )
-from engine.numerics.same_bits import product
+from engine.numerics.same_bits import atan2, cos, hypot, product, sin
 from engine.numerics.torque_curve import TorqueCurve
 from engine.start.machine_motion import (
     Balance,
@@ -139,6 +142,9 @@ class AirGapTorque:
     slipped: int
     #: From when on the rotor is more than half a turn from where it was; infinite: never. [s]
     slips_from: float
+    slip: (
+        float | None
+    )  #: In operation, before the event; 0 in step; None: it begins in a start. [1]
     #: Slip at the end of an induction motor that does not return to its speed; None: it does, or it has a field. [1]
     stalled: float | None
 
@@ -186,7 +192,7 @@ def motor_event(case: CaseData, train: Train, row: MotorEventRow) -> MotorEvent:
     )
     station = train.stations.index(motor.station)
     held = float(transmitted_torque(case, train).motor[station])
-    released, slip = row.kind == MotorEventKind.OUT_OF_PHASE_CLOSING, 0.0
+    released, slip = row.is_off_the_line, 0.0
     if circuit.field is None:
         slip = running_slip(circuit, held / motor.torque_base)
         state = slipping_state(circuit, slip)
@@ -196,7 +202,11 @@ def motor_event(case: CaseData, train: Train, row: MotorEventRow) -> MotorEvent:
     else:
         # its current leads unless typed otherwise: a synchronous motor is rated with an excited field
         state = running_state(circuit, held / motor.torque_base, -(sheet.power_factor or 1.0))
-    supplies = _supplies(row, 1.0 - slip)
+    if not released:
+        machine, state = _behind_line(machine, state, motor.stages[-1].connection.source)
+    else:
+        machine = replace(machine, source=motor.stages[-1].connection.source)
+    supplies = _supplies(row, 1.0 - slip, machine.source)
     return MotorEvent(machine, station, supplies, state, held, released, slip, _poles(row))
 
 
@@ -207,12 +217,35 @@ def _motor_of(case: CaseData, station: str | None) -> MotorFromData:
     raise InternalError(f"an event of station '{station}' without a data sheet was not refused")
 
 
-def _supplies(row: MotorEventRow, speed: float) -> tuple[Supply, ...]:
+def _behind_line(
+    machine: Machine, state: MachineState, source: Source
+) -> tuple[Machine, MachineState]:
+    """A running motor whose terminals have rated voltage, behind a line: its voltage, and the angle ahead of that."""
+    if source == STIFF:
+        return machine, state
+    system = flux_system(machine.circuit, 1.0, 0.0, 0.0, is_open=False)
+    i_d, i_q = (float(i) for i in product(system.stator_current, state.flux))
+    c, s = cos(state.angle), sin(state.angle)
+    active, reactive = i_d * c - i_q * s, i_d * s + i_q * c
+    real = 1.0 + source.resistance * active - source.reactance * reactive
+    imag = source.resistance * reactive + source.reactance * active
+    machine = replace(machine, source=replace(source, voltage=hypot(real, imag)))
+    return machine, replace(state, angle=state.angle - atan2(imag, real))
+
+
+def _supplies(row: MotorEventRow, speed: float, source: Source = STIFF) -> tuple[Supply, ...]:
     """What the line does, with the phase `row.phase` of the healthy phase, or of the one that changes.
+
+    Of a motor off the line the phase is that of its own voltage.
 
     The voltage of an open stator is that of its fluxes times the speed of the rotor, over synchronous speed.
     """
     clears = number(row.clears_after)
+    if row.is_off_the_line and row.kind == MotorEventKind.LINE_TO_LINE_FAULT:
+        return (Supply(0.0, (0.0, 0.0), open_axis=-(number(row.phase) or 0.0)),)
+    if row.kind == MotorEventKind.LINE_TO_LINE_FAULT and source.has_impedance:
+        fed = Supply(0.0, open_axis=-(number(row.phase) or 0.0))
+        return (fed,) if clears is None else (fed, Supply(clears))
     match row.kind:
         case MotorEventKind.OUT_OF_PHASE_CLOSING:
             return (Supply(0.0),)
@@ -229,7 +262,10 @@ def _supplies(row: MotorEventRow, speed: float) -> tuple[Supply, ...]:
         case _:  # one phase with a share of its voltage
             lost = (1.0 - (row.residual_voltage or 0.0)) / 3.0
             left, against = 1.0 - lost, -lost
-    changed = Supply(0.0, (left, 0.0), (against, -2.0 * (number(row.phase) or 0.0)))
+    changed = Supply(
+        0.0, (left, 0.0), (against, -2.0 * (number(row.phase) or 0.0)),
+        at_terminals=row.kind == MotorEventKind.THREE_PHASE_FAULT,
+    )  # fmt: skip
     return (changed,) if clears is None else (changed, Supply(clears))
 
 
@@ -267,7 +303,7 @@ def start_event(case: CaseData, train: Train, row: MotorEventRow) -> StartEvent:
         replace(s, begins=begins + s.begins, backward=(s.backward[0], s.backward[1] + turned))
         for s in _supplies(row, 1.0)  # it takes no residual voltage
     )
-    return StartEvent(train.stations.index(str(row.station)), supplies, MOTOR_FOLLOWED)
+    return StartEvent(train.stations.index(str(row.station)), supplies, MOTOR_FOLLOWED, _poles(row))
 
 
 def number(value: float | str | None) -> float | None:
@@ -360,7 +396,7 @@ def air_gap_torque_of(drive: MotorDrive) -> AirGapTorque:
     lag = event.slip * machine.line_omega * motion.time - machine.pole_pairs * motion.rotor
     return AirGapTorque(
         largest, time, max(change, LEAST_PEAK_ERROR),
-        _closed_form(event), *_slip(event, motion.time, lag), _stalled(event, motion.time, lag),
+        _closed_form(event), *_slip(event, motion.time, lag), event.slip, _stalled(event, motion.time, lag),
     )  # fmt: skip
 
 
@@ -407,7 +443,10 @@ def machine_in_time(event: MotorEvent) -> tuple[Motor, MachineInTime]:
     motor = Motor(
         event.station, nothing, nothing, machine.synchronous_speed, machine.pole_pairs, -2.0 * state.angle
     )  # fmt: skip
-    return motor, MachineInTime(machine, event.supplies, state.flux, state.field_voltage)
+    return motor, MachineInTime(
+        machine, event.supplies, state.flux, state.field_voltage, poles=event.poles,
+        sources=(machine.source,),
+    )  # fmt: skip
 
 
 def _slip(event: MotorEvent, time: Floats, lag: Floats) -> tuple[int, float]:
@@ -432,8 +471,9 @@ def _stalled(event: MotorEvent, time: Floats, lag: Floats) -> float | None:
     late = time >= (1.0 - LAST_PART) * time[-1]
     turned, lasted = (float(a[late][-1] - a[late][0]) for a in (lag, time))
     slip = turned / (lasted * machine.line_omega)
+    voltage *= machine.source.voltage
     needed = event.held / (machine.torque_base * voltage * voltage)
-    return slip if stalls_at(machine.circuit, slip, needed) else None
+    return slip if stalls_at(machine.source.before(machine.circuit), slip, needed) else None
 
 
 def _turning(motion: MachineMotion) -> tuple[Floats, Floats]:
@@ -453,13 +493,25 @@ def _closed_form(event: MotorEvent) -> float | None:
     """Largest torque of constant flux linkages: no resistance, one speed. [N m]"""
     machine, state, flux = event.machine, event.state, event.state.flux
     supply, *then = event.supplies
+    if supply.open_axis is not None and supply.forward[0]:
+        return None  # of no such formula: the axes of the stator are unlike
+    if supply.open_axis is not None:
+        system = flux_system(machine.circuit, 1.0, 0.0, 0.0, is_open=False)
+        voltage, _ = residual_voltage(machine.circuit, flux)
+        largest = largest_line_to_line(
+            1.0 / float(system.current[0, 0]), 1.0 / float(system.current[system.q, system.q]),
+            0.5 * math.pi - supply.open_axis,
+        )  # fmt: skip
+        return machine.torque_base * voltage * voltage * largest
     if supply.is_open:
         closing = replace(then[0], begins=0.0)
         if closing.ahead is None and then[0].begins > 0.0:
             return None
         _, flux = switched(machine, supply, state, flux)
         supply, flux = switched(machine, closing, state, flux)
+    circuit, voltage = machine.behind(supply), machine.source.voltage
     (with_line, ahead), (against, back) = supply.forward, supply.backward
     return machine.torque_base * largest_of_constant_fluxes(
-        machine.circuit, flux, (with_line, ahead - state.angle), (against, back - state.angle)
-    )
+        circuit, with_same_currents(machine.circuit, circuit, flux),
+        (voltage * with_line, ahead - state.angle), (voltage * against, back - state.angle),
+    )  # fmt: skip

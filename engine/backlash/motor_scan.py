@@ -1,14 +1,16 @@
 """The worst phase, angle and clearing time of an event of a motor: a scan, and a finer one around its worst.
 
-Each combination is one event as it would be calculated alone, with longer steps and followed for a shorter time. Until it
-clears it is the same for all clearing times, so that one run to the latest one branches off at each of them. Whatever
-is found is calculated again as an event of its own. Where teeth separate each combination is simulated by itself.
+What is looked for is the largest torque of each element and of the motor, and the largest damage of each judged shaft, each by
+itself. In operation a combination is one event as it would be calculated alone, with longer steps and followed for a
+shorter time. Until it clears it is the same for all clearing times, so that one run to the latest one branches off at
+each of them. In a start, and where teeth separate, each combination is simulated by itself. Whatever is found is calculated again as an
+event of its own.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 
@@ -20,13 +22,17 @@ from engine.case.data import CaseData, MotorEventRow
 from engine.case.defaults import DEFAULT_LATEST_CLEARING, DEFAULT_TOLERANCE_PEAK
 from engine.model.excitation import transmitted_torque
 from engine.model.modal_train import ModalTrain
+from engine.model.train import Train
 from engine.start.machine_motion import MachineMotion, machine_motion, stretch_of
 from engine.start.prescribed import first_step
+from engine.start.start_fatigue import judged_shafts, largest_damage, sn_slope
 from engine.start.time_response import ModalSystem, modal_system
 from engine.stepping.linear_loop import turning_points
 
 #: Phases of a whole turn. [count]
 PHASES = 24
+#: The same of an event in a start, where each combination is a whole start (5 ms with three discs). [count]
+PHASES_IN_START = 12
 #: Clearing times in a period of the line, and how many there are at the least: the flux that a fault leaves in the
 #: stator turns once in a period. [count]
 TIMES_PER_PERIOD, FEWEST_TIMES = 8, 20
@@ -43,17 +49,24 @@ MOST_APART = 240
 SHARE_OF_TOLERANCE, MOST_HALVINGS = 0.25, 4
 
 
+#: So many local maxima of the grid are looked around, before the largest is followed. [count]
+MOST_TOPS = 4
+
+
 #: Phase or angle, and clearing time; None: it is not looked for. [rad, s]
 Place = tuple[float | None, float | None]
+#: What combinations answer: phase or angle, clearing times, and the share of their spacing of which the times are
+#: multiples. One row a clearing time, as `answers_of` has it.
+Answers = Callable[[float | None, Sequence[float | None], float], Floats]
 
 
 @dataclass(frozen=True)
 class WorstInstant:
-    """The combination with the largest torque of one element, or of the motor."""
+    """The combination with the largest torque of one element or of the motor, or the largest damage of a shaft."""
 
     row: MotorEventRow  #: The event with numbers in the place of words. [rad, s]
-    largest: float  #: That torque, as the scan has it. [N m]
-    #: What that torque may be larger at another one: its change when the spacing was halved last, or the top of a
+    largest: float  #: That torque or damage, as the scan has it. [N m, 1]
+    #: What it may be larger at another one: its change when the spacing was halved last, or the top of a
     #: parabola through three of them, relative; None: not known, as teeth separate. [1]
     error: float | None
 
@@ -62,7 +75,10 @@ class WorstInstant:
 class WorstInstants:
     """What a scan found."""
 
-    of_element: dict[str, WorstInstant]  #: By element. [mixed]
+    of_element: dict[str, WorstInstant]  #: Of the torque, by element. [mixed]
+    of_damage: dict[
+        str, WorstInstant
+    ]  #: Of each judged shaft that has damage at some instant. [mixed]
     of_motor: WorstInstant  #: Of its air-gap torque. [mixed]
     #: Clearing times, and at each the largest torque of any phase: of the motor, and of the element with the largest
     #: of all. Empty where no clearing time is looked for. [s, N m]
@@ -70,10 +86,17 @@ class WorstInstants:
     air_gap: Floats  #: Likewise. [N m] Shape (n_times,).
     element: str  #: Which element.
     torque: Floats  #: Likewise. [N m] Shape (n_times,).
+    turn: str  #: What was looked for beside the clearing time: ``phase``, ``angle``, or nothing.
+
+    @property
+    def rows(self) -> Iterable[MotorEventRow]:
+        """Every event that is the worst of something, once."""
+        instants = (*self.of_element.values(), *self.of_damage.values(), self.of_motor)
+        return dict.fromkeys(i.row for i in instants)
 
 
 def worst_instants(case: CaseData, modal: ModalTrain, row: MotorEventRow) -> WorstInstants:
-    """The worst combination for every element and for the motor.
+    """The worst combinations of an event in operation, all teeth in contact.
 
     Parameters
     ----------
@@ -89,63 +112,123 @@ def worst_instants(case: CaseData, modal: ModalTrain, row: MotorEventRow) -> Wor
     WorstInstants
         [mixed]
     """
-    scan, tolerance = _Scan.of(case, modal, row), case.tolerance_peak or DEFAULT_TOLERANCE_PEAK
-    turns, times = scan.turns, scan.times
-    sizes = np.stack([scan.sizes(turn, times) for turn in turns])  # turn, time, element
-    best = sizes.reshape(-1, sizes.shape[-1]).argmax(axis=0)
-    finer = cache(scan.around)
-    found = []
-    for k, at in enumerate(best.tolist()):
-        i, j = divmod(at, len(times))
-        place, error = (turns[i], times[j]), math.inf
-        for halvings in range(1, MOST_HALVINGS + 1):
-            beside = {
-                where: float(all_sizes[k]) for where, all_sizes in finer(place, halvings).items()
-            }
-            worst = max(beside, key=beside.__getitem__)
-            error = _rise(beside, place) / (beside[worst] or 1.0)
-            place = worst
-            if error <= SHARE_OF_TOLERANCE * tolerance:
-                break
-        found.append(WorstInstant(scan.row_of(*place), beside[place], error))
-    return scan.result(found, times, sizes)
+    grid = _Grid.of(case, row)
+    return _searched(case, modal.train, grid, _Together.of(case, modal, grid).answers)
 
 
-def worst_instants_apart(
+def worst_instants_of(
     case: CaseData,
-    modal: ModalTrain,
+    train: Train,
     row: MotorEventRow,
-    largest: Callable[[MotorEventRow], Floats],
+    answers: Callable[[MotorEventRow], Floats],
+    *,
+    apart: bool,
 ) -> WorstInstants:
-    """The worst of some combinations where teeth separate. Torques then jump with the instant: none is looked for between.
+    """The worst combinations of an event, each simulated by itself.
 
     Parameters
     ----------
     case : CaseData
         The case. [SI]
-    modal : ModalTrain
+    train : Train
         Its train. [SI]
     row : MotorEventRow
         An event with a word in the place of a number. [rad, s]
-    largest : callable
-        Largest torque of each element and of the motor in one combination, with teeth that separate. [N m]
+    answers : callable
+        What one combination answers, as `answers_of` has it. [N m, 1]
+    apart : bool
+        Teeth separate. Torques then jump with the instant: some are simulated, and none is looked for between. [flag]
 
     Returns
     -------
     WorstInstants
         [mixed]
     """
-    scan = _Scan.of(case, modal, row)
-    turns, times = scan.turns, scan.times
-    fewer = np.linspace(0, len(times) - 1, min(len(times), max(MOST_APART // len(turns), 1)))
-    times = tuple(times[int(i)] for i in fewer)
-    rows = [[scan.row_of(turn, time) for time in times] for turn in turns]
-    sizes = np.stack([[largest(one) for one in of_turn] for of_turn in rows])
+    grid = _Grid.of(case, row)
+
+    def each(turn: float | None, times: Sequence[float | None], share: float) -> Floats:
+        return np.stack([answers(grid.row_of(turn, time)) for time in times])
+
+    return _searched(case, train, grid, each, apart=apart)
+
+
+def answers_of(
+    case: CaseData, train: Train, histories: Iterable[tuple[int, Floats]], air_gap: float
+) -> Floats:
+    """What one combination answers: largest torque of each element and of the motor, damage of each judged shaft.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+    train : Train
+        Its train. [SI]
+    histories : iterable of (int, ndarray)
+        Element of each output, below 0 of a bearing, and its torques at turning points. [index, N m]
+    air_gap : float
+        Largest torque of the motor. [N m]
+
+    Returns
+    -------
+    ndarray, shape (n_elements + 1 + n_shafts,)
+        [N m, 1]
+    """
+    sections: dict[int, list[Floats]] = {}
+    for element, torque in histories:
+        sections.setdefault(element, []).append(torque)
+    n = len(train.elements)
+    largest = [
+        max((float(np.max(np.abs(h))) for h in sections.get(k, ())), default=0.0) for k in range(n)
+    ]
+    damage = [largest_damage(case, element, sections[k]) for k, element in judged_shafts(case)]
+    return np.array([*largest, air_gap, *damage])
+
+
+def _searched(
+    case: CaseData, train: Train, grid: _Grid, answers: Answers, *, apart: bool = False
+) -> WorstInstants:
+    """The worst of a grid, then of combinations ever nearer to it unless teeth separate."""
+    turns, times = grid.turns, grid.times
+    if apart:
+        fewer = np.linspace(0, len(times) - 1, min(len(times), max(MOST_APART // len(turns), 1)))
+        times = tuple(times[int(i)] for i in fewer)
+    sizes = np.stack([answers(turn, times, 0.5) for turn in turns])  # turn, time, answer
+    n, tolerance = len(train.elements), case.tolerance_peak or DEFAULT_TOLERANCE_PEAK
+    finer = cache(lambda place, halvings: grid.around(place, halvings, answers))
     found = []
-    for k, at in enumerate(sizes.reshape(-1, sizes.shape[-1]).argmax(axis=0).tolist()):
-        i, j = divmod(at, len(times))
-        found.append(WorstInstant(rows[i][j], float(sizes[i, j, k]), None))
-    return scan.result(found, times, sizes)
+    for k in range(sizes.shape[-1]):
+        tops = _tops(sizes[..., k])
+        (i, j), error = tops[0], None
+        place, largest = (turns[i], times[j]), float(sizes[i, j, k])
+        enough = SHARE_OF_TOLERANCE * tolerance * (1.0 if k <= n else sn_slope(case))
+        around = [(turns[i], times[j]) for i, j in tops]
+        for halvings in range(1, 1 if apart or not largest else MOST_HALVINGS + 1):
+            found_near = {
+                middle: {where: float(every[k]) for where, every in finer(middle, halvings).items()}
+                for middle in around
+            }
+            middle = max(around, key=lambda m: max(found_near[m].values()))
+            beside = found_near[middle]
+            place = max(beside, key=beside.__getitem__)
+            largest = beside[place]
+            error, around = _rise(beside, middle) / (largest or 1.0), [place]
+            if error <= enough:
+                break
+        found.append(WorstInstant(grid.row_of(*place), largest, error))
+    names, looked_for = train.elements, bool(grid.spacing[1])
+    largest_of = int(np.argmax(sizes[..., :n].max(axis=(0, 1)))) if names else -1
+    over_time = sizes.max(axis=0) if looked_for else sizes[0, :0]
+    damaged = zip(judged_shafts(case), found[n + 1 :], strict=True)
+    return WorstInstants(
+        dict(zip(names, found[:n], strict=True)),
+        {str(element.element): instant for (_, element), instant in damaged if instant.largest},
+        found[n],
+        np.array(times if looked_for else (), dtype=float),
+        over_time[:, n],
+        names[largest_of] if names else "",
+        over_time[:, largest_of],
+        grid.turn,
+    )
 
 
 def any_instant(row: MotorEventRow) -> MotorEventRow:
@@ -166,39 +249,28 @@ def any_instant(row: MotorEventRow) -> MotorEventRow:
     return replace(row, **{name: numbers[name] for name in row.scanned})  # type: ignore[arg-type]
 
 
-@dataclass(frozen=True, eq=False)
-class _Scan:
-    """What the combinations of an event have in common."""
+@dataclass(frozen=True)
+class _Grid:
+    """Combinations of phase or angle and clearing time."""
 
-    case: CaseData
-    modal: ModalTrain
     row: MotorEventRow
-    turn: str  #: Which angle is scanned; empty: none.
+    turn: str  #: Which angle is scanned, ``phase`` or ``angle``; empty: none.
     spacing: tuple[
         float, float
     ]  #: Of angles and of clearing times; 0: that is not scanned. [rad, s]
-    system: ModalSystem
-    step: float  #: [s]
-    offset: Floats  #: Torques of the outputs in operation. [N m]
 
     @classmethod
-    def of(cls, case: CaseData, modal: ModalTrain, row: MotorEventRow) -> _Scan:
-        """The scan of one event."""
-        train, modes, damping = modal
+    def of(cls, case: CaseData, row: MotorEventRow) -> _Grid:
+        """The grid of one event."""
         turn = next((name for name in row.scanned if name != "clears_after"), "")
-        latest = row.latest_clearing or DEFAULT_LATEST_CLEARING
-        range_ = latest - (row.earliest_clearing or 0.0)
+        range_ = (row.latest_clearing or DEFAULT_LATEST_CLEARING) - (row.earliest_clearing or 0.0)
         periods = (case.ratings.line_frequency or 0.0) * range_
         count = max(math.ceil(TIMES_PER_PERIOD * periods - 1e-9), FEWEST_TIMES)
         spacing = (
-            2.0 * math.pi / PHASES if turn else 0.0,
+            2.0 * math.pi / (PHASES if row.in_start is None else PHASES_IN_START) if turn else 0.0,
             range_ / count if "clears_after" in row.scanned else 0.0,
         )
-        drive = motor_drive(modal, motor_event(case, train, any_instant(row)))
-        step, keep, _ = first_step(train, modes, drive, TOLERANCE, latest + FOLLOWED)
-        system = modal_system(train, modes, drive.stations, damping.structural, keep)
-        offset = transmitted_torque(case, train).element[train.output_element]
-        return cls(case, modal, row, turn, spacing, system, LONGER * step, offset)
+        return cls(row, turn, spacing)
 
     @property
     def turns(self) -> tuple[float | None, ...]:
@@ -228,22 +300,6 @@ class _Scan:
         times = (earliest + k / count * (latest - earliest) for k in range(first, count + 1))
         return tuple(min(time, latest) for time in times)
 
-    def result(
-        self, found: Sequence[WorstInstant], times: Sequence[float | None], sizes: Floats
-    ) -> WorstInstants:
-        """What was found for each element and the motor; sizes by angle, time and element."""
-        names, looked_for = self.modal.train.elements, bool(self.spacing[1])
-        largest_of = int(np.argmax(sizes[..., :-1].max(axis=(0, 1)))) if names else -1
-        over_time = sizes.max(axis=0) if looked_for else sizes[0, :0]
-        return WorstInstants(
-            dict(zip(names, found[:-1], strict=True)),
-            found[-1],
-            np.array(times if looked_for else (), dtype=float),
-            over_time[:, -1],
-            names[largest_of] if names else "",
-            over_time[:, largest_of],
-        )
-
     def row_of(self, turn: float | None, time: float | None) -> MotorEventRow:
         """One combination as an event of its own."""
         turned = {self.turn: turn} if self.turn else {}
@@ -251,32 +307,50 @@ class _Scan:
             self.row, **turned, clears_after=time, earliest_clearing=None, latest_clearing=None  # type: ignore[arg-type]
         )  # fmt: skip
 
-    def around(self, place: Place, halvings: int) -> dict[Place, Floats]:
-        """Largest torques of a combination and of those beside it, at a spacing that was halved so often."""
+    def around(self, place: Place, halvings: int, answers: Answers) -> dict[Place, Floats]:
+        """What a combination and those beside it answer, at a spacing that was halved so often."""
         (turn, time), share = place, math.ldexp(1.0, -halvings)
         earliest, latest = self.limits
         times = [
             t
             for t in _beside(time, share * self.spacing[1])
-            if t is None or earliest <= t <= latest
+            if t is None or (earliest <= t <= latest and t > 0.0)
         ]
         return {
             (other, when): sizes
             for other in _beside(turn, share * self.spacing[0])
-            for when, sizes in zip(times, self.sizes(other, times, share), strict=True)
+            for when, sizes in zip(times, answers(other, times, share), strict=True)
         }
 
-    def sizes(
-        self, turn: float | None, times: Sequence[float | None], share: float = 0.5
-    ) -> Floats:
-        """Largest torque of each element and of the motor. [N m] Shape (n_times, n_elements + 1).
 
-        Clearing times are multiples of that share of their spacing from the earliest on.
-        """
-        event = motor_event(self.case, self.modal.train, self.row_of(turn, times[-1]))
+@dataclass(frozen=True, eq=False)
+class _Together:
+    """An event in operation with all teeth in contact: what its combinations have in common."""
+
+    case: CaseData
+    modal: ModalTrain
+    grid: _Grid
+    system: ModalSystem
+    step: float  #: [s]
+    offset: Floats  #: Torques of the outputs in operation. [N m]
+
+    @classmethod
+    def of(cls, case: CaseData, modal: ModalTrain, grid: _Grid) -> _Together:
+        """The event of a grid."""
+        train, modes, damping = modal
+        drive = motor_drive(modal, motor_event(case, train, any_instant(grid.row)))
+        step, keep, _ = first_step(train, modes, drive, TOLERANCE, grid.limits[1] + FOLLOWED)
+        system = modal_system(train, modes, drive.stations, damping.structural, keep)
+        offset = transmitted_torque(case, train).element[train.output_element]
+        return cls(case, modal, grid, system, LONGER * step, offset)
+
+    def answers(self, turn: float | None, times: Sequence[float | None], share: float) -> Floats:
+        """What the combinations with one angle answer. [N m, 1] Shape (n_times, n_answers)."""
+        grid = self.grid
+        event = motor_event(self.case, self.modal.train, grid.row_of(turn, times[-1]))
         system, machine, balance = self.system, event.machine, event.balance
         before, state = event.beginning(system)
-        if not self.spacing[1]:
+        if not grid.spacing[1]:
             end = min(event.last_change + MOTOR_FOLLOWED, self.case.maximum_time or math.inf)
             motion = machine_motion(
                 system,
@@ -288,47 +362,62 @@ class _Scan:
                 balance=balance,
                 before=before,
             )
-            return self._largest(motion, event.held, [math.inf])
-        step = share * self.spacing[1]  # steps end at clearing times
+            return self._answers(self._turning(motion, event.held))[None]
+        step = share * grid.spacing[1]  # steps end at clearing times
         step /= math.ceil(step / self.step)
         changed, cleared = event.supplies
         stretch, now = stretch_of(system, machine, changed, state, (*before, state.flux), balance)
-        earliest, sooner = self.limits[0], np.zeros(1)
+        earliest, sooner = grid.limits[0], []
         if earliest:
             motion = stretch.motion(now, earliest, self.step)
-            sooner = self._largest(motion, event.held, [math.inf])
+            sooner = [self._turning(motion, event.held)]
             now = motion.q[:, -1], motion.v[:, -1], motion.flux[:, -1]
             changed = replace(changed, begins=earliest)
             stretch, now = stretch_of(system, machine, changed, state, now, balance)
         motion = stretch.motion(now, max(float(times[-1] or 0.0), earliest + step), step)
-        at = [round((float(t or 0.0) - earliest) / step) for t in times]
-        until = self._largest(motion, event.held, [float(motion.time[i]) for i in at])
-        until = np.maximum(until, sooner)
-        follows, prepared, after = math.ceil(FOLLOWED / step) * step, None, []
-        for i in at:
+        until = self._turning(motion, event.held)
+        follows, prepared, found = math.ceil(FOLLOWED / step) * step, None, []
+        for time in times:
+            i = round((float(time or 0.0) - earliest) / step)
             begins = float(motion.time[i])
             reached = motion.q[:, i], motion.v[:, i], motion.flux[:, i]
             supply = replace(cleared, begins=begins)
             stretch, now = stretch_of(system, machine, supply, state, reached, balance)
             prepared = stretch.prepared(step) if prepared is None else prepared
-            cleared_motion = stretch.motion(now, begins + follows, step, prepared)
-            after.append(self._largest(cleared_motion, event.held, [math.inf])[0])
-        return np.asarray(np.maximum(until, np.stack(after)))
+            after = stretch.motion(now, begins + follows, step, prepared)
+            so_far = [
+                (when, value[: np.searchsorted(when, begins, "right")]) for when, value in until
+            ]
+            found.append(self._answers(*sooner, so_far, self._turning(after, event.held)))
+        return np.stack(found)
 
-    def _largest(self, motion: MachineMotion, held: float, until: Sequence[float]) -> Floats:
-        """Largest torque of each element and of the motor until some times. [N m] Shape (n_until, n_elements + 1)."""
-        train = self.modal.train
+    def _turning(self, motion: MachineMotion, held: float) -> list[tuple[Floats, Floats]]:
+        """Times and values where each output and the torque of the motor turn, their beginning included. [s, N m]"""
         response = motion.response(self.system, held)
         torque = [*(self.offset[:, None] + response.torque), motion.torque]
         rate = [*response.torque_rate, motion.torque_rate]
-        largest = np.zeros((len(until), len(train.elements) + 1))
-        for column, y, slope in zip([*response.output_element, -1], torque, rate, strict=True):
+        turning = []
+        for y, slope in zip(torque, rate, strict=True):
             when, value = turning_points(motion.time, y, slope)
-            rising = np.maximum.accumulate(np.abs([y[0], *value]))
-            size = rising[np.searchsorted(when, until, "right")]
-            if column >= 0 or y is motion.torque:  # a bearing is no element
-                largest[:, column] = np.maximum(largest[:, column], size)
-        return largest
+            turning.append((np.append(motion.time[0], when), np.append(y[0], value)))
+        return turning
+
+    def _answers(self, *parts: Sequence[tuple[Floats, Floats]]) -> Floats:
+        """What a combination answers whose parts follow each other."""
+        values = [
+            np.concatenate([value for _, value in output]) for output in zip(*parts, strict=True)
+        ]
+        histories = zip(self.modal.train.output_element.tolist(), values[:-1], strict=True)
+        return answers_of(self.case, self.modal.train, histories, float(np.max(np.abs(values[-1]))))
+
+
+def _tops(sizes: Floats) -> list[tuple[int, int]]:
+    """The largest value of a grid, then the next local maxima; between its points another one may be the largest."""
+    n, m = sizes.shape
+    around = np.pad(sizes, 1, constant_values=-math.inf)
+    beside = np.max([around[i : i + n, j : j + m] for i in range(3) for j in range(3)], axis=0)
+    tops = sorted(np.argwhere(sizes == beside).tolist(), key=lambda at: -sizes[tuple(at)])
+    return [(i, j) for i, j in tops[:MOST_TOPS]]
 
 
 def _rise(beside: Mapping[Place, float], middle: Place) -> float:

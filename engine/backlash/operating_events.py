@@ -15,13 +15,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
 
 from engine.arrays import Floats
-from engine.backlash.event_start import EventTorques, clearances_of, one_run, run_event_start
+from engine.backlash.event_start import (
+    EventSimulation,
+    EventTorques,
+    clearances_of,
+    one_run,
+    run_event_start,
+)
 from engine.backlash.motor_events import (
     MOTOR_FOLLOWED,
     AirGapTorque,
@@ -38,9 +44,10 @@ from engine.backlash.motor_events import (
 from engine.backlash.motor_scan import (
     FOLLOWED,
     WorstInstants,
+    answers_of,
     any_instant,
     worst_instants,
-    worst_instants_apart,
+    worst_instants_of,
 )
 from engine.case.choices import ContactLaw, EffectChoice, ElementKind, TorqueBase
 from engine.case.data import CaseData, EventTorqueRow, MotorEventRow
@@ -58,6 +65,7 @@ from engine.fatigue.allowable_starts import ShaftFatigue
 from engine.model.excitation import transmitted_torque
 from engine.model.modal_analysis import ModalAnalysis
 from engine.model.modal_train import ModalTrain
+from engine.model.motor import motors_of
 from engine.model.train import Train
 from engine.numerics.distinct import distinct
 from engine.numerics.same_bits import hypot, log, modulus
@@ -69,7 +77,7 @@ from engine.start.prescribed import (
     tabled_drive,
     visible_modes,
 )
-from engine.start.start import Start, with_left_out
+from engine.start.start import Start, run_start, with_left_out
 from engine.start.start_fatigue import starts_of
 from engine.start.start_model import FADED
 from engine.start.time_response import PrescribedTorque, TimeResponse, tabled_torques
@@ -111,8 +119,22 @@ class OperatingEvent:
     #: Where the worst phase, angle or clearing time was looked for: what was found. Each element has the peaks and
     #: the damage of its own worst instant. [SI]
     worst: WorstInstants | None = None
-    #: What a reader must know of it: why it was not calculated, or what was not followed to its end.
-    note: str = ""
+    #: What a reader must know of it, one sentence of a kind: why it was not calculated, or what was not followed to its
+    #: end.
+    notes: Mapping[str, str] = field(default_factory=dict)
+
+    @classmethod
+    def not_calculated(
+        cls, name: str, why: str, air_gap: AirGapTorque | None = None
+    ) -> OperatingEvent:
+        """An event of which only is known why."""
+        note = f"Event '{name}' is not calculated: {why}."
+        return cls(name, None, air_gap=air_gap, notes={"not calculated": note})
+
+    @property
+    def note(self) -> str:
+        """All of them."""
+        return " ".join(self.notes.values())
 
     def without_histories(self) -> OperatingEvent:
         """With peaks and turning points alone: histories are most of the memory, and no table is read from them."""
@@ -150,24 +172,23 @@ def operating_events(case: CaseData, analysis: ModalAnalysis) -> tuple[Operating
 def _event(case: CaseData, analysis: ModalAnalysis, name: str) -> OperatingEvent:
     tolerance = case.tolerance_peak or DEFAULT_TOLERANCE_PEAK
     row = _motor_row(case, name)
-    if row is not None and row.in_start is not None:
-        return _event_in_start(case, analysis, row)
     if row is not None and row.scanned:
         return _worst_event(case, analysis, row)
+    if row is not None and row.in_start is not None:
+        return _event_in_start(case, analysis, row)
     if row is None:
         dies_out, why = _length(case, analysis.reported, name, tolerance)
         longest = case.maximum_time or LONGEST_START
     elif words := _unable(case, analysis.reported.train, row):
-        return OperatingEvent(name, None, note=f"Event '{name}' is not calculated: {words}.")
+        return OperatingEvent.not_calculated(name, words)
     else:
         dies_out, why = math.inf, "larger torques may follow"
         longest = case.maximum_time or _followed(row)
     if dies_out > longest and case.maximum_time is None and row is None:
-        return OperatingEvent(
-            name, None,
-            note=f"Event '{name}' is not calculated: {why}. Type DampingRatio or a Time constant, or "
-            "MaximumTime to say how long it is to be followed.",
-        )  # fmt: skip
+        return OperatingEvent.not_calculated(
+            name,
+            f"{why}. Type DampingRatio or a Time constant, or MaximumTime to say how long it is to be followed",
+        )
     end = min(dies_out, longest)
     pieces: dict[str, float] = {}
     if analysis.rough_reported is not None:
@@ -180,27 +201,23 @@ def _event(case: CaseData, analysis: ModalAnalysis, name: str) -> OperatingEvent
     response = follow(modal, drive, end, left, running)
     response = _with_errors(response, pieces, tolerance)
     air_gap = air_gap_torque_of(drive) if isinstance(drive, MotorDrive) else None
-    notes = []
+    notes: dict[str, str] = {}
     if names := list(_separating(modal.train, response)):
         quoted = ", ".join(f"'{element}'" for element in names)
+        to_zero = f"it brings the torque of {quoted} to zero, where teeth separate, and"
         if choice_of(case, "backlash") == EffectChoice.OFF:
-            notes.append(_kept_together(name, names))
+            notes |= _kept_together(name, names)
         elif idle := [e for e in names if running[modal.train.elements.index(e)] <= 0.0]:
-            return OperatingEvent(
+            return OperatingEvent.not_calculated(
                 name,
-                None,
-                note=f"Event '{name}' is not calculated: it brings the torque of {quoted} to zero, where teeth "
-                f"separate, and '{idle[0]}' carries no driving torque in operation, so that the flank it begins on is "
-                "unknown. Type Running load in table Stations, or force effect backlash off.",
+                f"{to_zero} '{idle[0]}' carries no driving torque in operation, so that the flank it begins on is "
+                "unknown. Type Running load in table Stations, or force effect backlash off",
             )
-        elif isinstance(drive, MotorDrive) and drive.event.poles:
-            return OperatingEvent(
+        elif isinstance(drive, MotorDrive) and drive.event.supplies[0].open_axis is not None:
+            return OperatingEvent.not_calculated(
                 name,
-                None,
-                air_gap=air_gap,
-                note=f"Event '{name}' is not calculated: it brings the torque of {quoted} to zero, where teeth "
-                "separate, and zeros of current are not located with teeth apart. Leave Clearing in table MotorEvents "
-                "blank, which clears at once, or force effect backlash off.",
+                f"{to_zero} a line-to-line fault of a motor off the line, or behind a line of table Supply, is calculated with all "
+                "teeth in contact alone. Force effect backlash off",
             )
         else:
             event = drive.event if isinstance(drive, MotorDrive) else None
@@ -208,16 +225,16 @@ def _event(case: CaseData, analysis: ModalAnalysis, name: str) -> OperatingEvent
             response = _with_errors(response, pieces, tolerance)
             if air_gap and event:
                 air_gap = with_teeth_apart(air_gap, event, response)
-            notes += _stopped(name, response)
-    notes += _without_clearance(case, name, response)
+            notes |= _stopped(name, response)
+    notes |= _without_clearance(case, name, response)
     unbounded = bool(notes)
     if air_gap and air_gap.slipped:
-        notes.append(
+        notes["slips"] = (
             f"Event '{name}' throws the motor out of step (pole pairs slipped within {end:g} s: {air_gap.slipped}). "
             "Its loads keep their torque meanwhile, and no protection trips it."
         )
     if air_gap and air_gap.stalled is not None:
-        notes.append(
+        notes["stalls"] = (
             f"Event '{name}' stalls the motor: after {end:g} s its slip is {100.0 * air_gap.stalled:.3g} %, where it gives less "
             "torque than its loads take. They keep their torque meanwhile, and no protection trips it."
         )
@@ -225,7 +242,7 @@ def _event(case: CaseData, analysis: ModalAnalysis, name: str) -> OperatingEvent
         over = row is not None and end >= _followed(row) and _falls(response, end)
         if not over:
             until = "MaximumTime, " if case.maximum_time else ""
-            notes.append(f"Event '{name}' is followed to {until}{end:g} s: {why}.")
+            notes["followed"] = f"Event '{name}' is followed to {until}{end:g} s: {why}."
         unbounded |= not over
     if unbounded:
         response = with_left_out(response, None, tolerance)
@@ -237,7 +254,7 @@ def _event(case: CaseData, analysis: ModalAnalysis, name: str) -> OperatingEvent
         errors,
         air_gap,
         _history_of(response, drive, modal.train.elements),
-        note=" ".join(notes),
+        notes=notes,
     )
 
 
@@ -245,32 +262,21 @@ def _event_in_start(case: CaseData, analysis: ModalAnalysis, row: MotorEventRow)
     """An event while the motor starts: the start with its fluxes in time, from the event on."""
     name, modal = str(row.event), analysis.reported
     tolerance = case.tolerance_peak or DEFAULT_TOLERANCE_PEAK
-    loose = tuple(modal.train.elements[f.element] for f in clearances_of(modal.train))
-    together = choice_of(case, "backlash") == EffectChoice.OFF
-    pulls_in = case.field_slip is not None and case.pull_out_torque is not None
-    effects = StartEffects(
-        clearances=() if together else loose,
-        pull_in=pulls_in and choice_of(case, "pull-in") != EffectChoice.OFF,
-        aborted_start=bool(case.trip_speed)
-        and choice_of(case, "aborted start") != EffectChoice.OFF,
-        coupled_damping=True,
-        motor_transient=True,
-        contact_law=case.contact_law or ContactLaw.LIMITED,
-    )
+    effects, loose = _effects_of_start(case, modal.train), _loose(modal.train)
     event = start_event(case, modal.train, row)
     try:
         response = run_event_start(case, modal, effects, event=event)
     except ModelError as error:
         words = str(error).rstrip(".")
-        return OperatingEvent(name, None, note=f"Event '{name}' is not calculated: {words}.")
+        return OperatingEvent.not_calculated(name, words)
     response = _with_errors(response, dict(analysis.pieces_error), tolerance)
     notes = _stopped(name, response)
-    if together and (names := list(_separating(modal.train, response))):
-        notes.append(_kept_together(name, names))
-    notes += _without_clearance(case, name, response)
+    if effects.clearances != loose and (names := list(_separating(modal.train, response))):
+        notes |= _kept_together(name, names)
+    notes |= _without_clearance(case, name, response)
     ended = response.outcome
     if ended.outcome in (Outcome.TIME_OUT, Outcome.STALLED) and not response.gave_up:
-        notes.append(
+        notes["followed"] = (
             f"Event '{name}' is followed to {ended.time:.4g} s, by which the start has not ended: larger torques may follow."
         )
     if notes:
@@ -282,52 +288,81 @@ def _event_in_start(case: CaseData, analysis: ModalAnalysis, row: MotorEventRow)
         response,
         () if starts is None else starts.shafts,
         errors,
-        AirGapTorque(torque.largest, torque.time, torque.error, None, 0, math.inf, None),
+        AirGapTorque(torque.largest, torque.time, torque.error, None, 0, math.inf, None, None),
         _history(
             response,
             torque.torque,
             event.supplies[-1].begins - event.begins,
             modal.train.elements,
         ),
-        note=" ".join(notes),
+        notes=notes,
+    )
+
+
+def _loose(train: Train) -> tuple[str, ...]:
+    """Elements with a clearance."""
+    return tuple(train.elements[f.element] for f in clearances_of(train))
+
+
+def _effects_of_start(case: CaseData, train: Train) -> StartEffects:
+    """What a start with an event is simulated with: fluxes in time, and all that the case says of it."""
+    pulls_in = case.field_slip is not None and case.pull_out_torque is not None
+    return StartEffects(
+        clearances=() if choice_of(case, "backlash") == EffectChoice.OFF else _loose(train),
+        pull_in=pulls_in and choice_of(case, "pull-in") != EffectChoice.OFF,
+        aborted_start=bool(case.trip_speed)
+        and choice_of(case, "aborted start") != EffectChoice.OFF,
+        coupled_damping=True,
+        motor_transient=True,
+        switch_over=bool(case.switch_over_speeds),
+        contact_law=case.contact_law or ContactLaw.LIMITED,
     )
 
 
 def _worst_event(case: CaseData, analysis: ModalAnalysis, row: MotorEventRow) -> OperatingEvent:
-    """An event of which each element shows its own worst instant."""
+    """An event of which each element shows its own worst instant, of its torque and of its damage."""
     name, modal = str(row.event), analysis.reported
-    if words := _unable(case, modal.train, any_instant(row)):
-        return OperatingEvent(name, None, note=f"Event '{name}' is not calculated: {words}.")
-    worst = worst_instants(case, modal, row)
     plain = CaseData(**vars(case))
 
-    def alone(worst: WorstInstants) -> Iterator[tuple[MotorEventRow, OperatingEvent]]:
-        rows = dict.fromkeys(i.row for i in (*worst.of_element.values(), worst.of_motor))
-        for one in rows:
-            yield one, _event(replace(plain, motor_events=(one,)), analysis, name)
+    def alone(one: MotorEventRow) -> OperatingEvent:
+        return _event(replace(plain, motor_events=(one,)), analysis, name)
 
-    events: dict[MotorEventRow, OperatingEvent] = {}
     apart = False
-    for one, event in alone(worst):
-        events[one] = event
-        if event.response is not None and event.response.contacts:  # all teeth were together
+    if row.in_start is not None:
+        some = alone(any_instant(row))
+        if some.response is None:
+            return some
+        apart = bool(some.response.contacts)
+        worst = _worst_in_start(case, modal, row, apart=apart)
+    elif words := _unable(case, modal.train, any_instant(row)):
+        return OperatingEvent.not_calculated(name, words)
+    else:
+        worst = worst_instants(case, modal, row)
+    events: dict[MotorEventRow, OperatingEvent] = {}
+    for one in worst.rows:
+        events[one] = event = alone(one)
+        if not apart and event.response is not None and event.response.contacts:
             worst, apart = _worst_apart(case, modal, row, event.response), True
-            events = dict(alone(worst))
+            events = {one: alone(one) for one in worst.rows}
             break
     if lost := next((e for e in events.values() if e.response is None), None):
         return lost
     responses = {instant: e.response for instant, e in events.items() if e.response is not None}
     peaks, shafts, errors = [], [], []
     for element, instant in worst.of_element.items():
-        event, response = events[instant.row], responses[instant.row]
-        for peak in response.peaks:
+        for peak in responses[instant.row].peaks:
             if peak.element == element:
                 missed = 0.0  # of teeth that separate no run at a longer step tells
                 if instant.error is not None:
                     missed = instant.error * peak.size + abs(peak.size - instant.largest)
                 peaks.append(peak.with_error(missed))
-        shafts += [s for s in event.shafts if s.element == element]
-        errors += [pair for pair in event.damage_errors if pair[0] == element]
+        damaged = worst.of_damage.get(element, instant)
+        shafts += [s for s in events[damaged.row].shafts if s.element == element]
+        errors += [
+            (e, None if error is None else error + (damaged.error or 0.0))
+            for e, error in events[damaged.row].damage_errors
+            if e == element
+        ]
     drawn = worst.of_element[worst.element].row if worst.element else worst.of_motor.row
     # torques of slipping poles change too fast with the instant to be scanned
     slipping = {
@@ -354,20 +389,23 @@ def _worst_event(case: CaseData, analysis: ModalAnalysis, row: MotorEventRow) ->
             abs(air_gap.largest) or 1.0
         )
         air_gap = replace(air_gap, error=air_gap.error + missed)
-    notes = dict.fromkeys(e.note for e in events.values() if e.note)
+    notes: dict[str, str] = {}
+    for event in (events[drawn], *events.values()):
+        for kind, note in event.notes.items():
+            notes.setdefault(kind, note)
     if slipping:
         quoted = ", ".join(f"'{element}'" for element in sorted(slipping))
-        notes[
+        notes["scan slips"] = (
             f"Event '{name}' slips poles before the largest torque of {quoted}: at another instant it may be larger."
-        ] = None
+        )
     if apart:
-        notes[
+        notes["scan apart"] = (
             f"Event '{name}' separates teeth: it was simulated so at some instants, of which the worst is shown; torques at "
             "another one may be larger."
-        ] = None
+        )
     return OperatingEvent(
         name, response, tuple(shafts), tuple(errors), air_gap, events[drawn].history, worst,
-        " ".join(notes),
+        notes,
     )  # fmt: skip
 
 
@@ -433,27 +471,28 @@ def _reversing(case: CaseData, response: Start) -> Iterator[str]:
             yield f"'{p.element}'"
 
 
-def _kept_together(name: str, elements: Sequence[str]) -> str:
+def _kept_together(name: str, elements: Sequence[str]) -> dict[str, str]:
     quoted = ", ".join(f"'{element}'" for element in elements)
-    return f"Event '{name}' brings the torque of {quoted} to zero, but teeth stay together, since backlash is forced off."
+    note = f"Event '{name}' brings the torque of {quoted} to zero, but teeth stay together, since backlash is forced off."
+    return {"together": note}
 
 
-def _stopped(name: str, response: Start) -> list[str]:
+def _stopped(name: str, response: Start) -> dict[str, str]:
     if not response.gave_up:
-        return []
-    return [
-        f"Event '{name}' with separating teeth was stopped after {response.outcome.time:.3g} s: it takes too many steps."
-    ]
+        return {}
+    until = f"{response.outcome.time:.3g} s: it takes too many steps"
+    return {"stopped": f"Event '{name}' with separating teeth was stopped after {until}."}
 
 
-def _without_clearance(case: CaseData, name: str, response: Start) -> list[str]:
+def _without_clearance(case: CaseData, name: str, response: Start) -> dict[str, str]:
     reversing = ", ".join(_reversing(case, response))
     if not reversing:
-        return []
-    return [
+        return {}
+    note = (
         f"Event '{name}' reverses the torque of {reversing}, but teeth stay together, since no clearance is given. "
         "Type Backlash or Angular backlash in table Meshes, 0 where there is none."
-    ]
+    )
+    return {"no clearance": note}
 
 
 def _separating(train: Train, response: Start) -> Iterator[str]:
@@ -502,17 +541,35 @@ def _worst_apart(
     end = min(last + FOLLOWED, response.outcome.time)
     scale = replace(response, outcome=replace(response.outcome, time=end))
 
-    def largest(instant: MotorEventRow) -> Floats:
+    def answers(instant: MotorEventRow) -> Floats:
         effects, event = _apart(case, modal, str(row.event), motor_event(case, train, instant))
-        run = one_run(case, modal, effects, scale, None, event)
-        sizes = np.zeros(len(train.elements) + 1)
-        for element, (_, torque) in zip(run.trajectory.output_element, run.turning, strict=True):
-            if element >= 0:  # a bearing is no element
-                sizes[element] = max(sizes[element], float(np.max(np.abs(torque))))
-        sizes[-1] = float(np.max(np.abs(run.events.air_gap_extremes[0, :, 0])))
-        return sizes
+        return _answers(case, train, one_run(case, modal, effects, scale, None, event), 0)
 
-    return worst_instants_apart(case, modal, row, largest)
+    return worst_instants_of(case, train, row, answers, apart=True)
+
+
+def _worst_in_start(
+    case: CaseData, modal: ModalTrain, row: MotorEventRow, *, apart: bool
+) -> WorstInstants:
+    """The worst instants of an event in the start, each a start of its own."""
+    train, effects = modal.train, _effects_of_start(case, modal.train)
+    linear = run_start(case, modal, replace(effects, clearances=()))
+
+    def answers(instant: MotorEventRow) -> Floats:
+        event = start_event(case, train, instant)
+        run = one_run(case, modal, effects, linear, None, event)
+        motor = [m.station for m in motors_of(case, train)].index(event.station)
+        return _answers(case, train, run, motor)
+
+    return worst_instants_of(case, train, row, answers, apart=apart)
+
+
+def _answers(case: CaseData, train: Train, run: EventSimulation, motor: int) -> Floats:
+    """What a combination answers that was simulated by itself."""
+    values = (torque for _, torque in run.turning)
+    histories = zip(run.trajectory.output_element.tolist(), values, strict=True)
+    air_gap = float(np.max(np.abs(run.events.air_gap_extremes[motor, :, 0])))
+    return answers_of(case, train, histories, air_gap)
 
 
 # --- torques ----------------------------------------------------------------------------------------

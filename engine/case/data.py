@@ -12,11 +12,19 @@ import json
 import keyword
 import math
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from functools import cache
 from typing import Any
 
-from engine.case.choices import InitialState, Scanned, TorqueFollows
+from engine.case.choices import (
+    ElementKind,
+    InitialState,
+    MotorEventKind,
+    Scanned,
+    TorqueFollows,
+)
+from engine.case.gear_ratios import Joint, station_ratios
 
 #: Name of the event in operation that table `TorqueTime` is where `InitialState` is ``running``.
 TABLED_EVENT = "TorqueTime"
@@ -147,6 +155,26 @@ class MeshRow:
     bearing_stiffness_driven: float | None = None  #: Likewise. [N/m]
     bearing_damping_drive: float | None = None  #: Isotropic bearing damping. [N s/m]
     bearing_damping_driven: float | None = None  #: Likewise. [N s/m]
+    teeth_drive: int | None = None  #: Number of teeth of each gear. [count]
+    teeth_driven: int | None = None  #: Likewise. [count]
+    #: Speed of the To side over that of the From side, where neither teeth nor radii say it. [1]
+    speed_ratio: float | None = None
+
+    @property
+    def stated_ratios(self) -> dict[str, float]:
+        """Speed of the To side over that of the From side, by what states it, the most exact first. [1]
+
+        Keyed by the column in which a contradiction is corrected.
+        """
+        return {
+            column: drive / driven
+            for column, drive, driven in (
+                ("Teeth driven", self.teeth_drive, self.teeth_driven),
+                ("Speed ratio", self.speed_ratio, 1.0),
+                ("Pitch radius driven", self.pitch_radius_drive, self.pitch_radius_driven),
+            )
+            if drive is not None and driven is not None and drive > 0 and driven > 0
+        }
 
 
 @dataclass(frozen=True)
@@ -338,7 +366,7 @@ class MotorEventRow:
     phase: float | str | None = None
     #: Of the motor's voltage ahead of the line's at closing; or ``worst``. [rad]
     angle: float | str | None = None
-    #: At the motor's terminals just before it closes, or what a dip leaves. [1]
+    #: At the motor's terminals just before it closes, or is shorted off the line; or what a dip leaves. [1]
     residual_voltage: float | None = None
     #: How long the line is faulted, changed or off; blank = for good, reclosing at once; or ``worst``. [s]
     clears_after: float | str | None = None
@@ -355,6 +383,14 @@ class MotorEventRow:
     def in_start(self) -> float | None:
         """When it begins in the start; None: it comes upon the running train. [s]"""
         return None if isinstance(self.begins, str) else self.begins
+
+    @property
+    def is_off_the_line(self) -> bool:
+        """Whether the motor has no current before it: it is closed out of phase, or shorted with a voltage of its own."""
+        shorted = self.kind in (MotorEventKind.THREE_PHASE_FAULT, MotorEventKind.LINE_TO_LINE_FAULT)
+        return self.kind == MotorEventKind.OUT_OF_PHASE_CLOSING or (
+            shorted and self.residual_voltage is not None
+        )
 
     @property
     def scanned(self) -> tuple[str, ...]:
@@ -628,8 +664,22 @@ class CaseData:
 
     @property
     def speed_ratios(self) -> dict[str | None, float]:
-        """Speed of each station over that of the reference shaft. [1]"""
-        return {row.station: row.speed_ratio or 1.0 for row in self.stations}
+        """Speed of each station over that of the reference shaft, typed or filled through gears. [1]"""
+        typed = {row.station: row.speed_ratio for row in self.stations}
+        if all(typed.values()):
+            return {station: ratio or 1.0 for station, ratio in typed.items()}
+        motors = (name for name in self.motor_stations if typed.get(name, 0.0) in (None, 1.0))
+        return station_ratios(typed, self._joints, next(motors, next(iter(typed))))
+
+    @property
+    def _joints(self) -> Iterator[Joint]:
+        """Pairs of stations whose speeds have a known ratio."""
+        stated = {m.element: next(iter(m.stated_ratios.values()), None) for m in self.meshes}
+        for e in self.elements:
+            geared = e.kind == ElementKind.GEAR_MESH
+            ratio = stated.get(e.element) if geared else 1.0
+            if e.from_ is not None and e.to is not None and ratio is not None:
+                yield Joint(e.from_, e.to, ratio, geared)
 
     @property
     def element_speed_ratios(self) -> dict[str | None, float]:

@@ -413,17 +413,19 @@ def _rigidity(e: ElementRow) -> float:
 
 
 def _gear_ratios(case: CaseData) -> Iterator[str]:
-    """Gears of equal speed: the Speed ratio behind them is blank."""
+    """Gears of equal speed: nothing states the ratio behind them."""
     if not case.motor_stations:
         return
-    ratios, radii = case.speed_ratios, {m.element for m in case.meshes if m.pitch_radius_drive}
+    ratios = case.speed_ratios
+    stated = {m.element for m in case.meshes if m.pitch_radius_drive or m.stated_ratios}
     for e in case.elements:
-        if e.kind != ElementKind.GEAR_MESH or e.element in radii:
+        if e.kind != ElementKind.GEAR_MESH or e.element in stated:
             continue
         if e.from_ in ratios and ratios[e.from_] == ratios.get(e.to):
             yield (
                 f"Stations, Speed ratio of '{e.to}': gear mesh '{e.element}' joins it to '{e.from_}' of the "
-                "same speed, which is unusual. Type the Speed ratio of every station behind the gear."
+                "same speed, which is unusual. Type the teeth, the pitch radii or the Speed ratio of the mesh in "
+                "table Meshes, or the Speed ratio of a station behind the gear."
             )
 
 

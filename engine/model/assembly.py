@@ -22,7 +22,7 @@ class Assembly:
         self.index = {s.station: i for i, s in enumerate(case.stations)}
         self.inertia = [s.inertia or 0.0 for s in case.stations]
         self.damping = [s.damping or 0.0 for s in case.stations]
-        self.ratio = [s.speed_ratio or 1.0 for s in case.stations]
+        self.ratio = list(case.speed_ratios.values())
         self.rows: list[Row] = []
         self.edges: list[tuple[int, int, int]] = []  # element, node, node (stations only)
         self.rigid: list[tuple[int, int, int]] = []

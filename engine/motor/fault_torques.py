@@ -49,12 +49,7 @@ def fault_torque(kind: str, xd: float, xq: float, turned: Floats, closing: Float
         [pu]
     """
     if kind == MotorEventKind.LINE_TO_LINE_FAULT:
-        sine, cosine = (
-            cos(turned),
-            -sin(turned),
-        )  # of the angle of the rotor, a quarter turn at the fault
-        current = (1.0 - sine) / (xd * sine * sine + xq * cosine * cosine)
-        return np.asarray(current * cosine + (xd - xq) * current * current * sine * cosine)
+        return line_to_line_torque(xd, xq, turned, 0.5 * math.pi)
     c, s = cos(turned), sin(turned)
     d, q = c, -s  # flux of the stator that stands still, in the rotor's axes
     if kind == MotorEventKind.OUT_OF_PHASE_CLOSING:
@@ -62,6 +57,47 @@ def fault_torque(kind: str, xd: float, xq: float, turned: Floats, closing: Float
         d = of_line + (1.0 - of_line) * c - across * s
         q = across - (1.0 - of_line) * s - across * c
     return np.asarray(d * q / xq - q * (d - 1.0) / xd)
+
+
+def line_to_line_torque(xd: float, xq: float, turned: Floats, at: float) -> Floats:
+    """Air-gap torque of a line-to-line fault of a motor off the line; negative brakes.
+
+    Parameters
+    ----------
+    xd, xq : float
+        Subtransient reactances. [pu]
+    turned : ndarray, shape (n,)
+        Angle by which the rotor has turned since. [rad]
+    at : float
+        Angle of the rotor at the fault: that of the healthy phase's voltage, and a quarter turn. [rad]
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        Of a voltage of 1 before. [pu]
+    """
+    sine, cosine = sin(at + turned), cos(at + turned)
+    current = (float(sin(np.array(at))) - sine) / (xd * sine * sine + xq * cosine * cosine)
+    return np.asarray(current * cosine + (xd - xq) * current * current * sine * cosine)
+
+
+def largest_line_to_line(xd: float, xq: float, at: float) -> float:
+    """Largest magnitude of `line_to_line_torque`.
+
+    Parameters
+    ----------
+    xd, xq : float
+        Subtransient reactances. [pu]
+    at : float
+        Angle of the rotor at the fault. [rad]
+
+    Returns
+    -------
+    float
+        Of a voltage of 1 before. [pu]
+    """
+    turned = 2.0 * math.pi * np.linspace(0.0, 1.0, OF_A_CYCLE + 1)
+    return float(np.max(np.abs(line_to_line_torque(xd, xq, turned, at))))
 
 
 def largest_fault_torque(kind: str, xd: float, xq: float, closing: float | None = None) -> float:

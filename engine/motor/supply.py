@@ -28,6 +28,11 @@ class Source:
     resistance: float = 0.0  #: [pu]
     reactance: float = 0.0  #: [pu]
 
+    @property
+    def has_impedance(self) -> bool:
+        """Whether its voltage gives way."""
+        return bool(self.resistance or self.reactance)
+
     def before(self, circuit: Circuit) -> Circuit:
         """The motor with the impedance as part of its stator. [pu]"""
         return replace(

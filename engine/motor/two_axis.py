@@ -36,6 +36,12 @@ class FluxSystem:
         """Currents of the stator's axes from fluxes. [1] Shape (2, n)."""
         return self.current[[0, self.q]]
 
+    @property
+    def current_rate(self) -> Floats:
+        """Rates of these per flux, from the field, and per voltage. [1/s] Shape (2, n + 3)."""
+        drives = np.column_stack([self.rate, self.field, self.voltage])
+        return np.asarray(product(self.stator_current, drives))
+
 
 @dataclass(frozen=True, eq=False)
 class MachineState:
@@ -94,7 +100,7 @@ def with_same_currents(circuit: Circuit, other: Circuit, flux: Floats) -> Floats
         The motor so far. [pu]
     other : Circuit
         The same with its field closed, or another impedance before its stator. [pu]
-    flux : ndarray, shape (n,)
+    flux : ndarray, shape (n,) or (n, n_times)
         Fluxes so far. [pu]
 
     Returns
@@ -105,10 +111,10 @@ def with_same_currents(circuit: Circuit, other: Circuit, flux: Floats) -> Floats
     before, after = _reactances(circuit), _reactances(other)
     if before.shape == after.shape and np.array_equal(before, after):
         return flux
-    current = solve(before, flux[:, None])[:, 0]
+    current = solve(before, flux.reshape(len(before), -1))
     if len(after) > len(before):
-        current = np.insert(current, 1, 0.0)
-    return np.asarray(product(after, current))
+        current = np.insert(current, 1, 0.0, axis=0)
+    return np.asarray(product(after, current).reshape(len(after), *flux.shape[1:]))
 
 
 def flux_system(

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from engine.case.data import CaseData
+from engine.model.excitation import transmitted_torque
 from engine.model.train import Train
 from engine.numerics.same_bits import interp, product, total
 
@@ -33,7 +34,8 @@ class FullSpeed:
     motor_inertia_constant: float | None  #: The same of the Inertia typed at the motors. [s]
     #: LoadTorque at synchronous speed, referred to the motor, over the rated torque. [1]
     load: float | None
-    running_load: float | None  #: The same of column Running load. [1]
+    #: The same of column Running load; where it is blank, of the torque that is taken for it. [1]
+    running_load: float | None
 
 
 def full_speed(case: CaseData, train: Train) -> FullSpeed:
@@ -64,8 +66,8 @@ def full_speed(case: CaseData, train: Train) -> FullSpeed:
         )
         motors = set(case.motor_stations)
         typed = total(
-            (s.inertia or 0.0) * (s.speed_ratio or 1.0) * (s.speed_ratio or 1.0)
-            for s in case.stations
+            (s.inertia or 0.0) * r * r
+            for s, r in zip(case.stations, ratio.tolist(), strict=True)
             if s.station in motors
         )
         own = _finite(0.5 * typed * speed * speed / power) if typed else None
@@ -76,6 +78,8 @@ def full_speed(case: CaseData, train: Train) -> FullSpeed:
         stated = [(s.running_load, r) for s, r in zip(case.stations, ratio.tolist(), strict=True)]
         if any(t is not None for t, _ in stated):
             running = _finite(total((t or 0.0) * r for t, r in stated) / torque)
+        elif case.load_torque:
+            running = _finite(float(product(transmitted_torque(case, train).load, ratio)) / torque)
     return FullSpeed(
         line_frequency=ratings.line_frequency,
         poles=2 * ratings.pole_pairs if ratings.pole_pairs else None,

@@ -246,6 +246,7 @@ def _event_peaks(results: Results) -> list[Row]:
             continue
         times = case.events_per_life.get(event.name)
         instants = event.worst.of_element if event.worst else {}
+        damaging = event.worst.of_damage if event.worst else {}
         damage, errors = {s.element: s.damage for s in event.shafts}, dict(event.damage_errors)
         for p in event.response.peaks:
             per_torque, strength = yields.get(p.element, (1.0, math.inf))
@@ -271,18 +272,21 @@ def _event_peaks(results: Results) -> list[Row]:
                     "error": p.relative_error,
                     "left_out": event.response.left_out,
                     **_worst_instant(case, event.name, instants.get(p.element)),
+                    **_worst_instant(case, event.name, damaging.get(p.element), "_of_damage"),
                 }
             )
     return rows
 
 
-def _worst_instant(case: CaseData, event: str, instant: WorstInstant | None) -> Row:
+def _worst_instant(
+    case: CaseData, event: str, instant: WorstInstant | None, of_what: str = ""
+) -> Row:
     """Phase, angle and clearing time that were looked for, as they were found."""
     if instant is None:
         return {}
     (row,) = (r for r in case.motor_events if r.event == event)
     names = {"phase": "worst_phase", "angle": "worst_angle", "clears_after": "worst_clearing_time"}
-    return {names[name]: getattr(instant.row, name) for name in row.scanned}
+    return {names[name] + of_what: getattr(instant.row, name) for name in row.scanned}
 
 
 #: Name of the start among the events of motors.
@@ -320,6 +324,7 @@ def _air_gap_torques(results: Results) -> list[Row]:
                 **_worst_instant(
                     results.case, event.name, event.worst.of_motor if event.worst else None
                 ),
+                "slip": torque.slip,
             }
     return rows
 

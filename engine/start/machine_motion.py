@@ -18,6 +18,7 @@ import numpy as np
 from engine.arrays import Floats
 from engine.errors import InternalError
 from engine.motor.circuit import Circuit
+from engine.motor.supply import STIFF, Source
 from engine.motor.two_axis import (
     FluxSystem,
     MachineState,
@@ -27,6 +28,7 @@ from engine.motor.two_axis import (
     opened,
     residual_voltage,
     torque_rate,
+    with_same_currents,
 )
 from engine.numerics.same_bits import cos, product, sin
 from engine.start.time_response import ModalSystem, TimeResponse, coupled_step
@@ -49,6 +51,12 @@ class Machine:
     torque_base: float  #: 1 per unit of torque. [N m]
     synchronous_speed: float  #: Of its station. [rad/s]
     line_omega: float  #: Angular frequency of the line. [rad/s]
+    source: Source = STIFF  #: What feeds it; voltages of supplies are over that of it. [pu]
+
+    def behind(self, supply: Supply) -> Circuit:
+        """The motor with what stands before all of its stator. [pu]"""
+        bare = supply.at_terminals or supply.is_open or supply.open_axis is not None
+        return self.circuit if bare else self.source.before(self.circuit)
 
     @property
     def pole_pairs(self) -> float:
@@ -66,6 +74,12 @@ class Supply:
     #: Voltage that turns against the line: its magnitude, and its angle at t = 0. [pu, rad]
     backward: tuple[float, float] = (0.0, 0.0)
     is_open: bool = False  #: No current flows.
+    #: Angle at t = 0 of the only axis of the stator that is not shorted; None: neither is, or both are. The impedance of the
+    #: source is before it; without `forward` no current flows along it. [rad]
+    open_axis: float | None = None
+    at_terminals: bool = (
+        False  #: What happens is at the terminals: no impedance of a source is before the stator.
+    )
     #: Where it closes an open stator: voltage at the terminals before, and its angle ahead of the line's.
     #: None: the voltage and the angle that the motor has by then. [pu, rad]
     residual: float | None = None
@@ -87,7 +101,7 @@ class MachineMotion:
     q: Floats  #: Modal positions. [rad √(kg m²)] Shape (n_kept, n_times).
     v: Floats  #: Modal velocities. [rad √(kg m²)/s] Shape (n_kept, n_times).
     rotor: Floats  #: Angle of the rotor beyond that in balance. [rad] Shape (n_times,).
-    flux: Floats  #: In the order of `FluxSystem`. [pu] Shape (n_flux, n_times).
+    flux: Floats  #: Of the motor alone, in the order of `FluxSystem`. [pu] Shape (n_flux, n_times).
     torque: Floats  #: Air-gap torque and its rate. [N m, N m/s] Shape (n_times,).
     torque_rate: Floats  #: Likewise. [N m/s] Shape (n_times,).
 
@@ -187,8 +201,18 @@ def stretch_of(
     held, speed = balance
     turned = machine.pole_pairs * float(product(system.reach[:, 0], now[0]))
     supply, flux = switched(machine, supply, state, now[2], turned=turned, speed=speed)
+    voltage = machine.source.voltage
+    supply = replace(
+        supply,
+        forward=(voltage * supply.forward[0], supply.forward[1]),
+        backward=(voltage * supply.backward[0], supply.backward[1]),
+    )
     fluxes = flux_system(
-        machine.circuit, machine.line_omega, speed, state.field_voltage, is_open=supply.is_open
+        machine.behind(supply),
+        machine.line_omega,
+        speed,
+        state.field_voltage,
+        is_open=supply.is_open,
     )
     stretch = Stretch(system, machine, fluxes, supply, state.angle, held, speed)
     return stretch, (*now[:2], flux)
@@ -250,7 +274,7 @@ class Stretch:
 
     system: ModalSystem  #: The train. [SI]
     machine: Machine  #: The motor. [pu, SI]
-    fluxes: FluxSystem  #: Its fluxes. [pu]
+    fluxes: FluxSystem  #: Fluxes of it with what stands before its stator. [pu]
     supply: Supply  #: What it is connected to, its angle known. [pu, rad]
     angle: float  #: Of axis d at t = 0, the train in balance. [rad]
     held: float  #: Torque with which the train is in balance. [N m]
@@ -283,7 +307,8 @@ class Stretch:
         states = np.empty((count + 1, 2 * n))
         flux = np.empty((count + 1, len(now[2])))
         states[0] = np.stack([a.reshape(-1, block) for a in now[:2]], axis=1).ravel()
-        flux[0] = now[2]
+        circuit, behind = self.machine.circuit, self.machine.behind(self.supply)
+        flux[0] = with_same_currents(circuit, behind, now[2])
         described = self.prepared(h) if prepared is None else prepared
         described.angle = self.angle
         described.forward[0:2], described.backward[0:2] = self.supply.forward, self.supply.backward
@@ -302,6 +327,7 @@ class Stretch:
         slope = self._flux_rate(time, rotor, product(reach, v), flux)
         base = self.machine.torque_base
         torque, rate = air_gap_torque(self.fluxes, flux), torque_rate(self.fluxes, flux, slope)
+        flux = with_same_currents(behind, circuit, flux)
         return MachineMotion(time, q, v, rotor, flux, base * torque, base * rate)
 
     def prepared(self, h: float) -> Any:
@@ -325,8 +351,12 @@ class Stretch:
             "flux_steady": np.stack([m.steady for m in maps]),
             "current": fluxes.stator_current,
         }
+        if self.supply.open_axis is not None:
+            arrays["current_rate"] = fluxes.current_rate
+            arrays["series"] = self._series
         return struct(
             "machine_t",
+            open_axis=self.supply.open_axis or 0.0,
             **{name: np.ascontiguousarray(a) for name, a in arrays.items()},
             n_blocks=len(free), block=2 * block, n_flux=len(fluxes.rate), q=fluxes.q,
             line_omega=machine.line_omega, axes_speed=self.speed, pole_pairs=machine.pole_pairs,
@@ -339,13 +369,44 @@ class Stretch:
         turned = self.angle + machine.pole_pairs * rotor
         beyond = speed / machine.synchronous_speed
         line = machine.line_omega * time
+        moved = np.stack([beyond * flux[fluxes.q], -beyond * flux[0]])
         ahead = supply.forward[1] + (1.0 - self.speed) * line - turned
-        back = supply.backward[1] - (1.0 + self.speed) * line - turned
-        size, against = supply.forward[0], supply.backward[0]
-        u_d = size * cos(ahead) + against * cos(back) + beyond * flux[fluxes.q]
-        u_q = size * sin(ahead) + against * sin(back) - beyond * flux[0]
+        if supply.open_axis is not None:
+            axis = supply.open_axis - self.speed * line - turned
+            u_d, u_q = self._open_voltage(axis, ahead, beyond, moved, flux)
+        else:
+            back = supply.backward[1] - (1.0 + self.speed) * line - turned
+            size, against = supply.forward[0], supply.backward[0]
+            u_d = size * cos(ahead) + against * cos(back)
+            u_q = size * sin(ahead) + against * sin(back)
+        u_d, u_q = u_d + moved[0], u_q + moved[1]
         slope = product(fluxes.rate, flux) + product(fluxes.voltage, np.stack([u_d, u_q]))
         return np.asarray(slope + fluxes.field[:, None])
+
+    @property
+    def _series(self) -> Floats:
+        """Share of the source along the axis that is not shorted, its resistance, and its reactance by ω₀. [1, pu, s]"""
+        source = self.machine.source
+        if self.supply.forward[0] == 0.0:
+            return np.array([0.0, 0.0, 1.0])
+        return np.array([1.0, source.resistance, source.reactance / self.machine.line_omega])
+
+    def _open_voltage(
+        self, axis: Floats, ahead: Floats, beyond: Floats, moved: Floats, flux: Floats
+    ) -> Floats:
+        """Voltages of both axes where one axis of the stator is shorted, as in `kernels/machine.c`."""
+        fluxes, n = self.fluxes, len(flux)
+        c, s = cos(axis), sin(axis)
+        i_d, i_q = product(fluxes.stator_current, flux)
+        of = fluxes.current_rate
+        r_d, r_q = product(of[:, :n], flux) + of[:, n : n + 1] + product(of[:, n + 1 :], moved)
+        turning, omega = self.machine.line_omega * (self.speed + beyond), self.machine.line_omega
+        gain = c * (of[0, n + 1] * c + of[0, n + 2] * s) + s * (of[1, n + 1] * c + of[1, n + 2] * s)
+        comes, along = c * r_d + s * r_q + turning * (s * i_d - c * i_q), c * i_d + s * i_q
+        share, resistance, reactance = self._series
+        voltage = share * (self.supply.forward[0] * cos(ahead - axis) - resistance * along)
+        voltage -= reactance * (comes + (1.0 - share) * omega * along)
+        return np.asarray(voltage / (share + reactance * gain) * np.stack([c, s]))
 
 
 def _block(system: ModalSystem) -> int:

@@ -251,6 +251,7 @@ class JudgedRun:
     output_of_element: Ints
     estimated_error: float  #: Largest relative error of the peaks. [1]
     truncation_error: float  #: Part of it that the modes left out may cause. [1]
+    change: Floats  #: Of each peak from h to h/2, over its size. [1] Shape (n_peaks,).
     #: By index of each element with several sections: turning points of each, at both steps. Where
     #: most cycles are used up need not be where the range is largest. [s, N m]
     sections: Mapping[int, tuple[tuple[Turning, Turning], ...]]
@@ -278,12 +279,17 @@ def judge_run(
     with_impacts: bool = False,
     guard_share: float = 1.0,
     same_until: float = math.inf,
+    before: JudgedRun | None = None,
+    fall: float = 16.0,
 ) -> JudgedRun:
     """Extremes of every element; the error is the change from h to h/2 plus the truncation.
 
     That change is about fifteen times the error of the finer run at fourth order, three times at
-    second. It is taken over several extremes, and not below a share of the worst element's, so
-    that an accidental agreement is not taken for accuracy (tests/numerics/test_error_estimate.py).
+    second. It is taken over several extremes, not below a share of the worst element's, and not below what the order
+    of the method makes of the change from 2h to h, so that an accidental agreement is not taken for accuracy
+    (tests/numerics/test_error_estimate.py). Extremes late in a start hang together: where resonance carries the speed
+    of a load to and fro across the knots of its curve, each crossing adds a little to the time that the start takes,
+    and they all move with that one number.
 
     Parameters
     ----------
@@ -301,6 +307,10 @@ def judge_run(
     same_until : float, optional
         Time from which the two runs went different ways; what comes later, and after the largest extreme, does not
         count for the error. Where the largest extreme comes later, all of that change is taken. [s]
+    before : JudgedRun, optional
+        The coarser run, judged by that at 2h. [SI]
+    fall : float, optional
+        How many times a change falls at a halving, by the order of the method; default fourth order. More is chance. [1]
 
     Returns
     -------
@@ -328,7 +338,8 @@ def judge_run(
         }
     )
     floor = np.maximum(size, NEGLIGIBLE * np.max(size, initial=0.0))
-    relative = change / np.where(floor > 0.0, floor, 1.0)
+    change = change / np.where(floor > 0.0, floor, 1.0)
+    relative = change if before is None else np.maximum(change, before.change / fall)
     least = max(SHARED_ERROR * float(np.max(relative, initial=0.0)), LEAST_PEAK_ERROR)
     peaks = []
     for (element, i), own, scale, left_out in zip(judged, relative, floor, bound, strict=True):
@@ -356,6 +367,7 @@ def judge_run(
         output,
         largest_relative_error(peaks),
         float(np.max(bound / scale, initial=0.0)),
+        change,
         _by_section(fine, coarse),
     )
 

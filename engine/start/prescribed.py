@@ -133,9 +133,9 @@ def follow(modal: ModalTrain, drive: Drive, end: float, tolerance: float, before
         return SingleRun.until(trajectory, end)
 
     coarse, fine = at(step), at(0.5 * step)
-    halvings = 0
+    halvings, judged = 0, None
     while True:
-        judged = judge_run(train, truncation, fine, coarse)
+        judged = judge_run(train, truncation, fine, coarse, before=judged)
         error, bound = judged.estimated_error, judged.truncation_error
         # the present spacing is step / 2, the next one would be step / 4
         if error <= tolerance or error - bound <= 0.1 * bound or 4.0 * end / step > most:

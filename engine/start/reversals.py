@@ -32,7 +32,7 @@ from engine.start.event_results import ContactRecord
 from engine.start.lowest_torque import doubts_of_minima, sign_in_words
 from engine.start.start import Start
 
-#: Torque above zero by less than this share of the largest of its element is rounding: teeth apart.
+#: Torque nearer to zero than this share of the largest of its element is rounding: teeth apart, or a train at rest.
 ROUNDING = 1e-9
 
 #: Halvings of a bracket of a zero crossing: from any step down to the rounding of the time.
@@ -126,8 +126,10 @@ def _reversal(
     element = case.elements[index]
     when, torque = turning
     lowest = int(np.argmin(torque))
-    minimum, time = float(torque[lowest]) + 0.0, float(when[lowest])  # no minus zero
+    minimum, time = float(torque[lowest]), float(when[lowest])
     largest = float(np.max(np.abs(torque)))
+    if abs(minimum) <= ROUNDING * largest:
+        minimum = 0.0
     hysteresis = NOTABLE_REVERSAL * largest
     began, ended = _passages(start, int(start.output_of_element[index]), when, torque, hysteresis)
     lasted = ended - began

@@ -48,6 +48,8 @@ from engine.start.trajectory import SingleRun, Turning
 
 #: The same for Newmark: error ≈ this × (phase per step)², second order and far larger.
 NEWMARK_ERROR_AT_ONE_RADIAN = 0.4
+#: How many times the error falls when the step is halved: fourth and second order.
+FALL = {Method.EXPONENTIAL: 16.0, Method.NEWMARK: 4.0}
 #: Steps are halved at most so often before the best result is reported with its error.
 MAX_HALVINGS = 7
 #: A simulation that has neither settled nor ended is prolonged this often to twice its length.
@@ -405,9 +407,12 @@ def run_start(
     step = min(_first_step(settings, model.pulsation_omega), model.largest_step)
     prepared, coarse = prepared.to_its_end(step, histories=False)
     fine = prepared.at(0.5 * step)
-    halvings = 0
+    halvings, judged = 0, None
     while True:
-        judged = judge_run(modal.train, model.truncation, fine, coarse)
+        judged = judge_run(
+            modal.train, model.truncation, fine, coarse, before=judged,
+            fall=FALL[Method(settings.method)],
+        )  # fmt: skip
         error, truncation = judged.estimated_error, judged.truncation_error
         met = error <= settings.tolerance_peak
         values = fine.trajectory.n_steps * len(model.truncation)

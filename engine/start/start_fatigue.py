@@ -24,7 +24,8 @@ from engine.fatigue.allowable_starts import (
     allowable_starts,
     shaft_fatigue,
 )
-from engine.fatigue.damage import needs_counting, starts_from_damage
+from engine.fatigue.cycle_counting import count_cycles, counted_history
+from engine.fatigue.damage import miner_damage, needs_counting, starts_from_damage
 from engine.fatigue.sn_curve import SNCurve, sn_curve_for
 from engine.fatigue.stress import stress_of_unit_torque
 from engine.numerics.same_bits import exp, log
@@ -279,13 +280,11 @@ def largest_damage(case: CaseData, element: ElementRow, histories: Sequence[Floa
     float
         Miner sum of one start. [1]
     """
-    material = next(m for m in case.materials if m.material == element.material)
     curve = sn_curve_of(case, element.material)
     residue = case.rainflow_residue or RainflowResidue.HALF_CYCLES
-    return max(
-        shaft_fatigue(element, torque, curve, material, residue, always_count=True).damage
-        for torque in histories
-    )
+    local = (element.scf or 1.0) * stress_of_unit_torque(element)
+    counted = (count_cycles(counted_history(h), residue).scaled(local) for h in histories)
+    return max(miner_damage(c.amplitude, c.count, curve) for c in counted)
 
 
 def _largest_ranges(fine: Floats, coarse: Floats) -> tuple[Floats, Floats]:

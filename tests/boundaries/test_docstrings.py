@@ -1,7 +1,7 @@
-"""Docstrings of the engine against the code: names agree, and each quantity carries its unit.
+"""Docstrings of the engine and of the Python interface against the code: names agree, and each quantity carries its unit.
 
 Read from the sources, so that compiled functions are seen as they are written. Checked of every
-public function, method and class in a public module of `engine`:
+public function, method and class in a public module of `engine` and `torsionbook`:
 
 - it has a docstring that opens with one line;
 - a public function that takes or gives a float, a complex or an array has a section Parameters with
@@ -199,19 +199,20 @@ def complaints(source: str) -> Iterator[tuple[int, str, str]]:
                         yield member.lineno, f"{node.name}.{member.name}", sentence
 
 
-def engine_modules() -> list[Path]:
+def modules() -> list[Path]:
     return sorted(
         path
-        for path in (ROOT / "engine").rglob("*.py")
+        for package in ("engine", "torsionbook")
+        for path in (ROOT / package).rglob("*.py")
         if is_public(path.stem) or path.stem == "__init__"
     )
 
 
-def test_there_is_an_engine_to_check():
-    assert len(engine_modules()) > 5
+def test_there_is_something_to_check():
+    assert len(modules()) > 5
 
 
-@pytest.mark.parametrize("path", engine_modules(), ids=lambda p: p.relative_to(ROOT).as_posix())
+@pytest.mark.parametrize("path", modules(), ids=lambda p: p.relative_to(ROOT).as_posix())
 def test_docstrings(path):
     found = [
         f"{path.relative_to(ROOT).as_posix()}:{line}: {name} {sentence}"

@@ -1,4 +1,4 @@
-"""The rooms keep to themselves: every import in `engine`, `addin` and `benchmarks` against layers.toml."""
+"""The rooms keep to themselves: every import in `engine`, `addin`, `torsionbook` and `benchmarks` against layers.toml."""
 
 import ast
 import re
@@ -14,7 +14,7 @@ from import_graph import circle, imports_of, modules_of
 
 ROOT = Path(__file__).resolve().parents[2]
 RULES = tomllib.loads((Path(__file__).parent / "layers.toml").read_text(encoding="utf-8"))
-PACKAGES = ("engine", "addin")
+PACKAGES = ("engine", "addin", "torsionbook")
 MOST_PARAMETERS = 8
 
 
@@ -44,8 +44,14 @@ def direction_complaints(root: Path) -> Iterator[str]:
             continue
         if here not in reach[package]:
             yield complaint(one.path, 1, f"enter {here} in tests/boundaries/layers.toml")
-        elif package == "engine" and target == "addin":
+        elif package == "engine" and target != "engine":
             yield complaint(one.path, one.line, "the engine knows nothing of the add-in")
+        elif package == "addin" and target == "torsionbook":
+            yield complaint(one.path, one.line, "nothing imports the Python interface")
+        elif package == "torsionbook" and target != package:
+            if target == "engine" or there in RULES["torsionbook"]["not_of_the_addin"]:
+                name = f"{target}.{there}"
+                yield complaint(one.path, one.line, f"the Python interface may not import {name}")
         elif package != target:
             allowed = RULES["addin"]["of_the_engine"].get(here)
             if allowed is not None and there not in allowed:
@@ -66,7 +72,7 @@ def third_party_complaints(root: Path) -> Iterator[str]:
     allowed = set(RULES["engine"]["third_party"])
     for one in imports_of(root, "engine"):
         top = one.target.split(".")[0]
-        if top not in {"engine", "addin"} | allowed | sys.stdlib_module_names:
+        if top not in {*PACKAGES} | allowed | sys.stdlib_module_names:
             yield complaint(one.path, one.line, f"the engine does not import {top}")
 
 
@@ -176,7 +182,7 @@ def test_only_named_modules_know_optional_packages():
     found = [
         complaint(one.path, one.line, f"only {places or 'no module'} may import {package}")
         for package, places in RULES["addin"]["only_in"].items()
-        for one in imports_of(ROOT, "addin")
+        for one in imports_of(ROOT, "addin", "torsionbook")
         if one.target.split(".")[0] == package and Path(one.path).stem not in places
     ]
     assert found == []
@@ -211,6 +217,21 @@ def test_an_upward_and_a_foreign_import_are_complained_of(tmp_path):
     ]
     assert list(third_party_complaints(tmp_path)) == [
         "engine/stepping/newmark.py:2: the engine does not import pandas"
+    ]
+
+
+def test_the_python_interface_stands_on_top(tmp_path):
+    made(
+        tmp_path,
+        torsionbook__inputs="from engine.run import run\nfrom addin.cli import app\n",
+        addin__reading__cells="import torsionbook.inputs\n",
+        engine__run="",
+        addin__cli__app="",
+    )
+    assert sorted(direction_complaints(tmp_path)) == [
+        "addin/reading/cells.py:1: nothing imports the Python interface",
+        "torsionbook/inputs.py:1: the Python interface may not import engine.run",
+        "torsionbook/inputs.py:2: the Python interface may not import addin.cli",
     ]
 
 

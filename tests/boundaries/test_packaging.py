@@ -42,8 +42,8 @@ def dependencies(*lists: list[str]) -> list[Requirement]:
 
 def test_the_lock_files_are_there():
     assert [p.name for p in LOCKS] == [
-        "build.txt", "cluster.txt", "dev.txt", "excel.txt", "lock.txt", "parquet.txt", "report.txt", "run.txt",
-        "server.txt",
+        "build.txt", "cluster.txt", "dev.txt", "excel.txt", "lock.txt", "parquet.txt", "python.txt",
+        "report.txt", "run.txt", "server.txt",
     ]  # fmt: skip
 
 
@@ -79,6 +79,7 @@ def test_compiled_packages_are_hashed_for_every_python_and_system():
         ("excel.txt", dependencies(PROJECT["project"]["optional-dependencies"]["excel"])),
         ("server.txt", dependencies(PROJECT["project"]["optional-dependencies"]["server"])),
         ("report.txt", dependencies(PROJECT["project"]["optional-dependencies"]["report"])),
+        ("python.txt", dependencies(PROJECT["project"]["optional-dependencies"]["python"])),
         (
             "dev.txt",
             dependencies(
@@ -88,6 +89,7 @@ def test_compiled_packages_are_hashed_for_every_python_and_system():
                 PROJECT["project"]["optional-dependencies"]["excel"],
                 PROJECT["project"]["optional-dependencies"]["server"],
                 PROJECT["project"]["optional-dependencies"]["report"],
+                PROJECT["project"]["optional-dependencies"]["python"],
                 PROJECT["dependency-groups"]["dev"],
             ),
         ),
@@ -186,9 +188,10 @@ def test_the_wheel_holds_the_packages_and_nothing_else(wheel):
     assert {name.split("/")[0] for name in names} == {
         "engine",
         "addin",
+        "torsionbook",
         f"torsionbook-{PROJECT['project']['version']}.dist-info",
     }
-    packages = ("engine/", "addin/")
+    packages = ("engine/", "addin/", "torsionbook/")
     shipped = {n for n in names if n.startswith(packages) and not n.startswith("addin/_templates/")}
     ours = {
         path.relative_to(ROOT).as_posix()
@@ -197,7 +200,7 @@ def test_the_wheel_holds_the_packages_and_nothing_else(wheel):
         if path.is_file() and "__pycache__" not in path.parts
     }
     assert shipped == ours
-    assert "engine/py.typed" in names
+    assert {"engine/py.typed", "torsionbook/py.typed"} <= set(names)
     assert not [n for n in names if "__pycache__" in n or "/test" in n]
 
 
@@ -236,8 +239,8 @@ def test_the_installed_wheel_finds_its_workbooks(wheel, tmp_path):
     )
     zipfile.ZipFile(wheel).extractall(site)
     script = (
-        "import addin, engine; from addin.contract.shipped import template_path\n"
-        "print(template_path('example_proposed.xlsx')); print(engine.__file__)"
+        "import addin, engine, torsionbook; from addin.contract.shipped import template_path\n"
+        "print(template_path('example_proposed.xlsx')); print(engine.__file__); print(torsionbook.__file__)"
     )
     clean = {k: v for k, v in os.environ.items() if k != "PYTHONPATH"}
     borrowed = str(Path(metadata.distribution("numpy").locate_file("")))
@@ -251,6 +254,7 @@ def test_the_installed_wheel_finds_its_workbooks(wheel, tmp_path):
     ).stdout.split("\n")
     assert Path(said[0]) == site / "addin" / "_templates" / "example_proposed.xlsx"
     assert Path(said[1]).is_relative_to(site)
+    assert Path(said[2]).is_relative_to(site)
 
 
 # --- the template finder --------------------------------------------------------------------------

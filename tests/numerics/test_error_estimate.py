@@ -19,7 +19,7 @@ from engine.model.load import loads_of
 from engine.model.modal_train import ModalTrain
 from engine.model.motor import motors_of
 from engine.start.event_results import Repeatability, prediction_interval
-from engine.start.peaks import _difference
+from engine.start.peaks import _difference, judge_run
 from engine.start.settings import settings_of
 from engine.start.simulation import simulate
 from engine.start.start import run_start
@@ -141,6 +141,34 @@ def test_lesser_extremes_count_in_full_unless_contacts_were_the_same() -> None:
         assert told == pytest.approx(share * 0.7)
     moved = np.array([5.0, 7.0, 10.5])
     assert _difference((when, a), (when, moved), guard_share=1.0 / 7.0) == pytest.approx(0.5)
+
+
+def a_run(*values: float) -> Any:
+    """A run of one element with these turning points."""
+    when, value = np.arange(len(values), dtype=float), np.array(values)
+    trajectory = SimpleNamespace(output_element=np.array([0]), time=when, mean_speed=when)
+    extremes = np.array([[value.max()], [value.min()]])
+    return SimpleNamespace(trajectory=trajectory, turning=[(when, value)], extremes=extremes)
+
+
+def test_a_change_that_falls_faster_than_the_order_of_the_method_is_chance() -> None:
+    """By hand: changes of 0.32, then 0.02 (as at fourth order) or 0.001 of a peak of 10."""
+    train: Any = SimpleNamespace(elements=("E0",))
+    truncation = np.zeros(1)
+    first, second = a_run(0.0, 10.32), a_run(0.0, 10.0)
+    before = judge_run(train, truncation, second, first)
+    assert before.peaks[0].error == pytest.approx(0.32)
+    for other, fall, error in (
+        (9.98, 16, 0.02),
+        (9.999, 16, 0.02),
+        (9.999, 4, 0.08),
+        (9.9, 16, 0.1),
+    ):
+        third = a_run(0.0, other)
+        judged = judge_run(train, truncation, third, second, before=before, fall=fall)
+        assert judged.peaks[0].error == pytest.approx(error, rel=1e-2)
+        # the next finer run is judged by what was calculated, not by what was stated
+        assert judged.change[0] == pytest.approx((10.0 - other) / other)
 
 
 def log(*rows: tuple[float, int]) -> Any:

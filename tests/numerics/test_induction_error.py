@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 import pytest
 
@@ -10,7 +11,7 @@ from engine.backlash.operating_events import operating_events
 from engine.case.choices import MotorEventKind as Kind
 from engine.model.modal_analysis import analyse
 from tests.induction_reference import induction_case, induction_reference
-from tests.machine_reference import misses
+from tests.machine_reference import errors_hold, misses
 
 
 @pytest.mark.parametrize(
@@ -23,14 +24,15 @@ from tests.machine_reference import misses
     ids=len,
 )
 def test_stated_errors_hold(seeds):
-    _hold(seeds)
+    errors_hold(seeds, induction_case, induction_reference)
 
 
 @pytest.mark.parametrize(
     "seeds", [range(6), pytest.param(range(6, 36), marks=pytest.mark.slow)], ids=len
 )
 def test_stated_errors_hold_with_teeth_apart(seeds):
-    assert _hold(seeds, clearance=True) >= len(seeds) // 3
+    apart = errors_hold(seeds, partial(induction_case, clearance=True), induction_reference)
+    assert apart >= len(seeds) // 3
 
 
 @pytest.mark.parametrize("kind", [Kind.THREE_PHASE_FAULT, Kind.LINE_TO_LINE_FAULT])
@@ -44,17 +46,3 @@ def test_stated_errors_hold_where_phases_clear_at_zeros_of_current(kind, seed):
     case = replace(case, motor_events=(event,))
     (found,) = operating_events(case, analyse(case))
     assert misses(case, found, induction_reference) == []
-
-
-def _hold(seeds, *, clearance=False):
-    """Checks the stated errors; returns how many of the trains came apart."""
-    missed, apart = {}, 0
-    for seed in seeds:
-        case = induction_case(seed, clearance=clearance)
-        (event,) = operating_events(case, analyse(case))
-        assert event.response is not None, event.note
-        apart += bool(event.response.contacts)
-        if found := misses(case, event, induction_reference):
-            missed[seed] = found
-    assert len(missed) <= 0.01 * len(seeds), missed
-    return apart

@@ -16,7 +16,7 @@ import openpyxl
 import pytest
 from messages import stream_of, until_stage, until_the_end
 from servers import ROOT, SLOW, outside, slow_case
-from sheet_ranges import TEMPLATES, model_arguments
+from sheet_ranges import TEMPLATES, model_arguments, with_event
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
@@ -77,6 +77,17 @@ def test_a_view_comes_in_two_parts(served):
     assert whole["outcome"]
     registry.call("TV_MODEL", model_arguments("example_backlash"))
     assert whole["tables"]["StartupPeaks"] == registry.call("TV_PEAKS", [handle])
+
+
+def test_the_view_of_a_model_with_an_event_has_its_peaks(served):
+    (answer,) = ask(served, ["TV_MODEL", *with_event(model_arguments())])
+    handle = answer["value"][0][0]
+    with stream_of(served) as line:
+        line.send(json.dumps({"id": "a", "view": handle}))
+        *_, last = until_the_end(line, "a")
+    rows = last["value"]["tables"]["EventPeaks"]
+    assert {row[0] for row in rows[1:]} == {"Fault"}
+    assert ask(served, ["TV_EVENTS", handle])[0]["value"] == rows
 
 
 def test_several_requests_share_a_socket_and_wrong_ones_end_nothing(served):

@@ -182,7 +182,7 @@ def test_the_terminal_lists_the_best_and_the_case_as_it_stands(
 def test_formulas_of_a_workbook_with_studies_keep_their_values(
     folder: Path, tmp_path: Path
 ) -> None:
-    """Its tables have more columns together than the calculator takes: those nothing reads are left out."""
+    """Its tables have more columns together than the calculator takes."""
     book = tmp_path / "train.xlsx"
     shutil.copyfile(folder / "train.tune.xlsx", book)
     done = RUN.invoke(app, ["recalc", str(book), "--in-place"])

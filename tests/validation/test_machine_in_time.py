@@ -20,7 +20,11 @@ from engine.case.case import Case
 from engine.case.data import StationRow
 from engine.motor.circuit import Circuit, Winding
 from engine.motor.curves import slip_curves
-from engine.motor.fault_torques import fault_torque, largest_of_constant_fluxes
+from engine.motor.fault_torques import (
+    fault_torque,
+    largest_line_to_line,
+    largest_of_constant_fluxes,
+)
 from engine.motor.two_axis import MachineState, flux_system, open_circuit_state, running_state
 from engine.start.machine_motion import Balance, Machine, MachineMotion, Supply, machine_motion
 from engine.start.time_response import ModalSystem, modal_system
@@ -154,6 +158,24 @@ def test_line_to_line_fault_without_resistance(circuit, phase):
     flux = stator * np.exp(-1j * (state.angle + t))
     exact = flux.real * (flux.imag - behind[1]) / xq - flux.imag * (flux.real - behind[0]) / xd
     assert np.max(np.abs(motion.torque - exact)) < 1e-8
+
+
+@pytest.mark.parametrize("circuit", [CIRCUIT, UNEQUAL], ids=["equal axes", "unequal axes"])
+@pytest.mark.parametrize("phase", [0.0, 0.6, 0.5 * math.pi])
+def test_line_to_line_fault_of_a_motor_off_the_line(circuit, phase):
+    """i = E (sin θ₀ − sin θ) / (Xd'' sin² θ + Xq'' cos² θ), T = i E cos θ + (Xd'' − Xq'') i² sin θ cos θ."""
+    bare, voltage = lossless(circuit), 0.9
+    state = open_circuit_state(bare, voltage, 0.0)
+    motion = at_constant_speed(bare, [Supply(0.0, (0.0, 0.0), open_axis=-phase)], state, 0.1, 0.01)
+    xd, xq = subtransient(bare)
+    first = phase + 0.5 * math.pi
+    sine, cosine = np.sin(first + LINE * motion.time), np.cos(first + LINE * motion.time)
+    i = voltage * (math.sin(first) - sine) / (xd * sine**2 + xq * cosine**2)
+    exact = i * voltage * cosine + (xd - xq) * i * i * sine * cosine
+    assert np.max(np.abs(motion.torque - exact)) < 1e-8
+    assert np.max(np.abs(motion.torque)) == pytest.approx(
+        voltage**2 * largest_line_to_line(xd, xq, first), rel=1e-4
+    )
 
 
 @pytest.mark.parametrize(

@@ -14,6 +14,7 @@ from scipy.interpolate import CubicSpline
 from engine.backlash.event_start import run_event_start
 from engine.backlash.operating_events import operating_events
 from engine.case.case import Case
+from engine.case.choices import MotorEventKind as Kind
 from engine.case.choices import TorqueFollows
 from engine.case.data import (
     EffectChoiceRow,
@@ -299,9 +300,26 @@ def test_stated_errors_of_starts_hold(seeds):
 )  # fmt: skip
 def test_stated_errors_of_events_in_starts_hold(seeds):
     """Faults, dips, unbalance and reclosing while the motor starts."""
-    missed, calculated = {}, 0
-    for seed in seeds:
+    hold_in_starts([event_in_start(seed) for seed in seeds])
+
+
+@pytest.mark.parametrize("kind", [Kind.THREE_PHASE_FAULT, Kind.LINE_TO_LINE_FAULT])
+def test_stated_errors_of_faults_in_starts_that_clear_at_zeros_of_current_hold(kind):
+    """Beside scipy's location of the zeros of phase currents."""
+    cases = []
+    for seed in (0, 1, 2, 7):
         case = event_in_start(seed)
+        event = replace(
+            case.motor_events[0], kind=kind, phase=0.4 + 0.5 * seed, residual_voltage=None,
+            clearing="zeros of current",
+        )  # fmt: skip
+        cases.append(replace(case, motor_events=(event,)))
+    hold_in_starts(cases)
+
+
+def hold_in_starts(cases):
+    missed, calculated = {}, 0
+    for seed, case in enumerate(cases):
         (event,) = operating_events(case, analyse(case))
         if event.response is None:
             assert "before it begins" in event.note
@@ -320,8 +338,8 @@ def test_stated_errors_of_events_in_starts_hold(seeds):
             true = max(abs(p.maximum - most), abs(p.minimum - least)) / p.size
             if true > p.relative_error:
                 missed[seed, p.element] = true, p.relative_error
-    assert calculated > 0.6 * len(seeds)
-    assert len({seed for seed, _ in missed}) <= 0.01 * len(seeds), missed
+    assert calculated > 0.6 * len(cases)
+    assert len({seed for seed, _ in missed}) <= 0.01 * len(cases), missed
 
 
 #: What closing adds to these is below 15 % of their peaks.

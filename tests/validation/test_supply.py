@@ -10,7 +10,13 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from engine.case.choices import TorqueFollows
-from engine.case.data import EffectChoiceRow, MotorDataRow, MotorTorqueRow, SupplyRow
+from engine.case.data import (
+    EffectChoiceRow,
+    MotorDataRow,
+    MotorEventRow,
+    MotorTorqueRow,
+    SupplyRow,
+)
 from engine.model.build_train import build_train
 from engine.model.motor import motors_of
 from engine.motor.curves import operational_reactances, slip_curves
@@ -27,6 +33,7 @@ SLIP = np.array([1.0, 0.8, 0.5, 0.49, 0.3, 0.05, 0.01])
 #: Short-circuit power of ten times the motor's, half a per cent of it resistance.
 LINE = SupplyRow("Motor", 22.0e6, 8.0)
 LINE_OMEGA = 2.0 * np.pi * 60.0
+IN_TIME = (EffectChoiceRow("motor transient", "on"),)
 
 
 def supplied(row, **fields):
@@ -295,6 +302,64 @@ def test_a_start_in_time_on_a_line_that_gives_way(kind, open_time):
     assert (peak.maximum, peak.minimum) == pytest.approx((most, least), rel=3e-5)
     (machine,) = found.machines
     assert abs(machine.largest) == pytest.approx(max(torques), rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("kind", "what", "begins"),
+    [("direct", "three-phase fault", 0.5), ("reactor", "three-phase fault", 0.3), ("autotransformer", "voltage dip", 0.3),
+     ("autotransformer", "reclosing", 6.0)],
+)  # fmt: skip
+def test_an_event_of_a_start_behind_a_line(kind, what, begins):
+    """Beside DOP853: a fault shorts the terminals, a dip is one of the source, the switch-over comes before or after."""
+    row = SupplyRow("Motor", 22.0e6, 8.0, kind, 0.8, 0.3)
+    if kind == "direct":
+        row = replace(row, tap=None, switch_over_speed=None)
+    left = 0.6 if what == "voltage dip" else None
+    event = MotorEventRow(
+        "event", "Motor", what, residual_voltage=left, clears_after=0.1, begins=begins
+    )
+    case = supplied(
+        row, damping_ratio=None, load_torque=(), end_speed=80.0, tolerance_peak=1e-5, meshes=(),
+        motor_events=(event,),
+    )  # fmt: skip
+    (event_found,) = run(case).events
+    found = event_found.response
+    reference = TwoNetworks(case)
+    (motor,) = motors_from_data(case)
+    changes = {begins: "begins", begins + 0.1: "clears", begins + found.outcome.time: "ends"}
+    if kind != "direct":
+        plain = run(replace(case, motor_events=(), effect_choices=IN_TIME)).start.trajectory
+        path, since = (plain, 0.0) if begins > 1.0 else (found.trajectory, begins)
+        reaches = path.mean_speed >= 0.3 * LINE_OMEGA / 2.0 * (1.0 - 1e-12)
+        changes[since + float(path.time[np.argmax(reaches)])] = "switches over"
+    extremes, torques, state, begin, present = [], [], np.zeros(11), 0.0, "clears"
+    stages = [stage.connection.source for stage in motor.stages]
+    for end, change in sorted(changes.items()):
+        source = stages[0]
+        if present == "clears":
+            reference.connect(motor.starting, source.voltage, source.resistance, source.reactance)
+        elif what == "three-phase fault":
+            reference.connect(motor.starting, 0.0, 0.0, 0.0)
+        elif what == "reclosing":
+            state = reference.open(state)
+        else:
+            reference.connect(
+                motor.starting, 0.6 * source.voltage, source.resistance, source.reactance
+            )
+        part, torque, state = reference.run(begin, end, state)
+        if begin >= begins:
+            extremes.append(part[0])
+            torques.append(np.max(np.abs(torque)))
+        begin = end
+        if change == "switches over":
+            stages.pop(0)
+        else:
+            present = change
+    assert len(extremes) == 2 + (begins == 0.3)
+    peak = found.peaks[0]
+    most, least = (f(part[k] for part in extremes) for k, f in enumerate((max, min)))
+    assert (peak.maximum, peak.minimum) == pytest.approx((most, least), rel=5e-5)
+    assert abs(event_found.air_gap.largest) == pytest.approx(max(torques), rel=1e-3)
 
 
 def test_curves_have_no_torque_while_the_motor_is_off_the_line():

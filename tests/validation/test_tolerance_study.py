@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 
 from benchmarks.study_answers import classes_of, sensitive_answers, summary_of
-from benchmarks.study_trains import gaps_of, study_train
-from benchmarks.tolerance_study import QUICK, study
+from benchmarks.study_trains import LEAVES_EFFECT, LEAVES_MODES, gaps_of, study_train
+from benchmarks.tolerance_study import FULL, QUICK, study, trains_of_study
 
 
 def record(**changes: object) -> dict[str, object]:
@@ -41,6 +41,20 @@ def record(**changes: object) -> dict[str, object]:
         "truth": truth,
     }
     return made | changes
+
+
+def test_a_study_cut_short_has_trains_of_every_kind_in_proportion() -> None:
+    whole = trains_of_study()
+    assert len(whole) == len(set(whole)) == 1520
+    tenth = whole[:152]
+    for first, end in (
+        (0, FULL),
+        (LEAVES_MODES, LEAVES_EFFECT),
+        (LEAVES_EFFECT, LEAVES_EFFECT + FULL),
+    ):
+        many, few = (sum(first <= n < end for n in numbers) for numbers in (whole, tenth))
+        assert abs(10 * few - many) <= 20
+    assert sum(n % 2 for n in tenth) == 76  # both of each pair
 
 
 def test_errors_are_relative_to_the_truth() -> None:

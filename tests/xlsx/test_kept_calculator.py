@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 import xlsxwriter
+from rich_workbooks import with_parts
 
 from addin.xlsx import kept_calculator, open_workbook
 from addin.xlsx.kept_calculator import KeptCalculator, Shelf
@@ -136,6 +137,25 @@ def test_a_calculator_is_kept_for_one_calendar(tmp_path: Path, shelf: Shelf) -> 
     assert calculator.results(book) == {("Out", 1, 1): 6.0}
     calculator._settings = [b' date1904="1"']
     assert calculator.results(book) is None
+
+
+def test_a_calculator_is_made_once_for_values_that_nobody_believes(
+    tmp_path: Path, shelf: Shelf, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where it contradicts what the file shows in cells that did not change, the whole file must tell each time."""
+    path = _workbook(tmp_path / "book.xlsx", {"A1": "SUM(T[a])", "A2": "1+1"})
+
+    def wrong(data: bytes) -> bytes:
+        return data.replace(b"<f>1+1</f><v></v>", b"<f>1+1</f><v>3</v>")
+
+    with_parts(path, {}, {"xl/worksheets/sheet2.xml": wrong})
+    made = []
+    make = KeptCalculator.__init__
+    monkeypatch.setattr(KeptCalculator, "__init__", lambda *a: made.append(1) or make(*a))
+    for _ in range(4):
+        shown = _written(path, CHANGES[0])
+        assert (shown["A1"], shown["A2"]) == (6.0, 3.0)
+    assert len(made) == 1
 
 
 def test_few_calculators_are_kept(tmp_path: Path, shelf: Shelf) -> None:

@@ -131,6 +131,10 @@ function show(view) {
   putTable("peaks", "StartupPeaks", tables.StartupPeaks, wait);
   putTable("reversals", "TorqueReversals", tables.TorqueReversals, view.complete ? "No start, or no gear mesh and no geared coupling." : wait);
   putTable("starts", "AllowableStarts", tables.AllowableStarts, view.complete ? "No start, or no shaft is judged for fatigue: give Material, Stress diameter and S-N points." : wait);
+  const { EventPeaks: peaks = [], AirGapTorque: airGap = [] } = tables;
+  at("events").hidden = peaks.length < 2 && airGap.length < 2;
+  putTable("event-peaks", "EventPeaks", peaks, "No events.");
+  putTable("air-gap", "AirGapTorque", airGap, "No motor in time.");
   showMargins(tables.SeparationMargins);
   showSteady(tables.SteadyState);
   showNotes(view.warnings);

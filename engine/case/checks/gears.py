@@ -20,10 +20,11 @@ from engine.case.checks.problem import (
 )
 from engine.case.choices import ElementKind, GearType
 from engine.case.data import CaseData, ElementRow, MeshRow, value_of
-from engine.errors import Problem
+from engine.errors import Problem, Quoted
 
-#: Pitch radii must agree with the speed ratios to this share (contract).
-RADIUS_TOLERANCE = 1e-3
+#: What states the ratio of a mesh must agree with the speed ratios to this share (contract).
+RATIO_TOLERANCE = 1e-3
+TEETH = Allowed(lambda v: v >= 1 and v % 1 == 0, "a whole number, 1 or more")
 MESH_NUMBERS = (
     Limit("Pitch radius drive", POSITIVE, "m"),
     Limit("Pitch radius driven", POSITIVE, "m"),
@@ -37,6 +38,9 @@ MESH_NUMBERS = (
     Limit("Bearing stiffness driven", POSITIVE, "N/m"),
     Limit("Bearing damping drive", NOT_NEGATIVE, "N s/m"),
     Limit("Bearing damping driven", NOT_NEGATIVE, "N s/m"),
+    Limit("Teeth drive", TEETH),
+    Limit("Teeth driven", TEETH),
+    Limit("Speed ratio", POSITIVE),
 )
 _DEGREES = "Write degrees with the unit deg above the column."
 MESH_ANGLES = (
@@ -95,21 +99,19 @@ def _place(cells: Cells) -> str:
 
 
 def _mesh_ratio(case: CaseData, cells: Cells, m: MeshRow, e: ElementRow) -> Iterator[Problem]:
-    """Pitch radii against speed ratios; a ring gear against its pinion."""
-    stations = {s.station: (i, s.speed_ratio) for i, s in enumerate(case.stations, start=1)}
+    """Teeth, pitch radii and ratio against each other and the stations; a ring gear against its pinion."""
     drive, driven = m.pitch_radius_drive, m.pitch_radius_driven
-    if not (blank_or_positive(drive) and blank_or_positive(driven)):
+    typed = (drive, driven, m.teeth_drive, m.teeth_driven, m.speed_ratio)
+    ratios = case.speed_ratios
+    ends = (ratios.get(e.from_), ratios.get(e.to))
+    if not all(map(blank_or_positive, (*typed, *ends))) or None in ends:
         return
-    if e.from_ not in stations or e.to not in stations:
-        return
-    ratios = [1.0 if stations[n][1] is None else stations[n][1] for n in (e.from_, e.to)]
-    if not all(blank_or_positive(r) for r in ratios):
-        return
-    by_speed = float(ratios[1] or 0.0) / float(ratios[0] or 1.0)
+    by_speed = float(ends[1] or 0.0) / float(ends[0] or 1.0)
+    yield from _one_ratio(case, cells, m, e, by_speed)
     if drive is None and driven is None:
         return  # a ratio and a sense of rotation alone, without size
     by_radii = drive / driven if drive is not None and driven is not None else by_speed
-    if m.gear_type == GearType.INTERNAL and abs(by_radii - 1.0) <= RADIUS_TOLERANCE:
+    if m.gear_type == GearType.INTERNAL and abs(by_radii - 1.0) <= RATIO_TOLERANCE:
         equal = f"its pitch radius is {drive or driven:.6g} m and both stations have the same speed"
         if drive is not None and driven is not None:
             equal = f"its pitch radii are {drive:.6g} m and {driven:.6g} m"
@@ -128,21 +130,79 @@ def _mesh_ratio(case: CaseData, cells: Cells, m: MeshRow, e: ElementRow) -> Iter
                 for quoted in quote_quantity(radius, "m", (*cells, column))
             ),
         )
-    if drive is None or driven is None:
+
+
+#: What states a ratio, by the column in which it is corrected, and its two cells.
+_SAID_BY = {
+    "Teeth driven": ("the teeth", "Teeth drive", "Teeth driven"),
+    "Speed ratio": ("the cell", "Speed ratio"),
+    "Pitch radius driven": ("the pitch radii", "Pitch radius drive", "Pitch radius driven"),
+}
+
+
+def _one_ratio(
+    case: CaseData, cells: Cells, m: MeshRow, e: ElementRow, by_speed: float
+) -> Iterator[Problem]:
+    """One ratio of a mesh: of teeth, Speed ratio and pitch radii, and of the stations on both sides."""
+    for one, other in (("Teeth drive", "Teeth driven"), ("Teeth driven", "Teeth drive")):
+        if value_of(m, one) is None and value_of(m, other) is not None:
+            yield cells.blank(
+                one,
+                f"the number of teeth where {other} is given",
+                "Type both, or clear both.",
+            )
+    stated = m.stated_ratios
+    if not stated or not all(n is None or TEETH.holds(n) for n in (m.teeth_drive, m.teeth_driven)):
         return
-    if abs(drive / driven / by_speed - 1.0) > RADIUS_TOLERANCE:
+    first, exact = next(iter(stated.items()))
+    others = [column for column, r in stated.items() if abs(r / exact - 1.0) > RATIO_TOLERANCE]
+    for column in others:
         yield cells.problem(
-            "Pitch radius driven",
-            driven,
-            f"{drive / by_speed:.6g} m",
-            f"found {driven:.6g} m: with {drive:.6g} m on the drive side the pitch radii "
-            f"give a speed ratio of {drive / driven:.6g}, but the Speed ratios in table Stations ('{e.from_}', "
-            f"row {stations[e.from_][0]}, and '{e.to}', row {stations[e.to][0]}) make "
-            f"{by_speed:.6g}. They must agree to 0.1 %: correct a pitch radius, or the Speed "
-            f"ratio of '{e.to}' and of all stations beyond it.",
-            quote_quantity(drive, "m", (*cells, "Pitch radius drive"))
-            + quote_quantity(drive / by_speed, "m"),
+            column,
+            value_of(m, column),
+            f"such that the speed ratio is {exact:.6g}",
+            f"{_SAID_BY[column][0]} {_gives(column)} a speed ratio of {stated[column]:.6g}, but "
+            f"{' and '.join(_SAID_BY[first][1:])} {_gives(first)} {exact:.6g}. They must agree to "
+            "0.1 %: correct one of them, or clear it.",
         )
+    if not others and abs(exact / by_speed - 1.0) > RATIO_TOLERANCE:
+        yield _other_speeds(case, cells, m, e, first, by_speed)
+
+
+def _gives(column: str) -> str:
+    return "gives" if column == "Speed ratio" else "give"
+
+
+def _other_speeds(
+    case: CaseData, cells: Cells, m: MeshRow, e: ElementRow, column: str, by_speed: float
+) -> Problem:
+    """The ratio of a mesh, and another one of the stations on both sides."""
+    ratio, found = m.stated_ratios[column], value_of(m, column)
+    allowed, drive = f"{by_speed:.6g}", ""
+    quoted: tuple[Quoted, ...] = ()
+    if column == "Teeth driven":
+        allowed = f"such that the teeth give {by_speed:.6g}"
+        drive = f" with {m.teeth_drive} teeth on the drive side"
+    if column == "Pitch radius driven" and m.pitch_radius_drive is not None:
+        radius = m.pitch_radius_drive
+        allowed = f"{radius / by_speed:.6g} m"
+        drive = f" with {radius:.6g} m on the drive side"
+        quoted = quote_quantity(radius, "m", (*cells, "Pitch radius drive")) + quote_quantity(
+            radius / by_speed, "m"
+        )
+    unit = " m" if column == "Pitch radius driven" else ""
+    rows = {s.station: i for i, s in enumerate(case.stations, start=1)}
+    return cells.problem(
+        column,
+        found,
+        allowed,
+        f"found {found:.6g}{unit}:{drive} {_SAID_BY[column][0]} {_gives(column)} a speed ratio of "
+        f"{ratio:.6g}, but the Speed ratios in table Stations ('{e.from_}', row {rows[e.from_]}, and "
+        f"'{e.to}', row {rows[e.to]}) make {by_speed:.6g}. They must agree to 0.1 %: correct "
+        f"{_SAID_BY[column][0]}, or the Speed ratio of '{e.to}' and of all stations beyond it; blank "
+        "ones follow from the gear.",
+        quoted,
+    )
 
 
 def _mesh_line_of_action(

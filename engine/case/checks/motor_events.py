@@ -84,8 +84,8 @@ class Takes(NamedTuple):
 
 
 COLUMNS = {
-    Kind.THREE_PHASE_FAULT: Takes((), ("Clears after",)),
-    Kind.LINE_TO_LINE_FAULT: Takes((), ("Phase", "Clears after")),
+    Kind.THREE_PHASE_FAULT: Takes((), ("Residual voltage", "Clears after")),
+    Kind.LINE_TO_LINE_FAULT: Takes((), ("Phase", "Residual voltage", "Clears after")),
     Kind.OUT_OF_PHASE_CLOSING: Takes(("Angle",), ("Residual voltage",)),
     Kind.RECLOSING: Takes((), ("Angle", "Residual voltage", "Clears after")),
     Kind.VOLTAGE_DIP: Takes(("Residual voltage",), ("Clears after",)),
@@ -124,8 +124,9 @@ def check_motor_events(case: CaseData) -> Iterator[Problem]:
             if row.in_start is not None:
                 takes = Takes(takes.needs, tuple(c for c in takes.may if c not in _OF_OPERATION))
             yield from _columns(cells, row, takes)
-            yield from _clearing(cells, row)
-            yield from _begins(case, cells, row, takes)
+            yield from _clearing(case, cells, row)
+            yield from _off_the_line(cells, row)
+            yield from _begins(case, cells, row)
     if case.motor_events and has_possible_ratings(case):
         ratings = case.ratings
         if ratings.line_frequency is None or ratings.synchronous_speed is None:
@@ -159,7 +160,13 @@ def _motor(case: CaseData, cells: Cells, row: MotorEventRow) -> Iterator[Problem
         of_sheet = sheet.xd_transient, sheet.td_0_transient, sheet.td_transient, sheet.r_1
         windings = of_sheet if circuit is None else (circuit.rf, circuit.xlf)
         bare = all(value is None for value in windings)
-        if induction and row.kind == Kind.OUT_OF_PHASE_CLOSING:
+        if induction and row.is_off_the_line and row.kind != Kind.OUT_OF_PHASE_CLOSING:
+            yield cells.wrong(
+                "Residual voltage", row.residual_voltage, "blank where Kind in table MotorData is induction",
+                "An induction motor off the line has no voltage that stays: clear the cell, for a fault of the motor on "
+                "its line.",
+            )  # fmt: skip
+        elif induction and row.kind == Kind.OUT_OF_PHASE_CLOSING:
             yield cells.wrong(
                 "Kind", row.kind, "an event of a motor on its line, where Kind in table MotorData is induction",
                 "An induction motor off the line has no voltage to be out of phase. Choose reclosing for one whose "
@@ -183,7 +190,7 @@ def _has_equal_axes(circuit: MotorCircuitRow) -> bool:
     return circuit.rf is None and not circuit.xc and of_d == of_q
 
 
-def _clearing(cells: Cells, row: MotorEventRow) -> Iterator[Problem]:
+def _clearing(case: CaseData, cells: Cells, row: MotorEventRow) -> Iterator[Problem]:
     """Zeros of current are those of a fault that clears at a given time."""
     yield from cells.choice("Clearing", row.clearing, Clearing)
     if row.clearing != Clearing.ZEROS:
@@ -204,14 +211,34 @@ def _clearing(cells: Cells, row: MotorEventRow) -> Iterator[Problem]:
             "Clears after", row.clears_after, "a number where Clearing is zeros of current",
             "Phases clear at zeros whatever its number: type some, or Clearing at once.",
         )  # fmt: skip
+    elif _is_behind_line(case, row):
+        yield cells.wrong(
+            "Clearing", row.clearing, "blank or at once where table Supply has the motor",
+            f"{_UNLIKE}: clear the cell, or the row of table Supply.",
+        )  # fmt: skip
 
 
-#: What a reclosing in a start does not take: rotor and line turn with unlike frequencies.
+def _off_the_line(cells: Cells, row: MotorEventRow) -> Iterator[Problem]:
+    """A fault of a motor off its line has nothing to clear to."""
+    if (
+        row.kind != Kind.OUT_OF_PHASE_CLOSING
+        and row.is_off_the_line
+        and row.clears_after is not None
+    ):
+        yield cells.wrong(
+            "Clears after", row.clears_after, "blank for a fault where Residual voltage is given",
+            "The motor is off the line then, and no line returns. Clear one of the two cells.",
+        )  # fmt: skip
+
+
+#: What an event in a start does not take: rotor and line turn with unlike frequencies, and the motor is on the line.
 _OF_OPERATION = ("Angle", "Residual voltage")
+#: Kinds of which the residual voltage is that of the motor off the line.
+_OF_THE_MOTOR = (Kind.RECLOSING, Kind.THREE_PHASE_FAULT, Kind.LINE_TO_LINE_FAULT)
 
 
-def _begins(case: CaseData, cells: Cells, row: MotorEventRow, takes: Takes) -> Iterator[Problem]:
-    """An event in the start needs one with the motor's fluxes in time, and numbers."""
+def _begins(case: CaseData, cells: Cells, row: MotorEventRow) -> Iterator[Problem]:
+    """An event in the start needs one with the motor's fluxes in time."""
     yield from cells.choice("Begins", _word(row, "Begins"), Begins, "a number, or running")
     if row.in_start is None:
         return
@@ -231,11 +258,6 @@ def _begins(case: CaseData, cells: Cells, row: MotorEventRow, takes: Takes) -> I
             "Begins", row.begins, "blank or running without the fluxes of every motor in the start",
             f"It needs {MOTOR_TRANSIENT.inputs.cells}. Fill and clear these, or clear the cell.",
         )  # fmt: skip
-    elif case.supply:
-        yield cells.wrong(
-            "Begins", row.begins, "blank or running where table Supply has rows",
-            "A fault between line and motor is not calculated in a start: clear the cell, or the rows of table Supply.",
-        )  # fmt: skip
     elif case.looks_for_worst_phase:
         yield cells.wrong(
             "Begins", row.begins, "blank or running where PulsationPhase is worst",
@@ -246,17 +268,18 @@ def _begins(case: CaseData, cells: Cells, row: MotorEventRow, takes: Takes) -> I
             "Begins", row.begins, f"below MaximumTime, {case.maximum_time:g} s",
             "The start is followed no longer: raise MaximumTime, or type a shorter time.",
         )  # fmt: skip
-    for column in SCANNED:
-        if column in takes.may and value_of(row, column) == Scanned.WORST:
-            yield cells.wrong(
-                column, Scanned.WORST, "a number where Begins is one",
-                "The worst is looked for in operation alone: type a number, or clear Begins.",
-            )  # fmt: skip
-    if row.clearing == Clearing.ZEROS:
+    if row.kind == Kind.LINE_TO_LINE_FAULT and _is_behind_line(case, row):
         yield cells.wrong(
-            "Clearing", row.clearing, "blank or at once where Begins is a number",
-            "Zeros of current are located in operation alone: clear the cell, or Begins.",
+            "Kind", row.kind, "another kind where Begins is a number and table Supply has the motor",
+            f"{_UNLIKE} in a start: choose another kind, or clear Begins or the row of table Supply.",
         )  # fmt: skip
+
+
+_UNLIKE = "One phase is then behind the impedance of the line and the others are not, which is not calculated"
+
+
+def _is_behind_line(case: CaseData, row: MotorEventRow) -> bool:
+    return any(s.station == row.station for s in case.supply)
 
 
 def _word(row: MotorEventRow, column: str) -> str | None:
@@ -296,10 +319,8 @@ def _columns(cells: Cells, row: MotorEventRow, takes: Takes) -> Iterator[Problem
             f"below Latest clearing, {latest:g} s",
             "The worst Clears after is looked for between the two. Correct one of them.",
         )
-    if row.residual_voltage == 0.0 and row.kind in (Kind.RECLOSING, Kind.OUT_OF_PHASE_CLOSING):
-        yield cells.wrong(
-            "Residual voltage",
-            0.0,
-            "above 0 pu",
-            "Without voltage there is no angle: type a small one.",
-        )
+    if row.residual_voltage == 0.0 and row.kind in (*_OF_THE_MOTOR, Kind.OUT_OF_PHASE_CLOSING):
+        action = "Without voltage there is no angle: type a small one."
+        if row.kind not in (Kind.RECLOSING, Kind.OUT_OF_PHASE_CLOSING):
+            action = "It is the motor's own before the fault, off the line: clear the cell for a motor on its line."
+        yield cells.wrong("Residual voltage", 0.0, "above 0 pu", action)

@@ -204,20 +204,21 @@ def _pole_pairs(case: CaseData) -> Iterator[Problem]:
     line, synchronous = case.ratings.line_frequency, case.ratings.synchronous_speed
     if not line or not synchronous:
         return
-    motors = case.motor_stations
+    motors, ratios = case.motor_stations, case.speed_ratios
     for cells, s in each_row("Stations", case.stations):
-        if s.station not in motors or not s.speed_ratio or s.speed_ratio <= 0.0:
+        ratio = ratios[s.station]
+        if s.station not in motors or ratio <= 0.0:
             continue
-        if s.speed_ratio == 1.0:  # as Poles say; their disagreement is reported by the ratings
+        if ratio == 1.0:  # as Poles say; their disagreement is reported by the ratings
             continue
-        pairs = 2.0 * math.pi * line / (synchronous * s.speed_ratio)
+        pairs = 2.0 * math.pi * line / (synchronous * ratio)
         if abs(pairs - max(round(pairs), 1)) > WHOLE_PAIRS * pairs:
-            rpm = 30.0 * synchronous * s.speed_ratio / math.pi
+            rpm = 30.0 * synchronous * ratio / math.pi
             yield cells.problem(
                 "Speed ratio",
                 s.speed_ratio,
                 "such that the motor has whole pole pairs",
-                f"found {number_text(s.speed_ratio)} at '{s.station}', which has a motor: at "
+                f"found {number_text(ratio)} at '{s.station}', which has a motor: at "
                 f"{rpm:.6g} rpm and {line:.6g} Hz it would have {pairs:.4g} pole pairs. Correct the "
                 f"ratio, or the station in table {_motor_table(case)}.",
             )

@@ -166,7 +166,7 @@ def check_elements(case: CaseData) -> Iterator[Problem]:
     table = "Elements"
     yield from check_names(table, "Element", [e.element for e in case.elements], "an element")
     stations = {s.station for s in case.stations if s.station}
-    ratios = {s.station: (1.0 if s.speed_ratio is None else s.speed_ratio) for s in case.stations}
+    ratios = case.speed_ratios
     materials = {m.material for m in case.materials if m.material}
     stepped = {row.element for row in case.sections}
     for cells, e in each_row(table, case.elements):

@@ -168,6 +168,11 @@ typedef struct {
     double pole_pairs, torque_base, held; /* [1, N m, N m]; the torque that the train is in balance with */
     double angle;                /* of axis d against the line at t = 0, the train in balance [rad] */
     double forward[2], backward[2]; /* voltages that turn with the line and against it: size, angle at t = 0 [1, rad] */
+    /* Where one axis of the stator is shorted: angle of the other one, as those above [rad], and rates of the currents d
+     * and q per flux linkage, from the field, and per voltage d and q. None: neither is, or both are. */
+    const double *current_rate;     /* (2, n_flux + 3) */
+    const double *series;           /* (3) share of the source along it, 0: no current flows; resistance, reactance/ω₀ */
+    double open_axis;
 } machine_t;
 
 /* Flanks: all drive flanks, then all back flanks. */

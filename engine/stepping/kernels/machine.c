@@ -27,6 +27,23 @@ static double torque_row(const double *forced, const inputs_t *in)
     return forced[0] * in[0].torque + forced[1] * in[1].torque + forced[2] * in[2].torque;
 }
 
+/* Voltage along the axis of the stator that is not shorted: that of the source less its drop, or one with which no
+ * current comes, and one that steps leave decays. */
+static double open_voltage(const machine_t *m, double source, sincos_t axis, double beyond, const double *flux)
+{
+    const int64_t n = m->n_flux;
+    const double *of_d = m->current_rate, *of_q = of_d + n + 3, moved_d = beyond * flux[m->q], moved_q = -beyond * flux[0];
+    const double id = row(n, m->current, flux), iq = row(n, m->current + n, flux);
+    const double rd = row(n, of_d, flux) + of_d[n] + of_d[n + 1] * moved_d + of_d[n + 2] * moved_q;
+    const double rq = row(n, of_q, flux) + of_q[n] + of_q[n + 1] * moved_d + of_q[n + 2] * moved_q;
+    const double turning = m->line_omega * (m->axes_speed + beyond), c = axis.cosine, s = axis.sine;
+    const double gain = c * (of_d[n + 1] * c + of_d[n + 2] * s) + s * (of_q[n + 1] * c + of_q[n + 2] * s);
+    const double comes = c * rd + s * rq + turning * (s * id - c * iq), along = c * id + s * iq;
+    const double share = m->series[0], reactance = m->series[2];
+    return (share * (source - m->series[1] * along) - reactance * (comes + (1.0 - share) * m->line_omega * along))
+           / (share + reactance * gain);
+}
+
 /* Angle and speed are those of the rotor beyond the axes. */
 static inputs_t inputs_at(const machine_t *m, double time, double angle, double speed, const double *flux)
 {
@@ -36,8 +53,16 @@ static inputs_t inputs_at(const machine_t *m, double time, double angle, double 
     const sincos_t back = sin_cos(m->backward[1] - (1.0 + m->axes_speed) * line - turned);
     const double d = flux[0], q = flux[m->q];
     inputs_t in;
-    in.d = m->forward[0] * ahead.cosine + m->backward[0] * back.cosine + beyond * q;
-    in.q = m->forward[0] * ahead.sine + m->backward[0] * back.sine - beyond * d;
+    if (m->current_rate) {
+        const sincos_t axis = sin_cos(m->open_axis - m->axes_speed * line - turned);
+        const double source = m->forward[0] * (ahead.cosine * axis.cosine + ahead.sine * axis.sine);
+        const double u = open_voltage(m, source, axis, beyond, flux);
+        in.d = u * axis.cosine + beyond * q;
+        in.q = u * axis.sine - beyond * d;
+    } else {
+        in.d = m->forward[0] * ahead.cosine + m->backward[0] * back.cosine + beyond * q;
+        in.q = m->forward[0] * ahead.sine + m->backward[0] * back.sine - beyond * d;
+    }
     in.torque = d * row(m->n_flux, m->current + m->n_flux, flux) - q * row(m->n_flux, m->current, flux);
     in.torque = m->torque_base * in.torque - m->held;
     return in;

@@ -5,7 +5,7 @@ The start in modal coordinates, q̈ + d q̇ + ω² q = Φᵀ F, is solved togeth
     δq̈ + d δq̇ + ω² δq = Φᵀ δF + δΦᵀ F − δd q̇ − δ(ω²) q,
 
 where δF follows the change of speed at every motor, load and damper and the change of phase of every
-pulsation. At the time of a turning point its value changes by δT there: the time itself moves, but
+pulsation. At the time of a turning point of this motion its value changes by δT there: the time itself moves, but
 the rate is zero (envelope theorem). Frequencies, shapes, damping and curves change as the difference
 of two trains built a little apart says.
 
@@ -25,12 +25,16 @@ from engine.arrays import Floats
 from engine.model.modes import Modes
 from engine.model.train import Train
 from engine.start.start_model import StartModel
+from engine.start.torque_outputs import TorqueOutputs
 from engine.stepping.exponential import polynomial_step
 
 #: Largest phase of the pulsation per step. [rad]
 PHASE = 0.5
 #: Rounds of the collocation in a step that follows none of its length; others take one.
 FIRST_ROUNDS = 3
+#: A turning point is that of a parabola through torques so far apart, and no farther from that of the start itself,
+#: whose time is off by its step error. [steps]
+NEAR, FARTHEST = 0.02, 0.25
 #: Parabola through s = 0, ½, 1: coefficients of s⁰, s¹, s² from the three values.
 _PARABOLA = np.array([[1.0, 0.0, 0.0], [-3.0, 4.0, -1.0], [2.0, -4.0, 2.0]])
 
@@ -328,7 +332,7 @@ def _moved(
 def tangent_torques(
     tangent: TangentModel, watched: Sequence[tuple[int, Floats]]
 ) -> tuple[OutputSensitivity, ...]:
-    """Torques of some outputs at some times, with their derivatives.
+    """Torques of some outputs where they turn near some times, with their derivatives.
 
     Parameters
     ----------
@@ -342,24 +346,20 @@ def tangent_torques(
     tuple of OutputSensitivity
         In the same order. [N m]
     """
-    model = tangent.model
     p = len(tangent.stiffness)
     out = [OutputSensitivity(np.zeros(len(t)), np.zeros((len(t), p))) for _, t in watched]
     wanted = sorted(
         (float(time), k, i) for k, (_, times) in enumerate(watched) for i, time in enumerate(times)
     )
     motion, place = _Motion(tangent), 0
-    for step in _steps(model, wanted[-1][0] if wanted else 0.0):
+    for step in _steps(tangent.model, wanted[-1][0] if wanted else 0.0):
         began = motion.time
         drive, force, before = motion.advance(step)
         while place < len(wanted) and wanted[place][0] <= motion.time * (1.0 + 1e-12):
             time, k, i = wanted[place]
-            share = min(max((time - began) / step.h, 0.0), 1.0)
-            maps = polynomial_step(model.stiffness, model.rate, max(share, 1e-9) * step.h)
-            q, v = _moved(maps, before[0], before[1], drive, share)
-            force_then = force[0] + share * (force[1] + share * force[2])
-            torque, change = _torque(tangent, watched[k][0], q, v, force_then)
-            out[k].torque[i], out[k].derivative[i] = torque, change
+            within = _Within(tangent, watched[k][0], step.h, before, drive, force)
+            found = within.torque(within.turning((time - began) / step.h))
+            out[k].torque[i], out[k].derivative[i] = found[0], found[1:]
             place += 1
     return tuple(out)
 
@@ -387,15 +387,55 @@ def _steps(model: StartModel, until: float) -> list[_Step]:
     return plan
 
 
-def _torque(
-    tangent: TangentModel, output: int, q: Floats, v: Floats, force: Floats
-) -> tuple[float, Floats]:
-    """Torque of one output and its derivatives."""
-    y = tangent.model.outputs
-    whole = y.position[output] @ q + y.velocity[output] @ v + y.force[output] @ force
-    change = (
-        tangent.position[:, output] @ q[:, 0]
-        + tangent.velocity[:, output] @ v[:, 0]
-        + tangent.force[:, output] @ force[:, 0]
-    )
-    return float(whole[0]), np.asarray(whole[1:] + change)
+@dataclass(frozen=True, eq=False)
+class _Within:
+    """Torque of one output within a step that was taken: h, state before it, parabolas of drive and force over it."""
+
+    tangent: TangentModel
+    output: int
+    h: float
+    before: Floats
+    drive: Floats
+    force: Floats
+
+    def torque(self, share: float) -> Floats:
+        """Torque after a share of the step, and its derivatives."""
+        tangent, y = self.tangent, self.tangent.model.outputs
+        q, v, force = self._motion(share, self.before, self.drive, self.force)
+        whole = np.asarray(_along(y, self.output, q, v, force))
+        whole[1:] += (
+            tangent.position[:, self.output] @ q[:, 0]
+            + tangent.velocity[:, self.output] @ v[:, 0]
+            + tangent.force[:, self.output] @ force[:, 0]
+        )
+        return whole
+
+    def turning(self, share: float) -> float:
+        """Where this torque turns near a share of the step; there itself if it does not, as at the end of a start.
+
+        Derivatives of a torque late in the start are those of its phase, a thousand turns of the pulsation old. At the
+        turning points of another run, off by no more than its step error, they would not vanish as at those of its own.
+        """
+        middle = min(max(share, NEAR), 1.0 - NEAR)
+        alone = (self.before[..., :1], self.drive[..., :1], self.force[..., :1])
+        a, b, c = (
+            float(_along(self.tangent.model.outputs, self.output, *self._motion(s, *alone))[0])
+            for s in (middle - NEAR, middle, middle + NEAR)
+        )
+        bend = a - 2.0 * b + c
+        own = middle + 0.5 * NEAR * (a - c) / bend if bend != 0.0 else share
+        return own if abs(own - share) <= FARTHEST else share
+
+    def _motion(
+        self, share: float, before: Floats, drive: Floats, force: Floats
+    ) -> tuple[Floats, Floats, Floats]:
+        """Modes, their velocities and forces after a share of the step."""
+        model, share = self.tangent.model, max(share, 0.0)
+        maps = polynomial_step(model.stiffness, model.rate, max(share, 1e-9) * self.h)
+        q, v = _moved(maps, before[0], before[1], drive, share)
+        return q, v, force[0] + share * (force[1] + share * force[2])
+
+
+def _along(y: TorqueOutputs, output: int, q: Floats, v: Floats, force: Floats) -> Floats:
+    """Torque of one output, by columns."""
+    return np.asarray(y.position[output] @ q + y.velocity[output] @ v + y.force[output] @ force)

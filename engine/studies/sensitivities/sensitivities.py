@@ -35,8 +35,8 @@ from engine.studies.sensitivities.plan import NARROW, WHOLE, WIDE, DerivativePla
 from engine.studies.sensitivities.tangent import TangentDerivatives
 
 #: The two ways agree if they differ by at most this share of the largest derivative of the answer,
-#: beside the error of the differences. The differences carry the step's error in the phase, about
-#: 2 % on the paper's sample; the tangent fulfils the homogeneity of torques to 1e-7 there.
+#: beside the error of the differences. The differences carry the step's error in the phase, up to
+#: 0.6 % on the trains of the tests; the tangent fulfils the homogeneity of torques to 1e-7 there.
 AGREED = 0.03
 #: A derivative whose error, or whose deviation at ± 1 %, exceeds this share of it (and `AGREED` of
 #: the largest) is noted.

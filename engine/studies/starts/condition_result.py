@@ -22,8 +22,8 @@ from engine.studies.starts.conditions import StartCondition, condition_case
 
 #: Outcome of a condition whose run raised an error, or that was not begun.
 NOT_CALCULATED = "not calculated"
-#: That of an event in operation, which is no start.
-EVENT = "event in operation"
+#: That of an event, which is no start of its own: in operation, or while the motor starts.
+EVENT, EVENT_IN_START = "event in operation", "event in the start"
 
 
 @dataclass(frozen=True)
@@ -116,8 +116,10 @@ def calculate_condition(case: CaseData, condition: StartCondition) -> ConditionR
 
 
 def _event_row(case: CaseData, condition: StartCondition, event: OperatingEvent) -> ConditionResult:
-    """The row of an event in operation."""
+    """The row of an event."""
     response = event.response
+    begins = {row.event: row.in_start for row in case.motor_events}
+    outcome = EVENT if begins.get(event.name) is None else EVENT_IN_START
     if response is None:
         return ConditionResult(condition, NOT_CALCULATED, NOT_CALCULATED, remarks=(event.note,))
     largest, torque = response.largest_peak(case.element_speed_ratios)
@@ -133,8 +135,8 @@ def _event_row(case: CaseData, condition: StartCondition, event: OperatingEvent)
     governing = _governing(shafts)
     return ConditionResult(
         condition=condition,
-        outcome=EVENT,
-        words=EVENT,
+        outcome=outcome,
+        words=outcome,
         time=response.outcome.time,
         peak_torque=torque,
         peak_over_rated=torque / rated if rated else None,

@@ -138,7 +138,7 @@ def _event(case: CaseData, cells: Cells, row: StartConditionRow) -> Iterator[Pro
                 column,
                 value,
                 "blank where Event is given",
-                f"it has no effect on event '{row.event}', which comes upon the running train. Clear the cell.",
+                f"it has no effect on event '{row.event}', which is calculated as the other sheets have it. Clear the cell.",
             )
     if row.event in case.events_per_life:
         for column in ("Per year", "So far"):

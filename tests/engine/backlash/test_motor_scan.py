@@ -10,10 +10,17 @@ import pytest
 
 from engine.backlash.motor_scan import worst_instants
 from engine.case.case import Case
-from engine.case.data import EffectChoiceRow, MotorEventRow, StationRow
+from engine.case.data import (
+    EffectChoiceRow,
+    MaterialRow,
+    MotorEventRow,
+    SNPointRow,
+    StationRow,
+)
 from engine.model.modal_train import ModalTrain
 from engine.results.tables import result_tables
 from engine.run import run
+from tests.engine.backlash.test_events_in_start import start
 from tests.engine.results.test_motor_events import BASE, CIRCUIT, FAULT, SHEET, event, motor
 from tests.engine.results.test_operating_events import rows, train, with_backlash
 from tests.trains import RATED
@@ -184,3 +191,75 @@ def test_a_worst_instant_with_slipping_poles_has_no_bound() -> None:
     assert any(p.high is None for p in found.response.peaks)
     (bounded,) = run(motor(FREE, effect_choices=TOGETHER)).events
     assert all(p.high is not None for p in bounded.response.peaks)
+
+
+IN_START = replace(FAULT, clears_after="worst", latest_clearing=0.1, begins=1.5)
+JUDGED = {
+    "materials": (MaterialRow("steel", 800e6, 500e6, 130e6),),
+    "sn_points": (SNPointRow("steel", 1e3, 340e6), SNPointRow("steel", 1e6, 130e6)),
+}
+
+
+def judged_start(*events: MotorEventRow) -> Case:
+    """A start whose first shaft is damaged by the event."""
+    plain = start(*events, meshes=())
+    first = replace(plain.elements[0], stress_diameter=0.11, material="steel", scf=2.0)
+    return start(*events, meshes=(), elements=(first, *plain.elements[1:]), **JUDGED)
+
+
+@pytest.mark.parametrize(
+    "case", [judged_start(IN_START), motor(FREE, effect_choices=TOGETHER)], ids=("start", "running")
+)
+def test_no_clearing_time_damages_more_than_the_worst_one(case: Case) -> None:
+    """Beside every event of a finer grid, calculated alone."""
+    (row,) = case.motor_events
+    (found,) = run(case).events
+    worst = {key: r for (_, key), r in rows(run(case)).items()}
+    times = np.linspace(0.00125, 0.1, 80)
+    alone = run(
+        replace(
+            case,
+            motor_events=tuple(
+                replace(row, event=f"{t:.6f}", clears_after=float(t), latest_clearing=None)
+                for t in times
+            ),
+        )
+    )
+    for name, shown in worst.items():
+        peak = max(abs(shown["maximum"]), abs(shown["minimum"]))
+        mine = [r for (_, e), r in rows(alone).items() if e == name]
+        sizes = [max(abs(r["maximum"]), abs(r["minimum"])) for r in mine]
+        assert max(sizes) <= peak * (1.0 + shown["error"])
+        assert peak <= max(sizes) * 1.02
+        if shown["damage"] is None:
+            continue
+        damages = [r["damage"] for r in mine]
+        assert max(damages) > 1e-4
+        assert max(damages) <= shown["damage"] * (1.0 + shown["damage_error"])
+        assert shown["damage"] <= max(damages) * 1.1
+        own = replace(
+            row, clears_after=shown["worst_clearing_time_of_damage"], latest_clearing=None
+        )
+        again = rows(run(replace(case, motor_events=(own,))))["event", name]
+        assert again["damage"] == shown["damage"]
+    assert found.worst.of_damage
+
+
+def test_a_worst_instant_in_a_start_with_teeth_apart_has_no_bound() -> None:
+    row = replace(IN_START, latest_clearing=0.02)
+    (found,) = run(start(row)).events
+    assert "simulated so at some instants" in found.note
+    assert found.response.left_out is None
+    shown = {p.element: p for p in found.response.peaks}
+    for instant in (found.worst.of_motor, found.worst.of_element["Mesh"]):
+        (alone,) = run(start(instant.row)).events
+        for peak in alone.response.peaks:
+            assert peak.size <= shown[peak.element].size * 1.02 + peak.error
+
+
+def test_an_event_that_slips_poles_says_so_once() -> None:
+    """Not once more at every worst instant of an element."""
+    long = replace(FREE, latest_clearing=0.8)
+    (found,) = run(motor(long, effect_choices=TOGETHER)).events
+    assert len({i.row for i in found.worst.of_element.values()}) > 1
+    assert found.note.count("out of step") == 1

@@ -20,6 +20,8 @@ FAULT = MotorEventRow("fault", "motor", "three-phase fault", clears_after=0.1)
 RIGHT = (
     FAULT,
     MotorEventRow("short", "motor", "line-to-line fault", phase=0.5),
+    MotorEventRow("off", "motor", "line-to-line fault", phase="worst", residual_voltage=1.1),
+    MotorEventRow("off, all", "motor", "three-phase fault", residual_voltage=1.0),
     MotorEventRow("closing", "motor", "out-of-phase closing", angle=-2.0),
     MotorEventRow("excited", "motor", "out-of-phase closing", angle=2.0, residual_voltage=1.1),
     MotorEventRow("at once", "motor", "reclosing"),
@@ -59,8 +61,13 @@ def test_right_events_pass():
         (replace(FAULT, clears_after=120.0), "Clears after", "Write 120 ms or 0.12 s"),
         (
             replace(FAULT, residual_voltage=0.5),
+            "Clears after",
+            "The motor is off the line then, and no line returns",
+        ),
+        (
+            replace(FAULT, residual_voltage=0.0, clears_after=None),
             "Residual voltage",
-            "no effect on a three-phase fault",
+            "clear the cell for a motor on its line",
         ),
         (replace(FAULT, phase="worst"), "Phase", "no effect on a three-phase fault"),
         (replace(FAULT, per_life=-1.0), "Per life", "the number of such events"),
@@ -75,7 +82,7 @@ def test_right_events_pass():
             "Clears after",
             "whatever its number",
         ),
-        (replace(RIGHT[6], clearing="zeros of current"), "Clearing", "no fault is cleared"),
+        (replace(RIGHT[8], clearing="zeros of current"), "Clearing", "no fault is cleared"),
         (replace(FAULT, clears_after="best"), "Clears after", "it must be a number, or worst"),
         (replace(FAULT, latest_clearing=0.2), "Latest clearing", "unless Clears after is worst"),
         (
@@ -100,12 +107,12 @@ def test_right_events_pass():
         ),
         (replace(FAULT, phase=0.5), "Phase", "no effect on a three-phase fault"),
         (replace(FAULT, angle=float("nan")), "Angle", "found nan"),
-        (replace(RIGHT[2], angle=None), "Angle", "given for a out-of-phase closing"),
-        (replace(RIGHT[2], angle=120.0), "Angle", "between -360 and 360 degrees"),
-        (replace(RIGHT[2], clears_after=0.2), "Clears after", "no effect"),
-        (replace(RIGHT[2], residual_voltage=0.0), "Residual voltage", "above 0 pu"),
-        (replace(RIGHT[6], residual_voltage=None), "Residual voltage", "given for a voltage dip"),
-        (replace(RIGHT[6], residual_voltage=60.0), "Residual voltage", "Write 60 % or 0.6 pu"),
+        (replace(RIGHT[4], angle=None), "Angle", "given for a out-of-phase closing"),
+        (replace(RIGHT[4], angle=120.0), "Angle", "between -360 and 360 degrees"),
+        (replace(RIGHT[4], clears_after=0.2), "Clears after", "no effect"),
+        (replace(RIGHT[4], residual_voltage=0.0), "Residual voltage", "above 0 pu"),
+        (replace(RIGHT[8], residual_voltage=None), "Residual voltage", "given for a voltage dip"),
+        (replace(RIGHT[8], residual_voltage=60.0), "Residual voltage", "Write 60 % or 0.6 pu"),
     ],
 )
 def test_wrong_events_are_found(event, column, words):
@@ -132,7 +139,10 @@ def test_an_induction_motor_may_have_a_fault_while_it_starts():
         ({"begins": -0.5}, {}, "Begins", "from the closing of the breaker"),
         ({"begins": 500.0}, {"maximum_time": 10.0}, "Begins", "below MaximumTime, 10 s"),
         ({}, {"initial_state": "running"}, "Begins", "There is no start in which it could begin"),
-        ({}, {"supply": (SupplyRow("motor", 1e9),)}, "Begins", "clear the cell, or the rows of table Supply"),
+        (
+            {"kind": "line-to-line fault"}, {"supply": (SupplyRow("motor", 1e9),)}, "Kind",
+            "another kind where Begins is a number and table Supply has the motor",
+        ),
         ({}, {"pulsation_phase": "worst"}, "Begins", "type a number as PulsationPhase"),
         (
             {},
@@ -141,10 +151,13 @@ def test_an_induction_motor_may_have_a_fault_while_it_starts():
             "a row of every motor in table MotorData, and none in MotorTorque",
         ),
         ({"kind": "out-of-phase closing", "angle": 1.0, "clears_after": None}, {}, "Begins", "closed already"),
+        ({"residual_voltage": 0.9, "clears_after": None}, {}, "Residual voltage", "no effect on a three-phase fault"),
         ({"kind": "reclosing", "angle": 1.0}, {}, "Angle", "no effect on a reclosing"),
         ({"kind": "reclosing", "residual_voltage": 0.7}, {}, "Residual voltage", "no effect on a reclosing"),
-        ({"clears_after": "worst"}, {}, "Clears after", "a number where Begins is one"),
-        ({"clearing": "zeros of current"}, {}, "Clearing", "located in operation alone"),
+        (
+            {"clearing": "zeros of current"}, {"supply": (SupplyRow("motor", 1e9),)}, "Clearing",
+            "blank or at once where table Supply has the motor",
+        ),
     ],
 )  # fmt: skip
 def test_what_cannot_begin_in_a_start_is_refused(change, fields, column, words):
@@ -179,10 +192,17 @@ def test_the_speed_must_be_known():
     assert "LineFrequency" in {p.column for p in found}
 
 
+def test_an_induction_motor_has_no_voltage_off_the_line():
+    event = MotorEventRow("off", "motor", "three-phase fault", residual_voltage=0.9)
+    (found,) = problems(event, motors=(INDUCTION,))
+    assert found.column == "Residual voltage"
+    assert "has no voltage that stays" in found.message
+
+
 def test_an_induction_motor_is_not_closed_out_of_phase():
-    events = [e for e in RIGHT if e.kind != "out-of-phase closing"]
+    events = [e for e in RIGHT if not e.is_off_the_line]
     assert problems(*events, motors=(INDUCTION,)) == []
-    (found,) = problems(RIGHT[2], motors=(INDUCTION,))
+    (found,) = problems(RIGHT[4], motors=(INDUCTION,))
     assert (found.table, found.row, found.column) == ("MotorEvents", 1, "Kind")
     assert "has no voltage to be out of phase. Choose reclosing" in found.message
 

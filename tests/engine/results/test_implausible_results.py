@@ -229,6 +229,10 @@ def test_full_speed_by_hand() -> None:
     assert facts.load == pytest.approx(0.25, rel=1e-9)
     assert facts.running_load == pytest.approx(0.9, rel=1e-12)
     assert facts.rated_power == pytest.approx(58400.0 * 60.0 * math.pi)
+    blank = replace(case, stations=sample_case("modified").stations)
+    assert full_speed(blank, build_train(blank)).running_load == pytest.approx(1.0, rel=1e-12)
+    unknown = replace(blank, load_torque=())
+    assert full_speed(unknown, build_train(unknown)).running_load is None
 
 
 def test_without_speed_and_torque_only_the_ratio_is_known() -> None:

@@ -33,6 +33,20 @@ def test_without_a_change_the_motor_keeps_its_torque():
     assert peaks["maximum"] == pytest.approx(peaks["minimum"], rel=1e-9)
 
 
+def test_the_slip_before_is_that_of_the_equivalent_circuit():
+    """At it the power across the air gap, over synchronous speed, balances the running loads."""
+    results = run(induction(event("voltage dip", residual_voltage=0.9)))
+    s = air_gap(results)["event"]["slip"]
+    assert 0.0 < s < 0.1
+    rotor = SHEET.r_2 / s + 1j * SHEET.x_2
+    together = 1.0 / (1.0 / rotor + 1.0 / (1j * SHEET.xm))
+    voltage = together / (SHEET.r_1 + 1j * SHEET.x_1 + together)
+    torque = abs(voltage / rotor) ** 2 * SHEET.r_2 / s
+    assert torque * BASE == pytest.approx(0.9 * RATED, rel=1e-9)
+    in_step = run(motor(event("voltage dip", residual_voltage=0.9)))
+    assert air_gap(in_step)["event"]["slip"] == 0.0
+
+
 def test_faults_are_near_their_closed_form():
     """The resistances take a part of the flux in the first cycle."""
     found = air_gap(run(induction(event("three-phase fault", clears_after=0.1))))["event"]

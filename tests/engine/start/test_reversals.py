@@ -47,6 +47,14 @@ def mesh_reversal(case: Case, start: Start, contacts: tuple[ContactRecord, ...] 
     return next(r for r in found if r.element == "Mesh")
 
 
+def test_the_rounding_of_a_train_at_rest_is_no_torque(start):
+    t = np.linspace(0.0, 1.0, 2001)
+    wave = with_torque(
+        start, t, 1e4 * np.sin(np.pi * t) ** 2 - 1.134e-8, 1e4 * np.pi * np.sin(2.0 * np.pi * t)
+    )
+    assert mesh_reversal(CASE, wave).minimum_torque == 0.0
+
+
 def test_a_sine_about_a_mean_reverses_as_the_closed_form_says(start):
     mean, swing, omega = 400.0, 1000.0, 2.0 * np.pi * 10.0
     t = np.linspace(0.0, 1.0, 2001)  # ten periods

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from engine.case.data import MaterialRow, MotorEventRow, SNPointRow
+from engine.case.data import EffectChoiceRow, MaterialRow, MotorEventRow, SNPointRow
 from engine.case.study_inputs import StartConditionRow, StudyInputs
 from engine.results.tables import result_tables
 from engine.run import run
@@ -36,6 +36,21 @@ SOFT = {
 
 def per_life(times: float):
     return train(replace(FAULT[0], per_life=times), FAULT[1], *DIP, **SOFT)
+
+
+@pytest.mark.parametrize(
+    ("begins", "outcome"), [(None, "event in operation"), (1.0, "event in the start")]
+)
+def test_the_worst_instant_of_an_event_is_a_row_like_any_other(begins, outcome) -> None:
+    short = replace(SHORT, clears_after="worst", latest_clearing=0.05, begins=begins)
+    case = motor(
+        short, effect_choices=(EffectChoiceRow("backlash", "off"),), load_torque=(), **SOFT
+    )
+    worst = rows(run(case))["event", SHAFT]
+    assert worst["worst_clearing_time_of_damage"] > 0.0
+    (found,) = start_matrix(case, asked(StartConditionRow("a fault", event="event"))).rows
+    assert found.outcome == outcome
+    assert found.shaft(SHAFT).damage == worst["damage"]
 
 
 def test_an_event_is_a_row_like_any_other() -> None:

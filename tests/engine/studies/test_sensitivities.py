@@ -66,9 +66,7 @@ def geared_and_judged(short: Case) -> Case:
 
 @pytest.fixture(scope="module", params=["geared", pytest.param("paper", marks=pytest.mark.slow)])
 def judged(request: pytest.FixtureRequest, short: Case) -> Case:
-    # with curves at the mean speed both ways differ by 3.2 % of the largest: still to be understood
-    paper = Case(**{**vars(short), "torque_follows": "own speed"})
-    return paper if request.param == "paper" else geared_and_judged(short)
+    return short if request.param == "paper" else geared_and_judged(short)
 
 
 @pytest.fixture(scope="module")
@@ -168,7 +166,7 @@ def test_the_two_ways_agree(found: Derivatives) -> None:
     """Every element's peak and every shaft's starts, by every quantity; tolerance as stated."""
     assert found.tangent is not None
     assert found.largest_difference is not None
-    assert found.largest_difference < AGREED
+    assert found.largest_difference < 0.01
     for own, error, other in (
         (found.peaks, found.peak_errors, found.tangent.peak),
         (found.all_starts, found.starts_errors, found.tangent.starts),
@@ -177,6 +175,18 @@ def test_the_two_ways_agree(found: Derivatives) -> None:
         assert np.all(np.abs(own - other) <= AGREED * scale + 2.0 * error)
     assert found.tangent.off < 1e-4
     assert all(r.method == "differences, checked by tangent" for r in found.rows)
+
+
+def test_the_tangent_needs_turning_times_only_to_a_step_error(short: Case) -> None:
+    """An envelope holds where the tangent's own torque turns, not where that of a run with other steps does."""
+    plan = plan_derivatives(geared_and_judged(short))
+    finer = replace(plan, recipe=replace(plan.recipe, step=0.25 * plan.recipe.step))
+    one, other = tangent_of(plan), tangent_of(finer)
+    assert one is not None
+    assert other is not None
+    for a, b in ((one.peak, other.peak), (one.starts, other.starts)):
+        # at the times of the runs themselves 1e-3 and 6e-4, of the paper's train 4e-3 and 1.5e-2
+        assert np.all(np.abs(a - b) <= 2e-5 * np.max(np.abs(b), axis=0))
 
 
 def test_torques_are_homogeneous(found: Derivatives) -> None:

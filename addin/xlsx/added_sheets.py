@@ -1,0 +1,379 @@
+"""Whole sheets of another workbook behind those of a workbook, with their looks, drawings, tables and names.
+
+Made for workbooks that openpyxl wrote. Cells keep their looks through styles that are added to those of the
+workbook; shared texts become texts of the cells; formulas stay as they are written.
+"""
+
+from __future__ import annotations
+
+import posixpath
+from collections.abc import Iterator, Sequence
+from copy import deepcopy
+from itertools import count
+from pathlib import Path
+
+from lxml import etree
+
+from addin.xlsx.errors import damaged
+from addin.xlsx.formulas import CacheReport
+from addin.xlsx.references import whole_number
+from addin.xlsx.save import Destination, PackageChange, SaveReport, save_package
+from addin.xlsx.state import WorkbookState
+from addin.xlsx.workbook_part import CONTENT_TYPES_PART, relationships_part
+from addin.xlsx.xml_part import (
+    CONTENT_TYPES,
+    RELATIONSHIP_IDS,
+    RELATIONSHIPS,
+    Element,
+    main,
+    parse_part,
+    serialise,
+)
+
+#: First number of a number format that a workbook brings itself; smaller ones are built in.
+_OWN_FORMATS = 164
+#: Where the parts of a style are listed, and the attribute by which a style refers to each.
+_STYLE_LISTS = {"fonts": "fontId", "fills": "fillId", "borders": "borderId"}
+
+
+def save_with_sheets(
+    workbook: WorkbookState, source: WorkbookState, sheets: Sequence[str], destination: Path
+) -> SaveReport:
+    """Write a workbook with sheets of another one behind its own.
+
+    Parameters
+    ----------
+    workbook : WorkbookState
+        As opened; changes of its cells are not written by this.
+    source : WorkbookState
+        Where the sheets come from.
+    sheets : sequence of str
+        Their names, none of which the workbook has. [names]
+    destination : Path
+        The new file. [path]
+
+    Returns
+    -------
+    SaveReport
+        Its notes say what could not be taken over.
+    """
+    merger = _Merger(workbook, source)
+    for name in sheets:
+        merger.add(name)
+    merger.add_names(sheets)
+    return save_package(
+        workbook.container,
+        PackageChange(merger.replaced(), added=merger.added),
+        Destination(destination, False),
+        check=lambda parts: [],
+        caches=CacheReport("not needed"),
+        notes=tuple(merger.notes),
+    )
+
+
+class _Merger:
+    """Parts of the new file as they come about."""
+
+    def __init__(self, workbook: WorkbookState, source: WorkbookState) -> None:
+        self._book, self._from = workbook, source
+        self.notes: list[str] = []
+        self.added: dict[str, bytes] = {}
+        self._copied: dict[str, str] = {}
+        self._taken = {name.lower() for name in workbook.container.names}
+        structure = workbook.structure
+        self._roots = {
+            part: parse_part(workbook.container.read(part), part)
+            for part in (structure.part, self._types, self._relations, self._styles)
+        }
+        self._looks = _Looks(self._roots[self._styles], self._styles_of_source())
+        self._tables = {name.casefold() for name in workbook.tables}
+        self._table_numbers = count(
+            1
+            + max((self._table_number(table.part) for table in workbook.tables.values()), default=0)
+        )
+
+    @property
+    def _types(self) -> str:
+        return self._book.container.find(CONTENT_TYPES_PART) or CONTENT_TYPES_PART
+
+    @property
+    def _relations(self) -> str:
+        name = relationships_part(self._book.structure.part)
+        return self._book.container.find(name) or name
+
+    @property
+    def _styles(self) -> str:
+        part = self._book.structure.related("styles")
+        if part is None:
+            raise damaged(f"{self._book.path.name} has no styles.")
+        return part
+
+    def _styles_of_source(self) -> Element:
+        part = self._from.structure.related("styles")
+        if part is None:
+            raise damaged(f"{self._from.path.name} has no styles.")
+        return self._from.container.tree(part)
+
+    def _table_number(self, part: str) -> int:
+        return whole_number(self._book.container.tree(part).get("id")) or 0
+
+    def replaced(self) -> dict[str, bytes]:
+        """The parts of the workbook that list its sheets, parts and styles."""
+        return {
+            part: serialise(root, self._book.container.read(part))
+            for part, root in self._roots.items()
+        }
+
+    # ---- sheets --------------------------------------------------------------------------------
+
+    def add(self, name: str) -> None:
+        """Put a sheet behind the others."""
+        part = self._from.structure.worksheet_part(name)
+        if part is None:
+            self.notes.append(f"Sheet {name} is a chart sheet and is not taken over.")
+            return
+        book = self._roots[self._book.structure.part]
+        sheets = book.find(main("sheets"))
+        numbers = [whole_number(entry.get("sheetId")) or 0 for entry in sheets]
+        relation = self._relate(self._copy(part), "worksheet")
+        attributes = {"name": name, "sheetId": str(max(numbers, default=0) + 1)}
+        if name in self._from.structure.hidden_sheets:
+            attributes["state"] = "hidden"
+        entry = etree.SubElement(sheets, main("sheet"), attributes)
+        entry.set(f"{{{RELATIONSHIP_IDS}}}id", relation)
+
+    def _relate(self, part: str, kind: str) -> str:
+        root = self._roots[self._relations]
+        used = {entry.get("Id") for entry in root}
+        relation = next(name for n in count(1) if (name := f"rId{n}") not in used)
+        etree.SubElement(
+            root,
+            f"{{{RELATIONSHIPS}}}Relationship",
+            {"Id": relation, "Type": f"{RELATIONSHIP_IDS}/{kind}", "Target": f"/{part}"},
+        )
+        return relation
+
+    def _copy(self, part: str) -> str:
+        """A part of the source, with all that it leads to, under a name that is free."""
+        if part in self._copied:
+            return self._copied[part]
+        new = self._copied[part] = self._free(part)
+        data = self._from.container.read(part)
+        kind = self._kind(part)
+        dropped: set[str] = set()
+        relations = self._copied_relations(part, dropped)
+        if kind.endswith("spreadsheetml.worksheet+xml"):
+            data = self._sheet(part, dropped)
+        elif kind.endswith("spreadsheetml.table+xml"):
+            data = self._table(part)
+        self.added[new] = data
+        etree.SubElement(
+            self._roots[self._types],
+            f"{{{CONTENT_TYPES}}}Override",
+            {"PartName": f"/{new}", "ContentType": kind},
+        )
+        if relations is not None:
+            self.added[relationships_part(new)] = relations
+        return new
+
+    def _free(self, part: str) -> str:
+        stem, ending = posixpath.splitext(part)
+        stem = stem.rstrip("0123456789")
+        names = (f"{stem}{number}{ending}" for number in count(1))
+        new = next(name for name in names if name.lower() not in self._taken)
+        self._taken.add(new.lower())
+        return new
+
+    def _kind(self, part: str) -> str:
+        """Content type of a part of the source, its own or that of its ending."""
+        own = self._from.structure.types.get(part)
+        if own:
+            return own
+        ending = posixpath.splitext(part)[1].lstrip(".").lower()
+        root = self._from.container.tree(CONTENT_TYPES_PART)
+        for entry in root.iter(f"{{{CONTENT_TYPES}}}Default"):
+            if entry.get("Extension", "").lower() == ending:
+                return str(entry.get("ContentType"))
+        raise damaged(f"{self._from.path.name} does not say what its part {part} is.")
+
+    def _copied_relations(self, part: str, dropped: set[str]) -> bytes | None:
+        """The relationships of a part, led to the copies; None where it has none."""
+        stored = self._from.container.find(relationships_part(part))
+        if stored is None:
+            return None
+        root = deepcopy(self._from.container.tree(stored))
+        inside = {one.id: one for one in self._from.structure.relationships(part)}
+        for entry in list(root):
+            related = inside.get(entry.get("Id"))
+            if related is None:
+                continue  # it leads out of the workbook
+            if related.kind == "table" and not self._may_take(related.part):
+                dropped.add(related.id)
+                root.remove(entry)
+            else:
+                entry.set("Target", f"/{self._copy(related.part)}")
+        return etree.tostring(root, xml_declaration=True, encoding="UTF-8", standalone=True)
+
+    def _may_take(self, part: str) -> bool:
+        """Whether a table has a name that the workbook has not."""
+        name = str(self._from.container.tree(part).get("displayName"))
+        if name.casefold() not in self._tables:
+            self._tables.add(name.casefold())
+            return True
+        self.notes.append(
+            f"Table {name} is on a sheet that was added, but the workbook has a table of that name: its cells were "
+            "taken over without it. Give it another name."
+        )
+        return False
+
+    def _table(self, part: str) -> bytes:
+        root = deepcopy(self._from.container.tree(part))
+        root.set("id", str(next(self._table_numbers)))
+        for entry in root.iter():
+            for name in ("dataDxfId", "headerRowDxfId", "totalsRowDxfId"):
+                if entry.get(name):
+                    entry.set(name, self._looks.difference(entry.get(name)))
+        return etree.tostring(root, xml_declaration=True, encoding="UTF-8", standalone=True)
+
+    def _sheet(self, part: str, dropped: set[str]) -> bytes:
+        """A sheet with the numbers of the styles here, and with its texts in its cells."""
+        root = deepcopy(self._from.container.tree(part))
+        for view in root.iter(main("sheetView")):
+            view.attrib.pop("tabSelected", None)
+        for tag, attribute in (("c", "s"), ("row", "s"), ("col", "style")):
+            for entry in root.iter(main(tag)):
+                if entry.get(attribute):
+                    entry.set(attribute, self._looks.style(entry.get(attribute)))
+        for rule in root.iter(main("cfRule")):
+            if rule.get("dxfId"):
+                rule.set("dxfId", self._looks.difference(rule.get("dxfId")))
+        for cell in root.iter(main("c")):
+            if cell.get("t") == "s":
+                self._put_text(cell)
+        for table in list(root.iter(main("tablePart"))):
+            if table.get(f"{{{RELATIONSHIP_IDS}}}id") in dropped:
+                table.getparent().remove(table)
+        return etree.tostring(root, xml_declaration=True, encoding="UTF-8", standalone=True)
+
+    def _put_text(self, cell: Element) -> None:
+        value = cell.find(main("v"))
+        text = self._from.shared_texts.text(value.text or "")
+        runs = self._from.shared_texts.runs(value.text or "")
+        cell.remove(value)
+        cell.set("t", "inlineStr")
+        inside = etree.SubElement(cell, main("is"))
+        if runs is not None:
+            inside.extend(deepcopy(list(runs)))
+        else:
+            etree.SubElement(inside, main("t")).text = text
+
+    # ---- names ---------------------------------------------------------------------------------
+
+    def add_names(self, sheets: Sequence[str]) -> None:
+        """Take over the names of the sheets, and those of the workbook that lead to them."""
+        root = self._roots[self._book.structure.part]
+        listed = [entry.get("name") for entry in root.find(main("sheets"))]
+        there = {name.casefold() for name in self._book.defined_names}
+        for name in self._from.structure.names:
+            local = name.local_sheet
+            if local in sheets and local in listed:
+                self._name(root, name.name, name.text, listed.index(local))
+            elif not local and name.sheet in sheets:
+                if name.name.casefold() in there:
+                    self.notes.append(
+                        f"The name {name.name} leads to sheet {name.sheet}, but the workbook has a name like it: it "
+                        "was not taken over. Choose another one."
+                    )
+                else:
+                    self._name(root, name.name, name.text, None)
+
+    def _name(self, root: Element, name: str, text: str, local: int | None) -> None:
+        names = root.find(main("definedNames"))
+        if names is None:
+            names = etree.Element(main("definedNames"))
+            root.find(main("sheets")).addnext(names)
+        entry = etree.SubElement(names, main("definedName"), {"name": name})
+        entry.text = text
+        if local is not None:
+            entry.set("localSheetId", str(local))
+
+
+class _Looks:
+    """Styles of the source that are added to those of the workbook, each when it is first needed."""
+
+    def __init__(self, here: Element, there: Element) -> None:
+        self._here, self._there = here, there
+        self._known: dict[tuple[str, int], int] = {}
+        self._formats: dict[str, str] = {}
+
+    def style(self, index: str) -> str:
+        """The number here of a style of a cell there."""
+        return str(self._taken("cellXfs", index))
+
+    def difference(self, index: str) -> str:
+        """The number here of what a rule or a table changes of a style."""
+        return str(self._taken("dxfs", index))
+
+    def _taken(self, listed: str, index: str | None) -> int:
+        there = list(
+            self._there.find(main(listed)) if self._there.find(main(listed)) is not None else ()
+        )
+        number = whole_number(index, len(there) - 1)
+        if number is None:
+            return 0
+        if (listed, number) not in self._known:
+            entry = deepcopy(there[number])
+            if listed == "cellXfs":
+                for name, attribute in _STYLE_LISTS.items():
+                    entry.set(attribute, str(self._taken(name, entry.get(attribute))))
+                entry.set("numFmtId", self._format(entry.get("numFmtId", "0")))
+                entry.set(
+                    "xfId", "0"
+                )  # named styles are not taken over; the look does not need them
+                for what in ("Font", "Fill", "Border", "NumberFormat", "Alignment", "Protection"):
+                    entry.set(f"apply{what}", "1")
+            self._known[listed, number] = self._append(listed, entry)
+        return self._known[listed, number]
+
+    def _append(self, listed: str, entry: Element) -> int:
+        entries = self._here.find(main(listed))
+        if entries is None:  # of the lists used here only this one may be missing
+            entries = etree.Element(main("dxfs"))
+            self._here.find(main("cellXfs")).getparent().find(main("cellStyles")).addnext(entries)
+        entries.append(entry)
+        entries.set("count", str(len(entries)))
+        return len(entries) - 1
+
+    def _format(self, number: str) -> str:
+        """The number here of a number format there."""
+        if (whole_number(number) or 0) < _OWN_FORMATS:
+            return number
+        if number not in self._formats:
+            code = next(
+                (
+                    e.get("formatCode")
+                    for e in self._codes(self._there)
+                    if e.get("numFmtId") == number
+                ),
+                "General",
+            )
+            same = [
+                e.get("numFmtId") for e in self._codes(self._here) if e.get("formatCode") == code
+            ]
+            self._formats[number] = same[0] if same else self._new_format(code)
+        return self._formats[number]
+
+    def _new_format(self, code: str) -> str:
+        formats = self._here.find(main("numFmts"))
+        if formats is None:
+            formats = etree.Element(main("numFmts"))
+            self._here.insert(0, formats)
+        used = [whole_number(entry.get("numFmtId")) or 0 for entry in formats]
+        number = str(max([_OWN_FORMATS - 1, *used]) + 1)
+        etree.SubElement(formats, main("numFmt"), {"numFmtId": number, "formatCode": code})
+        formats.set("count", str(len(formats)))
+        return number
+
+    @staticmethod
+    def _codes(styles: Element) -> Iterator[Element]:
+        yield from styles.iterfind(f"{main('numFmts')}/{main('numFmt')}")

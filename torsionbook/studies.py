@@ -1,0 +1,184 @@
+"""Studies of an input: many runs, by the same records as the commands and the server."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from addin.contract.tables import RESULT_TABLES, STUDY_RESULT_TABLES
+from addin.contract.version import product_version
+from addin.reading.typed_case import CaseInput
+from addin.studies.registry import found_studies
+from addin.studies.run_study import calculate_study, to_json
+from addin.studies.study import Study, StudyResult, wrong_setting
+from addin.workers.opened_map import open_parallel_map
+from torsionbook.frames import frame_of, frozen, table_called
+from torsionbook.inputs import Source, read
+from torsionbook.problems import refuse
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+_TABLES = (*STUDY_RESULT_TABLES, *RESULT_TABLES)
+
+
+@dataclass(frozen=True, repr=False)
+class StudyResults:
+    """What a study showed. Made by `study`."""
+
+    _study: Study = field(repr=False)
+    _read: CaseInput = field(repr=False)
+    _result: StudyResult = field(repr=False)
+    _warnings: tuple[str, ...] = field(repr=False)
+
+    def __repr__(self) -> str:
+        return f"<Results of study {self._study.command}: {self.sentence}>"
+
+    @property
+    def sentence(self) -> str:
+        """What was found, in words. [sentence]"""
+        return self._result.sentence
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What the engineer should know. [sentences]"""
+        return self._warnings
+
+    @property
+    def tables(self) -> tuple[str, ...]:
+        """Result tables that have rows. [names]"""
+        content = self.to_json()
+        return tuple(spec.name for spec in _TABLES if content.get(spec.key))
+
+    def rows(self, table: str) -> tuple[Mapping[str, Any], ...]:
+        """The rows of a result table as records that cannot be written to.
+
+        Parameters
+        ----------
+        table : str
+            Its name, such as ``TuningResults``. [name]
+
+        Returns
+        -------
+        tuple of mapping
+            By JSON key, as in the JSON of the study; a blank has no key. [SI]
+        """
+        spec = table_called(table, _TABLES, "result table")
+        return frozen(self.to_json().get(spec.key, ()))
+
+    def table(self, table: str, units: str = "base") -> pd.DataFrame:
+        """The rows of a result table as a frame.
+
+        Parameters
+        ----------
+        table : str
+            Its name, such as ``TuningResults``. [name]
+        units : str, optional
+            ``base`` (SI and radians), ``us`` or ``si`` (those of the blank workbooks). [word]
+
+        Returns
+        -------
+        pandas.DataFrame
+            A column a JSON key; ``attrs["units"]`` says the unit of each. [those units]
+        """
+        spec = table_called(table, _TABLES, "result table")
+        return frame_of(self.rows(table), spec, units, self._read.data.ratings.rated_torque)
+
+    def save(self, name: str = "case", **options: Any) -> tuple[Path, ...]:
+        """Write the further files that the command of the study writes, such as the best cases of ``tune``.
+
+        Parameters
+        ----------
+        name : str, optional
+            Their names begin with it. [name]
+        **options
+            Options of the command that name files, such as ``cases="best", top=3`` of ``tune``.
+
+        Returns
+        -------
+        tuple of Path
+            The files written; cases among them can be read by `read`.
+        """
+        known = {option.name: option for option in self._study.options}
+        for option in options:
+            if option not in known:
+                raise LookupError(
+                    f"{self._study.command} has no option '{option}'. Available: {', '.join(known) or 'none'}."
+                )
+        given = {
+            name: Path(options[name])
+            if option.kind is Path and name in options
+            else options.get(name, option.default)
+            for name, option in known.items()
+        }
+        if sentence := self._study.refusal(given):
+            raise ValueError(sentence)
+        return tuple(self._study.save(self._result, given, Path(f"{name}.json")))
+
+    def to_json(self) -> dict[str, Any]:
+        """The object that the command of the study writes with ``--json``. [SI]"""
+        as_json = self._study.as_json or partial(to_json, self._study)
+        return as_json(self._result, self._read, self._warnings)
+
+
+def study(
+    source: Source,
+    name: str,
+    *,
+    jobs: int = 1,
+    progress: Callable[[str], None] | None = None,
+    **settings: Any,
+) -> StudyResults:
+    """Make a study of an input, which holds the tables of the study.
+
+    Parameters
+    ----------
+    source : Input, path, mapping or openpyxl Workbook
+        What `read` takes.
+    name : str
+        ``tune``, ``tolerances``, ``sensitivities``, ``starts``, ``calibrate`` or ``accuracy``: the commands. [word]
+    jobs : int, optional
+        Processes; 1 = this one. [count]
+    progress : callable, optional
+        Called with a word on what is being done.
+    **settings
+        Those of the command, such as ``samples=1000``.
+
+    Returns
+    -------
+    StudyResults
+        Complete. [SI]
+
+    Raises
+    ------
+    InputError
+        With everything that is wrong with the case or the tables of the study.
+
+    Examples
+    --------
+    >>> import torsionbook as tb
+    >>> train = tb.read(tb.template("example_modified")).change({"Tuning": [
+    ...     {"Element": "LS coupling", "Quantity": "stiffness", "Values": "0.8; 1.2", "Unit": "1"}]})
+    >>> len(tb.study(train, "tune").rows("TuningResults"))  # the two, and the train as it is
+    3
+    """
+    studies = {one.command: one for one in found_studies()}
+    if name not in studies:
+        raise LookupError(f"There is no study '{name}'. There are {', '.join(studies)}.")
+    asked = studies[name]
+    if wrong := wrong_setting(name, asked.options, settings):
+        raise ValueError(wrong)
+    found = read(source)._read
+    every = {option.name: option.default for option in asked.options if option.is_setting}
+    with open_parallel_map(
+        1 if asked.measures_time else jobs, None, product_version, lambda: False
+    ) as parallel_map:
+        result, problems, warnings = calculate_study(
+            asked, found, parallel_map, every | settings, progress or (lambda stage: None)
+        )
+    refuse(problems)
+    assert result is not None
+    return StudyResults(asked, found, result, warnings)
