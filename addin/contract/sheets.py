@@ -235,7 +235,7 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
         "Fatigue",
         "input",
         {"A": 1.5, "B": 19, "C:M": 8.8, "N": 1, "O:U": 8},
-        {"Materials": "B5", "SNPoints": "I5", "AllowableStarts": "B22", "StartCycles": "O37"},
+        {"Materials": "B5", "SNPoints": "I5", "AllowableStarts": "B26", "StartCycles": "O37"},
         (ChartAt("sn", "O5", 427, 300),),
         intro="Strength and S-N lines of the shaft materials (zero-to-peak; nominal stress times SCF is compared "
         "with them), and the fatigue damage of one start by rainflow count and Miner's rule.",

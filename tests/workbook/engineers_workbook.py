@@ -230,7 +230,7 @@ def with_office_parts(path: Path) -> Path:
     """Threaded comments, printer settings, an external link, x14 validations, custom XML, and what is in office_objects."""
     parts = parts_of(path)
     own = part_of_sheet(parts, "Our summary")
-    steady = part_of_sheet(parts, sheet_name("Steady state"))
+    steady = part_of_sheet(parts, sheet_name("Results"))
     new: dict[str, tuple[bytes, str]] = {
         "xl/threadedComments/threadedComment1.xml": (
             f'<ThreadedComments xmlns="{_MS}/spreadsheetml/2018/threadedcomments"><threadedComment '

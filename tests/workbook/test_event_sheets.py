@@ -195,7 +195,7 @@ def test_verify_follows_it_and_finds_an_edited_peak(calculated: Path, tmp_path: 
     workbook.save(tmp_path / "edited.xlsx")
     found = verify_file(tmp_path / "edited.xlsx")
     assert found.outcome == "does not follow"
-    assert any((f.sheet, f.cell) == ("Events", cell) for f in found.findings)
+    assert any((f.sheet, f.cell) == (table.sheet, cell) for f in found.findings)
 
 
 def test_events_that_are_cleared_leave_no_rows(calculated: Path, tmp_path: Path) -> None:
