@@ -12,7 +12,7 @@ Row = Mapping[str, Any]
 #: Modes are printed up to this multiple of the highest excitation; those above are far from every one.
 _ABOVE_EXCITATION = 2.0
 #: Cycles that fill the page on which they are printed; the largest damage stands first.
-_CYCLES = 14
+_CYCLES = 10
 
 
 @dataclass(frozen=True)

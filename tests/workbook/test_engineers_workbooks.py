@@ -67,7 +67,7 @@ NOBODYS = (
     "xl/richData/richStyles.xml",
 )
 #: Sheets whose cells differ from run to run: date, wall times.
-OF_EACH_RUN = ("Lists", "ChartData", "Effects", "Accuracy", "Audit", "Summary")
+OF_EACH_RUN = ("Lists", "ChartData", "Effects and accuracy", "Audit", "Summary")
 
 
 @pytest.fixture(scope="module", params=["xlsx", pytest.param("xlsm", marks=pytest.mark.slow)])
