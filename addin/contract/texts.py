@@ -24,7 +24,7 @@ CONTACT_LAW: tuple[str, str] = (
 #: Above the trace on sheet Notes.
 TRACE_INTRO = (
     "Meaning, equation, source and inputs of each number on the result sheets. For one cell, with the cells and "
-    "values it comes from: torsionbook verify FILE --trace 'Results!AN9'"
+    "values it comes from: torsionbook verify FILE --trace 'Results!AW9'"
 )
 
 #: Notes on torque reversals: term, and text or formula.

@@ -14,7 +14,7 @@ For every column of every result sheet: its meaning, its equation or rule, the s
 results that it uses. Sheet Notes of each workbook and the help of each header cell give the same. For a
 single cell, with the places and values of its inputs:
 
-    torsionbook verify train.out.xlsx --trace 'Results!AN9'
+    torsionbook verify train.out.xlsx --trace 'Results!AW9'
 
 *From the row* are inputs and results of the element, station, mode, excitation or material of that row;
 *from the case* those of all of them. Symbols: see the [nomenclature](nomenclature.md); numerical methods:

@@ -53,7 +53,7 @@ def test_an_edited_number_is_named_with_its_cell(edited):
     found = verify_file(edited(edit))
     assert found.outcome == "does not follow"
     [finding] = failing(found)
-    assert (finding.kind, finding.sheet, finding.cell) == ("edited", "Results", "AN10")
+    assert (finding.kind, finding.sheet, finding.cell) == ("edited", "Results", "AW10")
     assert finding.found == pytest.approx(0.9 * finding.expected)
 
 
