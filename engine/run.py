@@ -293,7 +293,8 @@ def planned_start(
             start, full = with_pieces_error(full, pieces, tolerance), None
             model = (analysis.coupled if plan.lateral else None) or model
     otherwise: JudgedRun | None = None
-    if estimated and evidence.electrical is not None and not evidence.electrical.known:
+    unknown = evidence.electrical is not None and not evidence.electrical.known
+    if estimated and unknown and not plans[-1].effects.motor_transient:
         with stage("motor curves at the other speed"):
             otherwise, change = _read_otherwise(stepped, model, plans[-1], start, linear)
         plans[-1] = with_estimate(case, plans[-1], change)

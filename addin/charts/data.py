@@ -124,6 +124,10 @@ def _segments(pieces: Iterable[Sequence[tuple[float, float]]]) -> tuple[list[Cel
     return xs, ys
 
 
+#: Torques of a motor against speed, as tables `MotorTorque` and `MotorCurves` have them.
+MOTOR_TORQUES = ("average", "pulsating", "pulsation_1")
+
+
 # --- the train ------------------------------------------------------------------------------------
 
 
@@ -220,11 +224,11 @@ def _torque_rows(case: CaseData, run: RunView | None) -> Rows:
     """All motors, all loads and their difference on one grid, referred to the motor, in pu."""
     rated = case.ratings.rated_torque
     ratios = case.speed_ratios
-    motor = _calculated_curves(run) | _curves(case.motor_torque, ("average", "pulsating"))
+    motor = _calculated_curves(run) | _curves(case.motor_torque, MOTOR_TORQUES)
     load = _curves(case.load_torque, ("torque",))
     speeds = sorted({speed for points in (*motor.values(), *load.values()) for speed in points[0]})
     if not rated or not speeds:
-        return [[None] * 5]
+        return [[None] * 6]
     grid = np.array(speeds)
 
     def total(curves: Mapping[str, tuple[list[float], ...]], column: int) -> Floats:
@@ -234,9 +238,15 @@ def _torque_rows(case: CaseData, run: RunView | None) -> Rows:
         )
         return sum(referred, np.zeros(grid.size))
 
-    average, pulsating, opposing = total(motor, 1), total(motor, 2), total(load, 1)
-    columns = (100.0 * grid, average, pulsating, opposing, average - opposing)
-    return side_by_side([plain(column) for column in columns])
+    average, pulsating, at_slip = (total(motor, k) for k in (1, 2, 3))
+    opposing = total(load, 1)
+    columns = [
+        plain(column)
+        for column in (100.0 * grid, average, pulsating, at_slip, opposing, average - opposing)
+    ]
+    if not at_slip.any():
+        columns[3] = []
+    return side_by_side(columns)
 
 
 def _motor_rows(
@@ -247,11 +257,13 @@ def _motor_rows(
     labels["Motor axis"] = f"Torque [{units.name('MotorCurves', 'Average')}]"
     unit = units.factor("MotorCurves", "Average")
     calculated = _calculated_curves(run)
-    typed = _curves(case.motor_torque, ("average", "pulsating"))
+    typed = _curves(case.motor_torque, MOTOR_TORQUES)
     beside = {station: typed[station] for station in calculated if station in typed}
-    scales = (0.01, unit, unit)
+    scales = (0.01, unit, unit, unit)
     columns = [
         _segments([[(0.0, v / scale) for v in curve[k]] for curve in curves.values()])[1]
+        if k < 3 or any(any(curve[k]) for curve in curves.values())
+        else []
         for curves in (calculated, beside)
         for k, scale in enumerate(scales)
     ]
@@ -322,13 +334,12 @@ def _clearing_rows(run: RunView | None, units: ShownUnits, labels: dict[str, Cel
 
 
 def _calculated_curves(run: RunView | None) -> dict[str, tuple[list[float], ...]]:
-    """Speed, average and pulsating torque of each motor with a data sheet."""
+    """Speed, average and pulsating torques of each motor with a data sheet."""
     found: dict[str, tuple[list[float], ...]] = {}
     for row in _table(run, "MotorCurves"):
-        curve = found.setdefault(row["station"], ([], [], []))
-        for column, value in zip(
-            curve, (1.0 - row["slip"], row["average"], row["pulsating"]), strict=True
-        ):
+        curve = found.setdefault(row["station"], ([], [], [], []))
+        values = (1.0 - row["slip"], *(row[name] for name in MOTOR_TORQUES))
+        for column, value in zip(curve, values, strict=True):
             column.append(value)
     return found
 

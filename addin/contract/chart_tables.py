@@ -83,7 +83,7 @@ CHART_TABLES: tuple[ChartTable, ...] = (
     ),
     ChartTable(
         "ChartTorque",
-        ("Speed", "Average", "Pulsating", "Load", "Accelerating"),
+        ("Speed", "Average", "Pulsating", "Pulsation1", "Load", "Accelerating"),
         "Torques [pu of RatedTorque] against speed [% of synchronous], referred to the motor.",
     ),
     ChartTable("ChartSpeedTime", ("Time", "Speed"), "Motor speed against time."),
@@ -134,7 +134,16 @@ CHART_TABLES: tuple[ChartTable, ...] = (
     ),
     ChartTable(
         "ChartMotor",
-        ("Speed", "Average", "Pulsating", "Typed speed", "Typed average", "Typed pulsating"),
+        (
+            "Speed",
+            "Average",
+            "Pulsating",
+            "Pulsation1",
+            "Typed speed",
+            "Typed average",
+            "Typed pulsating",
+            "Typed pulsation1",
+        ),
         "Torques of motors with a data sheet against speed [% of synchronous], calculated and typed.",
     ),
     ChartTable(

@@ -252,6 +252,7 @@ _SPECS = (
         (
             _curve("ChartTorque", "Speed", "Average", "Motor, average", "navy", 2.0),
             _curve("ChartTorque", "Speed", "Pulsating", "Motor, pulsating (zero-to-peak)", "rust", 1.75),
+            _curve("ChartTorque", "Speed", "Pulsation1", "Motor, at 1 × slip (zero-to-peak)", "gold", 1.75),
             _curve("ChartTorque", "Speed", "Load", "Load, all machines", "teal", 1.75),
             Series("ChartTorque", "Speed", "Accelerating", "Accelerating (average − load)", "grey", 1.25, "dash"),
         ),
@@ -261,6 +262,7 @@ _SPECS = (
     _typed(
         "motor-typed", "MotorTorque", "Motor torque as typed (live)", "In the units above the columns",
         ("Average", "Average", "navy"), ("Pulsating", "Pulsating (zero-to-peak)", "rust"),
+        ("Pulsation1", "At 1 × slip (zero-to-peak)", "gold"),
     ),
     _typed(
         "load-typed", "LoadTorque", "Load torque as typed (live), each at its own speed",
@@ -274,8 +276,10 @@ _SPECS = (
         (
             _curve("ChartMotor", "Speed", "Average", "Average", "navy", 2.0),
             _curve("ChartMotor", "Speed", "Pulsating", "Pulsating (zero-to-peak)", "rust", 1.75),
+            _curve("ChartMotor", "Speed", "Pulsation1", "At 1 × slip (zero-to-peak)", "gold", 1.75),
             Series("ChartMotor", "Typed speed", "Typed average", "Average, typed", "navy", 1.25, "dash"),
             Series("ChartMotor", "Typed speed", "Typed pulsating", "Pulsating, typed", "rust", 1.25, "dash"),
+            Series("ChartMotor", "Typed speed", "Typed pulsation1", "At 1 × slip, typed", "gold", 1.25, "dash"),
         ),
         legend=True,
         caption="Motor torque calculated from its data, beside typed curves",

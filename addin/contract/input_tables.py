@@ -7,6 +7,7 @@ from engine.case.choices import (
     Begins,
     BelowEndurance,
     Clearing,
+    DischargePath,
     EffectChoice,
     ElementKind,
     FieldCircuit,
@@ -277,6 +278,12 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
                 "Resistor across the field in the start, as a multiple of the field's own resistance.",
                 blank="field short-circuited",
             ),
+            number(
+                "Discharge resistance reverse", "ratio",
+                "The same for currents against those of the field in operation, where diodes or a thyristor make the path one-way; "
+                "or open.",
+                blank="the same both ways", choices=tuple(DischargePath),
+            ),
             choice(
                 "Field circuit", tuple(FieldCircuit), "Whether the field circuit is closed in the start.",
                 blank="closed",
@@ -332,10 +339,10 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
     table(
         "Supply", sheet="Torque and motor", caption="Line and starter",
         help="The line of a motor of table MotorData in the start, and what stands between: the voltage at its terminals follows "
-        "from its current. Instead of SupplyVoltage.",
+        "from its current. A soft starter without Short-circuit power needs no MotorData. Instead of SupplyVoltage.",
         rows=4, row_name=("Station",), short_caption=True, later=True,
         columns=(
-            text("Station", "Station of a row of table MotorData.", kind="station"),
+            text("Station", "Station of a row of table MotorData; of a soft starter alone, of a motor.", kind="station"),
             number(
                 "Short-circuit power", "apparent power", "Three-phase short-circuit power at the motor's terminals.",
                 blank="the line does not give way",
@@ -357,6 +364,8 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
                 "Open time", "time", "How long the motor is off the line at the switch-over (open transition).",
                 blank="no interruption",
             ),
+            number("Initial voltage", "fraction", "Soft start: voltage at closing."),
+            number("Ramp time", "time", "Soft start: how long the voltage rises to the full one, in proportion to time."),
         ),
     ),
     table(

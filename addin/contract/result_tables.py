@@ -48,6 +48,7 @@ from addin.contract.sources import (
     MODAL_ELECTRICAL,
     MOTOR_DATA,
     OF_SECTION,
+    ONE_WAY,
     PAPER,
     PEAK,
     PHILOSOPHY,
@@ -595,6 +596,17 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 "|V − (R + j X) I₊|, V, R and X of the line and the starter", CURVES_FROM_DATA,
                 of_row=("MotorCurves.Slip",), of_case=(*MOTOR_DATA, *SUPPLY, *LINE), format=shown.TWO_DECIMALS,
             ),
+            number(
+                "Pulsation1", "torque", "Torque at the slip frequency itself, zero-to-peak; 0 unless the discharge path is one-way.",
+                "First harmonic of the torque over a period of the slip", ONE_WAY,
+                us="lbf*ft", of_row=("MotorCurves.Slip",), of_case=(*MOTOR_DATA, *SUPPLY, *LINE), format=shown.SIGNED,
+            ),
+            number(
+                "Phase1", "angle",
+                "Phase of Pulsation1, of cos(s ω t) with the voltage along the axis of the poles at t = 0.",
+                "Argument of that harmonic", ONE_WAY,
+                of_row=("MotorCurves.Slip",), of_case=(*MOTOR_DATA, *SUPPLY, *LINE), format="0.0",
+            ),
         ),
     ),
     table(
@@ -690,7 +702,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
     ),
     table(
         "StartupCrossings", sheet="Start", caption="Crossings of 2 × slip frequency",
-        help="Where 2 × slip frequency crosses each mode, and 1 × slip where a motor has Pulsation1.",
+        help="Where 2 × slip frequency crosses each mode, and 1 × slip where a motor has Pulsation1, typed or from its one-way discharge path.",
         row_name=("Mode",), changes_shown=("Peak-to-peak torque", "Mesh minimum torque"),
         room=CROSSING_ROWS, of_the_start=True, rank=4,
         columns=(
@@ -783,7 +795,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             ),
             integer(
                 "Multiple of slip", "2, or 1 of the torque of a one-way discharge path.",
-                "2 for each mode; 1 for those below 1.1 × line frequency where MotorTorque has Pulsation1",
+                "2 for each mode; 1 for those below 1.1 × line frequency where a motor has Pulsation1",
                 "docs/method.md, Crossings", of_case=("MotorTorque.Pulsation1",),
             ),
             sentence(
@@ -1004,7 +1016,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
         ),
     ),
     table(
-        "EventPeaks", sheet="Torque and motor", caption="Peaks of events in operation",
+        "EventPeaks", sheet="Torque and motor", caption="Peaks of events",
         help="Extremes from the event on, the torques of operation or start included, at own speed; stress nominal without "
         "SCF.",
         row_name=("Event", "Element"), changes_shown=("Maximum", "Minimum"), of_the_start=True, rank=7,

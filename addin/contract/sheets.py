@@ -204,9 +204,9 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
     Sheet(
         "Motor",
         "input",
-        {"A": 1.5, "B": 14, "C": 11, "D:X": 8.5, "Y:AF": 7},
-        {"MotorData": "B5", "MotorCircuit": "B15", "MotorCurves": "B49", "SupplyVoltage": "L49",
-         "Supply": "R49", "MotorTimeConstants": "Z49"},
+        {"A": 1.5, "B": 14, "C": 11, "D:Z": 8.5, "AA:AG": 7},
+        {"MotorData": "B5", "MotorCircuit": "B15", "MotorCurves": "B49", "SupplyVoltage": "N49",
+         "Supply": "R49", "MotorTimeConstants": "AB49"},
         (ChartAt("motor-curves", "B24", 640, 400),),
         on="Torque and motor",
         breaks=("R",),

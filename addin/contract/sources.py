@@ -93,6 +93,7 @@ IMPACT = Source(
 REFERENCES = (PAPER, MIL_STANDARD, SINGULAR_VALUES, INTEGRATORS, CURVES, RAINFLOW, IMPACT)
 
 CURVES_FROM_DATA = f"{CONCORDIA.cited}; docs/motor.md"
+ONE_WAY = "docs/motor.md, A one-way discharge path"
 MEASURED_TIMES = f"{CANAY.cited}; docs/motor.md"
 MODAL_ELECTRICAL = f"{CONCORDIA.cited}; docs/motor.md, Electrical damping"
 STEADY = f"{PAPER.cited}, Steady state torsional analysis"
@@ -203,6 +204,8 @@ SUPPLY = tuple(
         "Tap",
         "Switch-over speed",
         "Open time",
+        "Initial voltage",
+        "Ramp time",
     )
 )
 MOTOR_DATA = (
@@ -211,7 +214,8 @@ MOTOR_DATA = (
         for column in (
             "Kind", "Apparent power", "Power factor", "Xd", "Xq", "Xd transient", "Xd subtransient", "Xq subtransient", "Xl",
             "Td0 transient", "Td0 subtransient", "Tq0 subtransient", "Td transient", "Td subtransient",
-            "Tq subtransient", "Time constants", "Ta", "Ra", "Discharge resistance", "Field circuit", "Start factor",
+            "Tq subtransient", "Time constants", "Ta", "Ra", "Discharge resistance",
+            "Discharge resistance reverse", "Field circuit", "Start factor",
             "R1", "X1", "Xm", "R2", "X2", "R3", "X3",
         )
     ),

@@ -167,10 +167,10 @@ def events(subject: Subject) -> Section:
     ]
     rows = [row for row in subject.rows("EventPeaks") if "maximum" in row]
     note = (
-        "Torques from the event on, those of operation included, at the element's own speed; stress nominal. Events "
+        "Torques from the event on, those of operation or start included, at the element's own speed; stress nominal. Events "
         "are not counted as starts."
     )
     peaks = folded(subject.table("EventPeaks", note=note, rows=rows)) if rows else ()
     air_gap = folded(subject.table("AirGapTorque")) if subject.rows("AirGapTorque") else ()
     pictures = [subject.pictures.chart(name) for name in ("air-gap", "clearing")]
-    return section("Events in operation", *notes, *peaks, *air_gap, *pictures)
+    return section("Motor and electrical events", *notes, *peaks, *air_gap, *pictures)

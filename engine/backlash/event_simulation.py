@@ -364,6 +364,8 @@ class _Simulation:
                     self.past_end = True
             elif reason == events.ANGLE:
                 self._apply_field(t)
+            elif reason == events.TURNED:
+                self.machines.turn_field(self.clock.turned, self.phase)
             elif reason == events.STUCK:
                 self.stuck = True
                 break

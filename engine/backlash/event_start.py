@@ -551,6 +551,7 @@ def _script(
 ) -> EventSchedule:
     """What the run waits for."""
     longest = settings.maximum_time or LONGEST_START
+    ramps = tuple(row.ramp_time or 0.0 for row in case.soft_starts.values())
     end_speed: float | None = settings.end_speed
     field_speed = trip_speed = None
     if effects.pull_in:
@@ -566,7 +567,8 @@ def _script(
     if effects.full_length or effects.pull_in or effects.aborted_start:
         maximum = longest
     elif effects.motor_transient:  # its mean torque is not that of the curves
-        maximum = min(2.0 * linear.outcome.time + 1.0, longest)
+        waited = max(ramps, default=0.0)  # until a soft starter has the train break away
+        maximum = min(2.0 * linear.outcome.time + waited + 1.0, longest)
     elif linear.outcome.outcome in (Outcome.REACHED, Outcome.TIME_OUT):
         maximum = min(1.2 * linear.outcome.time + 1.0, longest)
     else:  # where the plain start settled below its end speed, so does this one
@@ -585,6 +587,7 @@ def _script(
             for opened in case.open_times
         ),
         look_every=LOOK_EVERY,
+        stops=ramps if effects.motor_transient else (),
         keep_all=keeps_history(case),
     )
 

@@ -14,11 +14,18 @@ from engine.backlash.current_zeros import LONGEST_ARC, cleared_supply
 from engine.case.data import CaseData
 from engine.case.effect import StartEffects
 from engine.model.motor import Motor
+from engine.model.soft_start import Ramp
 from engine.model.train import Train
 from engine.motor.circuit import Circuit, line_omega, starting_circuit
 from engine.motor.from_case import MotorFromData, motors_without_curve
 from engine.motor.supply import STIFF, Source
-from engine.motor.two_axis import MachineState, flux_system, number_of_fluxes, with_same_currents
+from engine.motor.two_axis import (
+    MachineState,
+    field_flux,
+    flux_system,
+    number_of_fluxes,
+    with_same_currents,
+)
 from engine.numerics.same_bits import cos, product, sin
 from engine.start.machine_motion import Machine, Supply, switched
 from engine.stepping.library import struct
@@ -42,6 +49,7 @@ class MachineInTime:
     voltage: int = -1  #: Curve of the line's voltage against speed; -1: always 1. [index]
     #: Circuit once the field is applied, and the voltage of the field then; None: no field is applied. [pu]
     excited: tuple[Circuit, float] | None = None
+    ramp: Ramp | None = None  #: Voltage of its soft starter in time. [1]
     #: What feeds it, and what it is switched over to, one after the other. [pu]
     sources: tuple[Source, ...] = (STIFF,)
     #: Axes of the currents that must pass zero before a phase clears, at the last of the supplies; empty: all clear
@@ -97,6 +105,8 @@ class Machines:
         self._sources = [list(m.sources) for m in machines]
         self._off_until: list[float | None] = [None] * len(machines)  # of a switch-over
         self._clearings: list[_Clearing | None] = [None] * len(machines)
+        #: Whether the current of each field flows against that of operation.
+        self._against = [False] * len(machines)
         self._circuits = [m.machine.circuit for m in machines]  # with what stands before the stator
         n = len(machines)
         excited = [m.excited[0] if m.excited else m.machine.circuit for m in machines]
@@ -108,6 +118,8 @@ class Machines:
             "field": np.zeros((n, most)), "stator": np.zeros(n), "forward": np.zeros((n, 2)),
             "backward": np.zeros((n, 2)), "flux": np.zeros((n, most)),
             "base": np.array([m.machine.torque_base for m in machines], dtype=np.float64),
+            "ramp": np.array([(m.ramp.initial, m.ramp.time) if m.ramp else (1.0, 0.0) for m in machines]).reshape(n, 2),
+            "watched": np.zeros(n, dtype=np.int64), "watch": np.zeros((n, most)),
         }  # fmt: skip
         for k, m in enumerate(machines):
             self._arrays["flux"][k, : len(m.flux)] = m.flux
@@ -161,6 +173,11 @@ class Machines:
             sources.pop(0)
             self._connect(k, phase)
 
+    def turn_field(self, k: int, phase: Floats) -> None:
+        """The current of a field has changed its sign, and the resistance of its circuit with it."""
+        self._against[k] = not self._against[k]
+        self._connect(k, phase)
+
     def trip(self, phase: Floats) -> None:
         """The breakers of all motors open for good; what happens to the line reaches none any more."""
         for k, waiting in enumerate(self._waiting):
@@ -205,7 +222,8 @@ class Machines:
         arrays, m, source = self._arrays, self._machines[k], self._sources[k][0]
         off = self._off_until[k] is not None
         supply = Supply(0.0, is_open=True) if off else self._present[k]
-        circuit = m.machine.circuit if supply.at_terminals else source.before(m.machine.circuit)
+        whole = m.machine.circuit if supply.at_terminals else source.before(m.machine.circuit)
+        circuit = whole.polarities[self._against[k]]
         flux = with_same_currents(self._circuits[k], circuit, self._flux(k))
         self._circuits[k] = circuit
         machine = replace(m.machine, circuit=circuit)
@@ -221,6 +239,14 @@ class Machines:
         arrays["field"][k, :n], arrays["flux"][k, :n] = system.field, flux
         for name, (size, angle) in (("forward", supply.forward), ("backward", supply.backward)):
             arrays[name][k] = source.voltage * size, angle + m.ahead
+        if whole.reverse_resistance is None:
+            arrays["watched"][k] = 0
+        elif circuit.field is not None:  # its current keeps its sign
+            arrays["watched"][k] = 1
+            arrays["watch"][k, :n] = (-1.0 if self._against[k] else 1.0) * system.current[1]
+        else:  # nor does its voltage, the rate of its flux, let a current flow
+            arrays["watched"][k] = 2
+            arrays["watch"][k, :n] = field_flux(circuit, whole) / machine.line_omega
 
 
 def machines_of_start(
@@ -271,6 +297,7 @@ def machines_of_start(
                 # half the phase is the angle of the line ahead of axis q
                 ahead=0.5 * math.pi,
                 voltage=voltage,
+                ramp=None if motor.soft is None else motor.soft.ramp,
                 excited=_excited(case, sheet) if effects.pull_in else None,
                 sources=tuple(replace(s, voltage=scale * s.voltage) for s in stages),
             )

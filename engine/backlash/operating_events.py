@@ -333,7 +333,10 @@ def _worst_event(case: CaseData, analysis: ModalAnalysis, row: MotorEventRow) ->
         if some.response is None:
             return some
         apart = bool(some.response.contacts)
-        worst = _worst_in_start(case, modal, row, apart=apart)
+        try:
+            worst = _worst_in_start(case, modal, row, apart=apart)
+        except ModelError as wrong:
+            return OperatingEvent.not_calculated(name, str(wrong).rstrip("."))
     elif words := _unable(case, modal.train, any_instant(row)):
         return OperatingEvent.not_calculated(name, words)
     else:

@@ -140,6 +140,12 @@ class FieldCircuit(StrEnum):
     OPEN = "open"
 
 
+class DischargePath(StrEnum):
+    """What stands in the place of a resistance where the field circuit is open for one sign of its current."""
+
+    OPEN = "open"
+
+
 class TorqueBase(StrEnum):
     """What a published torque is a share of."""
 
@@ -160,6 +166,7 @@ class Starting(StrEnum):
     DIRECT = "direct"
     AUTOTRANSFORMER = "autotransformer"
     REACTOR = "reactor"
+    SOFT_START = "soft start"
 
 
 class MotorEventKind(StrEnum):

@@ -22,6 +22,7 @@ from engine.case.choices import (
     InitialState,
     MotorEventKind,
     Scanned,
+    Starting,
     TorqueFollows,
 )
 from engine.case.gear_ratios import Joint, station_ratios
@@ -221,6 +222,8 @@ class SupplyRow:
     #: Fraction of synchronous speed at which the motor is put on the line. [1]
     switch_over_speed: float | None = None
     open_time: float | None = None  #: How long it is off the line then; blank = not at all. [s]
+    initial_voltage: float | None = None  #: Of a soft starter: voltage at closing. [1]
+    ramp_time: float | None = None  #: How long that voltage rises, in proportion to time. [s]
 
 
 @dataclass(frozen=True)
@@ -256,6 +259,8 @@ class MotorDataRow:
     ra: float | None = None  #: Instead of it, resistance of the stator. [1]
     #: Resistance across the field in the start, over that of the field; blank = short-circuited. [1]
     discharge_resistance: float | None = None
+    #: That for currents against those of operation, or ``open``; blank = the same both ways. [1]
+    discharge_resistance_reverse: float | str | None = None
     field_circuit: str | None = None  #: ``closed`` (default) or ``open`` in the start.
     start_factor: float | None = None  #: On leakages of stator and dampers in the start. [1]
     #: Of an induction motor: resistance and leakage of the stator, magnetising reactance, resistance and
@@ -267,6 +272,17 @@ class MotorDataRow:
     x_2: float | None = None  #: Likewise. [1]
     r_3: float | None = None  #: A second cage; blank = none. [1]
     x_3: float | None = None  #: Likewise. [1]
+
+    @property
+    def reverse_discharge(self) -> float | None:
+        """Resistance across the field for currents against those of operation, infinite where it is open; None: the same. [1]"""
+        typed = self.discharge_resistance_reverse
+        return math.inf if isinstance(typed, str) else typed
+
+    @property
+    def is_one_way(self) -> bool:
+        """Whether the resistance across the field changes with the sign of its current. [flag]"""
+        return self.reverse_discharge not in (None, self.discharge_resistance or 0.0)
 
     def base_power(self, rated_power: float | None) -> float | None:
         """Apparent power that is 1 per unit. [V A]
@@ -615,6 +631,11 @@ class CaseData:
         return sorted({row.switch_over_speed for row in self.supply if row.switch_over_speed})
 
     @property
+    def soft_starts(self) -> dict[str, SupplyRow]:
+        """Rows of soft starters by station. [rows]"""
+        return {str(row.station): row for row in self.supply if row.starting == Starting.SOFT_START}
+
+    @property
     def open_times(self) -> tuple[dict[str, float], ...]:
         """At each of these speeds the stations whose motor is off the line first, and how long. [s]"""
         return tuple(
@@ -629,7 +650,10 @@ class CaseData:
     @property
     def pulsates_at_slip(self) -> bool:
         """Whether a motor has torque at the slip frequency itself, of a one-way discharge path. [flag]"""
-        return any(point.pulsation_1 for point in self.motor_torque)
+        typed = {point.station for point in self.motor_torque}
+        return any(point.pulsation_1 for point in self.motor_torque) or any(
+            row.is_one_way for row in self.motor_data if row.station not in typed
+        )
 
     @property
     def looks_for_worst_phase(self) -> bool:

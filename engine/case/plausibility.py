@@ -57,6 +57,8 @@ LINE_VOLTAGES = (
 SAME_VOLTAGE = 2e-3
 #: Discharge resistors over the field's resistance beyond which ohms were typed. [1]
 USUAL_DISCHARGE = (1.0, 50.0)
+#: Reactances of round rotors are equal in both axes, within what makers state. [1]
+SALIENT = 1.02
 
 Values = Iterable[tuple[str | None, float | None]]
 
@@ -543,13 +545,33 @@ def _data_sheets(case: CaseData) -> Iterator[str]:
                 f"MotorData, Voltage of '{m.station}': {typed:.6g} V is {phase[0]:g} V divided by √3. "
                 "Type the voltage from line to line."
             )
+        yield from _salient("MotorData", str(m.station), ("Xd", m.xd), ("Xq", m.xq))
         low, high = USUAL_DISCHARGE
-        if m.discharge_resistance and not low <= m.discharge_resistance <= high:
-            yield (
-                f"MotorData, Discharge resistance of '{m.station}': {m.discharge_resistance:.3g} times the "
-                "resistance of the field is unusual (5 to 15). It is no number of ohms: divide it by the "
-                "resistance of the field winding."
-            )
+        for column in ("Discharge resistance", "Discharge resistance reverse"):
+            value = value_of(m, column)
+            diodes = (
+                m.is_one_way and isinstance(value, float) and value < low
+            )  # they have hardly any
+            if value and not isinstance(value, str) and not low <= value <= high and not diodes:
+                yield (
+                    f"MotorData, {column} of '{m.station}': {value:.3g} times the "
+                    "resistance of the field is unusual (5 to 15). It is no number of ohms: divide it by the "
+                    "resistance of the field winding."
+                )
+    for c in case.motor_circuit:
+        yield from _salient("MotorCircuit", str(c.station), ("Xmd", c.xmd), ("Xmq", c.xmq))
+
+
+def _salient(
+    table: str, station: str, of_d: tuple[str, float | None], of_q: tuple[str, float | None]
+) -> Iterator[str]:
+    """The axis of the poles has the larger reactance, as the gap between the poles is wide."""
+    (along, d), (across, q) = of_d, of_q
+    if d is not None and q is not None and q > SALIENT * d:
+        yield (
+            f"{table}, {across} of '{station}': {q:.4g} pu is above {along}, {d:.4g} pu, which motors with poles and a field do not "
+            f"have. Are {along} and {across} interchanged?"
+        )
 
 
 def _no_effect(case: CaseData) -> Iterator[str]:

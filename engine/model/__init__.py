@@ -15,6 +15,8 @@ module                   responsibility
 `gear_bodies`            gears that move laterally on their bearings, and the flanks on which
                          elements touch
 `load`                   torque of the driven machines against their own speed
+`soft_start`             voltage that rises in time, and what it is against speed in the run-up of
+                         the rigid train
 `motor`                  torque of a synchronous motor while it starts: average and pulsating part
                          against speed
 `rigid_runup`            the start of the train as one rigid body: where it settles, and how long

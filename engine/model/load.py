@@ -8,14 +8,16 @@ results converge with the step.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from engine.arrays import Floats
 from engine.case.data import CaseData
 from engine.errors import ModelError
 from engine.model.train import Train
-from engine.numerics.same_bits import square
+from engine.numerics.same_bits import product, square
 from engine.numerics.torque_curve import TorqueCurve, torque_curve
 
 #: Width of the standstill zone over synchronous speed. [1]
@@ -85,3 +87,43 @@ def loads_of(case: CaseData, train: Train) -> tuple[Load, ...]:
         soft = min(soft, WIDEST_ZONE * speed)
         loads.append(Load(station, curve, speed, soft))
     return tuple(loads)
+
+
+def opposing_torque(train: Train, loads: Sequence[Load], speed: Floats) -> Floats:
+    """Torque of all loads and of dampers at stations, referred to the reference shaft.
+
+    Parameters
+    ----------
+    train : Train
+        The train. [SI]
+    loads : sequence of Load
+        Its loads. [SI]
+    speed : ndarray, shape (n,)
+        Speeds of the reference shaft. [rad/s]
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        [N m]
+    """
+    ratio, torque = train.speed_ratio, np.zeros(len(speed))
+    for d in loads:
+        torque += ratio[d.station] * d.torque(speed * ratio[d.station] / d.synchronous_speed)
+    torque += float(product(train.node_damping, ratio[: len(train.node_damping)] ** 2)) * speed
+    return torque
+
+
+def rigid_inertia(train: Train) -> float:
+    """Inertia of the whole train, referred to the reference shaft.
+
+    Parameters
+    ----------
+    train : Train
+        The train. [SI]
+
+    Returns
+    -------
+    float
+        [kg m²]
+    """
+    return float(product(train.inertia, train.dof_ratio**2))

@@ -23,6 +23,8 @@ from engine.arrays import Floats
 from engine.case.data import CaseData, MotorTorqueRow, SupplyVoltageRow
 from engine.case.effect import StartEffects
 from engine.errors import ModelError
+from engine.model.load import loads_of, opposing_torque, rigid_inertia
+from engine.model.soft_start import SPEEDS, Ramp, SoftStart, runup_times, soft_start
 from engine.model.train import Train
 from engine.motor.from_case import (
     CURVE_ERROR,
@@ -57,8 +59,9 @@ class Motor:
     #: Where the phase changes with speed, of a data sheet or typed: the parts of the pulsation with sin 2δ
     #: and cos 2δ, δ the load angle, in place of one curve of unchanging phase. [N m]
     parts: tuple[TorqueCurve, TorqueCurve] | None = None
-    #: Torque at the slip frequency itself, of a one-way discharge path, with half the phase; None = none. [N m]
-    at_slip: TorqueCurve | None = None
+    #: Torque at the slip frequency itself, of a one-way discharge path: its part with the sine of half the phase, and of a data
+    #: sheet that with the cosine; none without such a path. [N m]
+    at_slip: tuple[TorqueCurve, ...] = ()
     #: Of slip frequency that the pulsation has; 1 of the torque `at_slip` of another motor. [1]
     multiple: int = 2
     #: Whether it stands for a part of another motor's pulsation alone.
@@ -68,6 +71,9 @@ class Motor:
     supply: TorqueCurve | None = None
     #: Whether that is what its own current leaves it behind an impedance, and not the line's own voltage. [flag]
     is_behind_impedance: bool = False
+    soft: SoftStart | None = (
+        None  #: Its soft starter; the curves have its voltage against speed. [1]
+    )
     #: Where it is switched over: fraction of synchronous speed up to which, and the motor until then; the last
     #: one without end. Its own curves go over from one to the next within `SMOOTHED`. [1]
     stages: tuple[tuple[float, Motor], ...] = ()
@@ -75,7 +81,7 @@ class Motor:
     @property
     def line_voltage(self) -> TorqueCurve | None:
         """Voltage of the line itself against the fraction of synchronous speed; None = always all of it. [1]"""
-        return None if self.is_behind_impedance else self.supply
+        return None if self.is_behind_impedance or self.soft is not None else self.supply
 
     def above(self, fraction: float) -> Motor:
         """The motor on the connection that it has from a speed on.
@@ -120,7 +126,10 @@ class Motor:
         """
         if multiple == 2:
             return self.pulsations
-        return () if self.at_slip is None else ((self.at_slip, 0.5 * self.phase),)
+        return tuple(
+            (curve, 0.5 * (self.phase + quarters * math.pi))
+            for quarters, curve in enumerate(self.at_slip)
+        )
 
     @property
     def pulsations(self) -> tuple[tuple[TorqueCurve, float], ...]:
@@ -134,9 +143,7 @@ class Motor:
     def largest_pulsation(self) -> float:
         """Largest pulsating torque at any speed, of both frequencies together. [N m]"""
         return total(
-            float(np.max(np.abs(curve.cubic[:, 0])))
-            for curve in (self.pulsating, self.at_slip)
-            if curve is not None
+            float(np.max(np.abs(curve.cubic[:, 0]))) for curve in (self.pulsating, *self.at_slip)
         )
 
     @property
@@ -165,7 +172,7 @@ def drives_of(motors: Sequence[Motor]) -> tuple[Motor, ...]:
     nothing = TorqueCurve(np.zeros(1), np.zeros((1, 4)))
     for m in motors:
         (curve, phase), *second = m.pulsations
-        firsts.append(replace(m, pulsating=curve, phase=phase, parts=None, at_slip=None))
+        firsts.append(replace(m, pulsating=curve, phase=phase, parts=None, at_slip=()))
         part = replace(firsts[-1], average=nothing, scale=1.0, supply=None, stages=(), is_part=True)
         for multiple, parts in ((2, second), (1, m.pulsations_at(1))):
             others += [
@@ -189,7 +196,7 @@ def without_torque(motor: Motor) -> Motor:
         With its voltage and the phase of its rotor. [SI]
     """
     nothing = TorqueCurve(np.zeros(1), np.zeros((1, 4)))
-    return replace(motor, average=nothing, pulsating=nothing, parts=None, at_slip=None)
+    return replace(motor, average=nothing, pulsating=nothing, parts=None, at_slip=())
 
 
 def motors_of(case: CaseData, train: Train) -> tuple[Motor, ...]:
@@ -245,7 +252,46 @@ def motors_of(case: CaseData, train: Train) -> tuple[Motor, ...]:
                 ]
         motor = _switched_over(stages)
         motors.append(_on_supply(motor, _voltage_curve(supplied)) if supplied else motor)
-    return tuple(motors)
+    return _soft_started(case, train, motors) if case.soft_starts else tuple(motors)
+
+
+def _soft_started(case: CaseData, train: Train, motors: Sequence[Motor]) -> tuple[Motor, ...]:
+    """Motors with the voltage of their soft starters against speed, of the run-up of the rigid train with all of them."""
+    rows = [case.soft_starts.get(train.stations[motor.station]) for motor in motors]
+    ramps = [
+        None if row is None else Ramp(row.initial_voltage or 1.0, row.ramp_time or 1.0)
+        for row in rows
+    ]
+    fraction = np.linspace(0.0, 1.0, SPEEDS)
+    speed = fraction * (case.ratings.synchronous_speed or 0.0)
+    torques = np.stack([float(train.speed_ratio[m.station]) * m.average(fraction) for m in motors])
+    load = opposing_torque(train, loads_of(case, train), speed)
+    time = runup_times(torques, ramps, load, rigid_inertia(train), speed)
+    started = []
+    for motor, ramp in zip(motors, ramps, strict=True):
+        if ramp is not None:
+            soft = soft_start(ramp, fraction, time)
+            voltage = soft.voltage
+            if (
+                motor.supply is not None
+            ):  # what its current leaves it is a share of the rising voltage
+                voltage = _both_voltages(voltage, motor.supply)
+            motor = replace(_on_supply(motor, soft.voltage), soft=soft, supply=voltage)
+        started.append(motor)
+    return tuple(started)
+
+
+def _both_voltages(one: TorqueCurve, other: TorqueCurve) -> TorqueCurve:
+    """Product of two voltages against speed. [1]"""
+
+    def exact(fraction: Floats, within: Floats) -> tuple[Floats, Floats]:
+        (a, of_a), (b, of_b) = (curve.piece(fraction, within) for curve in (one, other))
+        return (a * b)[None], (of_a * b + a * of_b)[None]
+
+    (voltage,) = fitted_curves(
+        exact, np.unique(np.concatenate([one.knots, other.knots])), CURVE_ERROR
+    )
+    return voltage
 
 
 class _Place(NamedTuple):
@@ -290,19 +336,21 @@ def _typed_motor(points: Sequence[MotorTorqueRow], place: _Place) -> Motor:
     if points[0].pulsation_1 is None:
         return motor
     at_slip = torque_curve(x, place.scale * np.array([p.pulsation_1 for p in points], dtype=float))
-    return replace(motor, at_slip=at_slip)
+    return replace(motor, at_slip=(at_slip,))
 
 
 def _stages_of_data(sheet: MotorFromData, place: _Place) -> list[tuple[float, Motor]]:
     """A motor from its data sheet on each of its connections."""
     stages = []
-    _, sine, cosine = sheet.stages[0].curves
+    _, sine, cosine, _ = sheet.stages[0].curves
     # PulsationPhase is that at rest
     phase = place.phase - atan2(float(cosine.cubic[0, 0]), float(sine.cubic[0, 0]))
     for stage in sheet.stages:
-        average, sine, cosine = (c.scaled(place.scale) for c in stage.curves)
+        average, sine, cosine, at_slip = stage.curves
+        sine, cosine = sine.scaled(place.scale), cosine.scaled(place.scale)
         pulsating = torque_curve(sine.knots, hypot(sine.cubic[:, 0], cosine.cubic[:, 0]))
-        motor = place.motor(average, pulsating, phase, (sine, cosine))
+        motor = place.motor(average.scaled(place.scale), pulsating, phase, (sine, cosine))
+        motor = replace(motor, at_slip=tuple(c.scaled(place.scale) for c in at_slip))
         if any(s.connection.source != STIFF for s in sheet.stages):
             voltage = _terminal_voltage(sheet, stage)
             motor = replace(motor, supply=voltage, is_behind_impedance=True)
@@ -322,9 +370,6 @@ def _switched_over(stages: Sequence[tuple[float, Motor]]) -> Motor:
     parts = None
     if first.parts is not None and second.parts is not None:
         parts = both(first.parts[0], second.parts[0]), both(first.parts[1], second.parts[1])
-    at_slip = None
-    if first.at_slip is not None and second.at_slip is not None:
-        at_slip = both(first.at_slip, second.at_slip)
     supply = None
     if first.supply is not None and second.supply is not None:
         supply = both(first.supply, second.supply)
@@ -333,7 +378,7 @@ def _switched_over(stages: Sequence[tuple[float, Motor]]) -> Motor:
         average=both(first.average, second.average),
         pulsating=both(first.pulsating, second.pulsating),
         parts=parts,
-        at_slip=at_slip,
+        at_slip=tuple(map(both, first.at_slip, second.at_slip)),
         supply=supply,
         stages=tuple(stages),
     )
@@ -391,10 +436,10 @@ def _on_supply(motor: Motor, voltage: TorqueCurve) -> Motor:
         )
 
     average, *parts = fitted_curves(exact, knots, CURVE_ERROR * largest)
-    at_slip = None if motor.at_slip is None else parts.pop()
-    pulsating = parts[0]
+    of_pulsation = len(parts) - len(motor.at_slip)
+    at_slip, pulsating = tuple(parts[of_pulsation:]), parts[0]
     if motor.parts is not None:
-        pulsating = torque_curve(pulsating.knots, hypot(*(part.cubic[:, 0] for part in parts)))
+        pulsating = torque_curve(pulsating.knots, hypot(*(part.cubic[:, 0] for part in parts[:2])))
     return replace(
         motor,
         average=average,

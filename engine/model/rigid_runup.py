@@ -8,15 +8,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, reduce
 
 import numpy as np
 
 from engine.arrays import Floats
-from engine.model.load import Load
+from engine.model.load import Load, opposing_torque, rigid_inertia
 from engine.model.motor import Motor, through_synchronism
 from engine.model.train import Train
-from engine.numerics.same_bits import interp, product
+from engine.numerics.same_bits import hypot, interp
 
 #: Points of the speed grid between standstill and end speed.
 N_GRID = 2001
@@ -103,7 +103,7 @@ def rigid_runup(
     """
     speed = _speeds(end_speed)
     ratio = train.speed_ratio
-    average, pulsating, pulsating1, load = np.zeros((4, N_GRID))
+    average, pulsating, pulsating1 = np.zeros((3, N_GRID))
     for m in motors:
         x = speed * ratio[m.station] / m.synchronous_speed
         torque = m.average(x)
@@ -111,12 +111,9 @@ def rigid_runup(
             torque = np.where(x > 1.0 - field_slip, through_synchronism(m.average)(x), torque)
         average += ratio[m.station] * torque
         pulsating += ratio[m.station] * m.pulsating(x)
-        if m.at_slip is not None:
-            pulsating1 += ratio[m.station] * m.at_slip(x)
-    for d in loads:
-        load += ratio[d.station] * d.torque(speed * ratio[d.station] / d.synchronous_speed)
-    load += float(product(train.node_damping, ratio[: len(train.node_damping)] ** 2)) * speed
-    inertia = float(product(train.inertia, train.dof_ratio**2))
+        if m.at_slip:
+            pulsating1 += ratio[m.station] * reduce(hypot, [curve(x) for curve in m.at_slip])
+    load, inertia = opposing_torque(train, loads, speed), rigid_inertia(train)
     net = average - load
     stuck = np.flatnonzero(net <= 0.0)
     equilibrium = None

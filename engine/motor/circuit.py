@@ -47,6 +47,19 @@ class Circuit:
     dampers_d: tuple[Winding, ...]  #: Damper windings (cages) of the axis of the poles.
     dampers_q: tuple[Winding, ...]  #: Of the axis between the poles.
     common_leakage_d: float = 0.0  #: Leakage flux of field and dampers alone (Canay). [pu]
+    #: Resistance of the field circuit for currents against that of operation, infinite where it is open for them; None:
+    #: the same both ways. [pu]
+    reverse_resistance: float | None = None
+
+    @property
+    def polarities(self) -> tuple[Circuit, Circuit]:
+        """The circuit while the current of the field flows as in operation, and while it flows against that."""
+        forward = replace(self, reverse_resistance=None)
+        if self.field is None or self.reverse_resistance is None:
+            return forward, forward
+        is_open = math.isinf(self.reverse_resistance)
+        field = None if is_open else self.field._replace(resistance=self.reverse_resistance)
+        return forward, replace(forward, field=field)
 
 
 def rotor_windings(
@@ -209,7 +222,12 @@ def stator_resistance(
 
 
 def starting_circuit(
-    circuit: Circuit, *, discharge: float = 0.0, is_open: bool = False, factor: float = 1.0
+    circuit: Circuit,
+    *,
+    discharge: float = 0.0,
+    reverse: float | None = None,
+    is_open: bool = False,
+    factor: float = 1.0,
 ) -> Circuit:
     """The circuit while the motor starts.
 
@@ -219,6 +237,8 @@ def starting_circuit(
         The motor. [pu]
     discharge : float
         Resistance across the field winding, as a multiple of its own. [1]
+    reverse : float, optional
+        That for currents against those of operation, infinite where it is open for them; default the same. [1]
     is_open : bool
         The field circuit is open. [flag]
     factor : float
@@ -233,8 +253,10 @@ def starting_circuit(
     def saturated(windings: tuple[Winding, ...]) -> tuple[Winding, ...]:
         return tuple(Winding(w.resistance, factor * w.leakage) for w in windings)
 
-    field = circuit.field
+    field, against = circuit.field, None
     if field is not None:
+        if reverse is not None and reverse != discharge and not is_open:
+            against = (1.0 + reverse) * field.resistance
         closed = Winding((1.0 + discharge) * field.resistance, field.leakage)
         field = None if is_open else closed
     return replace(
@@ -243,6 +265,7 @@ def starting_circuit(
         field=field,
         dampers_d=saturated(circuit.dampers_d),
         dampers_q=saturated(circuit.dampers_q),
+        reverse_resistance=against,
     )
 
 

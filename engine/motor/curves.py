@@ -12,7 +12,8 @@ equations of the axes become one. With the flux linkages Ψ the torque in time i
 
     T = average + Re(P e^{2 j s ω₀ t}),   average = Im(Ψ₋ I₋* − Ψ₊ I₊*),   P = j (Ψ₊ I₋ − Ψ₋ I₊)
 
-where the voltage lies along the axis of the poles at t = 0.
+where the voltage lies along the axis of the poles at t = 0. A one-way discharge path adds torque at the slip frequency, P₁;
+its fluxes are periodic, not sinusoidal (`one_way`).
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ import numpy as np
 from engine.arrays import Complexes, Floats
 from engine.errors import ModelError
 from engine.motor.circuit import Circuit, Winding
+from engine.motor.one_way import slip_harmonics
 from engine.numerics.same_bits import atan2, hypot, inverse, modulus, times
 
 #: Slips on which the largest torque is looked for; their cube roots are equally apart, so that it is found to 5e-5 where
@@ -45,6 +47,9 @@ class SlipCurves:
     current: Floats  #: True rms of both frequencies. [pu of rated current]
     power_factor: Floats  #: Of the part at line frequency. [1]
     line_current: Complexes  #: That part as a phasor, the voltage being real. [pu]
+    #: Torque at the slip frequency itself, zero-to-peak, 0 without a one-way discharge path. [pu]
+    pulsation_1: Floats
+    phase_1: Floats  #: Its phase, of cos(s ω₀ t) with the voltage likewise. [rad]
 
 
 def winding_admittance(windings: Sequence[Winding], slip: Floats) -> Complexes:
@@ -182,6 +187,8 @@ def slip_curves(circuit: Circuit, slip: Floats) -> SlipCurves:
     SlipCurves
         At each slip. [pu]
     """
+    if circuit.reverse_resistance is not None:
+        return _one_way_curves(circuit, slip)
     xd, xq = operational_reactances(circuit, slip)
     mean, half = 0.5 * (xd + xq), 0.5 * (xd - xq)
     resistance = circuit.stator_resistance
@@ -203,4 +210,28 @@ def slip_curves(circuit: Circuit, slip: Floats) -> SlipCurves:
         hypot(size, modulus(minus)),
         plus.real / size,
         plus,
+        np.zeros(len(slip)),
+        np.zeros(len(slip)),
     )
+
+
+def _one_way_curves(circuit: Circuit, slip: Floats) -> SlipCurves:
+    """With a one-way discharge path. In step the field has no current, whatever its resistance."""
+    found = slip_curves(circuit.polarities[0], slip)
+    slips = slip != 0.0
+    if not slips.any():
+        return found
+    periodic = slip_harmonics(circuit, slip[slips])
+    line, twice, once = periodic.line_current, periodic.at_twice, periodic.at_slip
+    for column, values in (
+        (found.average, periodic.average),
+        (found.pulsating, modulus(twice)),
+        (found.phase, atan2(twice.imag, twice.real)),
+        (found.current, periodic.current),
+        (found.power_factor, line.real / modulus(line)),
+        (found.line_current, line),
+        (found.pulsation_1, modulus(once)),
+        (found.phase_1, atan2(once.imag, once.real)),
+    ):
+        column[slips] = values
+    return found

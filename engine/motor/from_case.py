@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -43,15 +43,24 @@ SHOWN_SLIPS = np.linspace(1.0, 0.0, 101)
 SHOWN_TIMES = ("Td0 transient", "Td0 subtransient", "Td transient", "Td subtransient")
 
 
+class SpeedCurves(NamedTuple):
+    """Torques against the fraction of synchronous speed; δ is the angle by which the rotor's axis q lags the voltage: the load
+    angle."""
+
+    average: TorqueCurve  #: [N m]
+    sine: TorqueCurve  #: Part of the pulsation with sin 2δ. [N m]
+    cosine: TorqueCurve  #: With cos 2δ. [N m]
+    #: Parts with sin δ and cos δ, of a one-way discharge path; none without one. [N m]
+    at_slip: tuple[TorqueCurve, ...]
+
+
 @dataclass(frozen=True, eq=False)
 class Stage:
     """What a motor gives while it is fed by one connection."""
 
     connection: Connection  #: [pu]
     circuit: Circuit  #: As it starts, with the impedance of its supply in the stator. [pu]
-    #: Average torque, and the parts of the pulsation with sin 2δ and with cos 2δ, δ the load angle,
-    #: against the fraction of synchronous speed. [N m]
-    curves: tuple[TorqueCurve, TorqueCurve, TorqueCurve]
+    curves: SpeedCurves  #: Against the fraction of synchronous speed. [N m]
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,10 +80,8 @@ class MotorFromData:
         return next(stage for stage in self.stages if speed <= stage.connection.until)
 
 
-def torque_curves(
-    circuit: Circuit, torque_base: float
-) -> tuple[TorqueCurve, TorqueCurve, TorqueCurve]:
-    """Average torque and the two parts of the pulsating torque as curves against speed.
+def torque_curves(circuit: Circuit, torque_base: float) -> SpeedCurves:
+    """Average torque and the parts of the pulsating torques as curves against speed.
 
     Intervals are halved until the curve meets the formula in their middle: where the torque falls to
     zero, and about half speed where one of unequal axes with little stator resistance leaves a notch
@@ -89,24 +96,33 @@ def torque_curves(
 
     Returns
     -------
-    tuple of TorqueCurve
-        Average; pulsation with sin 2δ and with cos 2δ, where δ is the angle by which the rotor's axis q
-        lags the voltage: the load angle. [N m]
+    SpeedCurves
+        [N m]
     """
     knots = np.linspace(0.0, 1.0, FIRST_POINTS)
     allowed = CURVE_ERROR * float(np.max(np.abs(_torques(circuit, knots)[0][0])))
-    average, sine, cosine = fitted_curves(lambda x, _: _torques(circuit, x), knots, allowed)
-    return average.scaled(torque_base), sine.scaled(torque_base), cosine.scaled(torque_base)
+    curves = fitted_curves(lambda x, _: _torques(circuit, x), knots, allowed)
+    average, sine, cosine, *at_slip = (curve.scaled(torque_base) for curve in curves)
+    return SpeedCurves(average, sine, cosine, tuple(at_slip))
 
 
 def _torques(circuit: Circuit, speed: Floats) -> tuple[Floats, Floats]:
-    """Average torque and the two parts of the pulsation, and their slopes. [pu] Shape (3, n)."""
+    """Average torque and the parts of the pulsations, and their slopes. [pu] Shape (3 or 5, n)."""
     n = len(speed)
     slip = 1.0 - speed
-    curves = slip_curves(circuit, np.concatenate([slip, slip - NEARBY, slip + NEARBY]))
+    # in step the pulsation of a one-way path has a corner
+    beside = slip if circuit.reverse_resistance is None else np.maximum(slip, 2.0 * NEARBY)
+    curves = slip_curves(circuit, np.concatenate([slip, beside - NEARBY, beside + NEARBY]))
     # Re(P e^{jχ}), the voltage by χ/2 ahead of axis d and so by χ/2 − 90° ahead of axis q
-    sine, cosine = curves.pulsating * sin(curves.phase), -curves.pulsating * cos(curves.phase)
-    torques = np.stack([curves.average, sine, cosine]).reshape(3, 3, n)
+    parts = [
+        curves.average,
+        curves.pulsating * sin(curves.phase),
+        -curves.pulsating * cos(curves.phase),
+    ]
+    if circuit.reverse_resistance is not None:
+        size, phase = curves.pulsation_1, curves.phase_1
+        parts += [-size * cos(phase), -size * sin(phase)]
+    torques = np.stack(parts).reshape(len(parts), 3, n)
     return torques[:, 0], (torques[:, 1] - torques[:, 2]) / (2.0 * NEARBY)
 
 
@@ -182,6 +198,8 @@ def _curves_of(motor: MotorFromData, stage: Stage, slip: Floats) -> dict[str, Fl
         "current": source.voltage * curves.current,
         "power_factor": taken.real / (terminal * modulus(current)),
         "terminal_voltage": source.voltage * terminal,
+        "pulsation_1": torque * curves.pulsation_1,
+        "phase_1": curves.phase_1,
     }
 
 
@@ -379,7 +397,7 @@ def as_it_starts(circuit: Circuit, row: MotorDataRow) -> Circuit:
     circuit : Circuit
         The motor. [pu]
     row : MotorDataRow
-        Field circuit, discharge resistance and start factor. [1]
+        Field circuit, discharge resistances and start factor. [1]
 
     Returns
     -------
@@ -389,6 +407,7 @@ def as_it_starts(circuit: Circuit, row: MotorDataRow) -> Circuit:
     return starting_circuit(
         circuit,
         discharge=row.discharge_resistance or 0.0,
+        reverse=row.reverse_discharge,
         is_open=row.field_circuit == FieldCircuit.OPEN,
         factor=1.0 if row.start_factor is None else row.start_factor,
     )

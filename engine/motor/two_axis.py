@@ -92,7 +92,7 @@ def number_of_fluxes(circuit: Circuit) -> int:
 
 
 def with_same_currents(circuit: Circuit, other: Circuit, flux: Floats) -> Floats:
-    """Fluxes just after a circuit has become another: currents stay; a field that was open has none.
+    """Fluxes just after a circuit has become another: currents stay; a field that is or was open has none.
 
     Parameters
     ----------
@@ -114,7 +114,27 @@ def with_same_currents(circuit: Circuit, other: Circuit, flux: Floats) -> Floats
     current = solve(before, flux.reshape(len(before), -1))
     if len(after) > len(before):
         current = np.insert(current, 1, 0.0, axis=0)
+    elif len(after) < len(before):
+        current = np.delete(current, 1, axis=0)
     return np.asarray(product(after, current).reshape(len(after), *flux.shape[1:]))
+
+
+def field_flux(circuit: Circuit, closed: Circuit) -> Floats:
+    """Flux of an open field from the others.
+
+    Parameters
+    ----------
+    circuit : Circuit
+        With the field open. [pu]
+    closed : Circuit
+        The same with its field. [pu]
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        Row that the fluxes are multiplied by. [1]
+    """
+    return np.asarray(with_same_currents(circuit, closed, np.eye(number_of_fluxes(circuit)))[1])
 
 
 def flux_system(

@@ -12,7 +12,7 @@ Of numpy, order and rounding of `sum`, `cumsum`, `mean` and of every elementwise
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Any, TypeVar
 
 import numpy as np
@@ -32,9 +32,11 @@ __all__ = [
     "interp",
     "log",
     "matrix_exponential",
+    "matrix_exponentials",
     "norm",
     "power",
     "product",
+    "products",
     "singular_values",
     "sin",
     "solve",
@@ -543,16 +545,63 @@ def matrix_exponential(a: Floats) -> Floats:
     """
     size = float(np.max(np.abs(a).sum(axis=0), initial=0.0))
     halvings = max(math.frexp(size / PADE_NORM)[1], 0)
-    a = a * math.ldexp(1.0, -halvings)
-    two = product(a, a)
-    four = product(two, two)
-    six = product(two, four)
-    c, eye = PADE, np.eye(len(a))
-    odd = product(six, c[13] * six + c[11] * four + c[9] * two)
-    odd = product(a, odd + c[7] * six + c[5] * four + c[3] * two + c[1] * eye)
-    even = product(six, c[12] * six + c[10] * four + c[8] * two)
-    even = even + c[6] * six + c[4] * four + c[2] * two + c[0] * eye
+    odd, even = _pade(a * math.ldexp(1.0, -halvings), product)
     found = solve(even - odd, even + odd)
     for _ in range(halvings):
         found = product(found, found)
     return np.asarray(found)
+
+
+def _pade(a: Floats, multiply: Callable[[Floats, Floats], Floats]) -> tuple[Floats, Floats]:
+    """Odd and even part of the numerator of the Padé approximation of an exponential."""
+    two = multiply(a, a)
+    four = multiply(two, two)
+    six = multiply(two, four)
+    c, eye = PADE, np.eye(a.shape[-1])
+    odd = multiply(six, c[13] * six + c[11] * four + c[9] * two)
+    odd = multiply(a, odd + c[7] * six + c[5] * four + c[3] * two + c[1] * eye)
+    even = multiply(six, c[12] * six + c[10] * four + c[8] * two)
+    return odd, even + c[6] * six + c[4] * four + c[2] * two + c[0] * eye
+
+
+def products(a: Any, b: Any) -> Any:
+    """Matrix products of two stacks, each entry summed in the order of its index.
+
+    Parameters
+    ----------
+    a, b : ndarray, shapes (count, m, k) and (count, k, n)
+        Real. [any]
+
+    Returns
+    -------
+    ndarray, shape (count, m, n)
+        One after the other. [any]
+    """
+    found = a[..., :, 0, None] * b[..., None, 0, :]
+    for k in range(1, a.shape[-1]):
+        found += a[..., :, k, None] * b[..., None, k, :]
+    return found
+
+
+def matrix_exponentials(a: Floats) -> Floats:
+    """Exponentials of a stack of square matrices, as `matrix_exponential` has them.
+
+    Parameters
+    ----------
+    a : ndarray, shape (count, n, n)
+        Real matrices. [1]
+
+    Returns
+    -------
+    ndarray, shape (count, n, n)
+        Their exponentials. [1]
+    """
+    size = np.max(np.abs(a).sum(axis=1), axis=1)
+    halvings = np.maximum(np.frexp(size / PADE_NORM)[1], 0)
+    odd, even = _pade(np.ldexp(a, -halvings[:, None, None]), products)
+    numerator, denominator = ((even + s * odd).astype(np.complex128) for s in (1.0, -1.0))
+    found = np.ascontiguousarray(ComplexSystems(denominator).solve(numerator).real)
+    for k in range(int(np.max(halvings, initial=0))):
+        left = halvings > k
+        found[left] = products(found[left], found[left])
+    return found

@@ -47,6 +47,7 @@ def warnings_of(results: Results) -> Iterator[str]:
     yield from unusual_train(results.case, results.train, facts)
     yield from _sections(results.case)
     yield from _motor_data(results.case)
+    yield from _soft_starts(results)
     yield from results.margins.warnings
     yield from results.steady.warnings
     if not impossible:  # else it is a consequence
@@ -100,6 +101,37 @@ def _motor_data(case: CaseData) -> Iterator[str]:
                 "does not represent solid poles. Ask the maker for measured curves, or for a circuit with "
                 "two dampers in each axis (table MotorCircuit)."
             )
+
+
+def _soft_starts(results: Results) -> Iterator[str]:
+    """Where soft starters have the voltage that a start from curves reads."""
+    if not results.case.soft_starts or results.start is None:
+        return
+    in_time = results.plans[-1].decision("motor transient").on
+    for motor in motors_of(results.case, results.train):
+        if motor.soft is None:
+            continue
+        ramp, voltage, away = motor.soft.ramp, motor.soft.voltage, motor.soft.breaks_away
+        name = f"Soft starter of '{results.train.stations[motor.station]}'"
+        if math.isinf(away):
+            yield f"{name}: full voltage does not break the train away. Check its torque at rest and the load's."
+            continue
+        full = np.flatnonzero(voltage.cubic[:, 0] >= 1.0)
+        ends = (
+            f"the voltage is full from {100.0 * float(voltage.knots[full[0]]):.3g} % speed on"
+            if len(full)
+            else f"the voltage is {100.0 * float(voltage.cubic[-1, 0]):.3g} % at synchronous speed"
+        )
+        begins = (
+            f"it breaks away {away:.3g} s after closing, at {100.0 * ramp.voltage(away):.3g} % voltage; "
+            if away
+            else ""
+        )
+        yield f"{name}, in the run-up of the rigid train: {begins}{ends}. " + (
+            "The start has the voltage in time."
+            if in_time
+            else "The start has the voltage at that speed, and its time counts from breaking away; what this changes is not in Error."
+        )
 
 
 def _time_constants(case: CaseData) -> Iterator[str]:

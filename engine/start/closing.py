@@ -147,6 +147,8 @@ def closing_torques(case: CaseData, modal: ModalTrain, motors: Sequence[Motor]) 
         base = motor.scale * sheet.torque_base
         if motor.line_voltage is not None:
             base *= square(float(motor.line_voltage(0.0)))
+        if motor.soft is not None:
+            base *= square(motor.soft.ramp.initial)
         angle, first = 0.5 * motor.phase + 0.5 * math.pi, sheet.stages[0]
         torque, rate = closing_torque(first.circuit, line_omega, angle, n)
         closing[:, k] = _cubics(square(first.connection.source.voltage) * base, torque, h * rate)

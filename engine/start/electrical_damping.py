@@ -142,8 +142,10 @@ def _source_factor(stage: Stage, motor: Motor, speed: Floats) -> Floats:
     """Square of the voltage of what feeds a motor, by table `SupplyVoltage` or by its connection. [1]"""
     if stage.connection.source == STIFF:
         return motor.torque_factor(speed)
-    voltage = stage.connection.source.voltage
-    return np.full(len(speed), motor.scale * voltage * voltage)
+    voltage = np.full(len(speed), stage.connection.source.voltage)
+    if motor.soft is not None:
+        voltage = voltage * motor.soft.voltage(speed)
+    return np.asarray(motor.scale * voltage * voltage)
 
 
 def electrical_damping_of(case: CaseData, modal: ModalTrain) -> tuple[ElectricalDamping, ...]:
@@ -228,6 +230,8 @@ def _torque_over_speed(
     at = np.array([frequency])
     if speed < 1.0:
         stage = data.stage_at(speed)
+        if stage.circuit.reverse_resistance is not None:
+            return None  # it is no linear circuit
         factor = _source_factor(stage, motor, np.array([speed]))
         k = factor * electrical_damping(stage.circuit, np.array([1.0 - speed]), at)
     else:

@@ -24,6 +24,7 @@ __all__ = [
     "RECOVERS",
     "SPEED",
     "STUCK",
+    "TURNED",
     "UNSETTLED",
     "advance_pieces",
     "first_fall",
@@ -37,10 +38,10 @@ Floats = NDArray[np.float64]
 FREE, DRIVE, DRIVE_LIMITED, BACK, BACK_LIMITED, RECOVERS = range(6)
 #: Why the loop came back: more room wanted, end time, mean speed, load angle, a piece that has to
 #: be made first, no progress, forces of dampers that have no solution in double precision,
-#: torque and motion of a motor that do not settle in a step.
+#: torque and motion of a motor that do not settle in a step, the current of a field that changed its sign.
 MORE, AT_TIME, SPEED, ANGLE = library.MORE, library.AT_TIME, library.SPEED, library.ANGLE
 NEW_PIECE, STUCK, DIVIDED = library.NEW_PIECE, library.STUCK, library.DIVIDED
-UNSETTLED = library.UNSETTLED
+UNSETTLED, TURNED = library.UNSETTLED, library.TURNED
 
 #: Tables of the pieces in the order of `pieces_t`.
 TABLES = (

@@ -242,6 +242,15 @@ def test_matrix_exponential(rng, n):
     assert np.max(np.abs(found - exact)) < 1e-13 * np.max(np.abs(exact))
 
 
+def test_matrix_exponentials_side_by_side(rng):
+    """Small and large ones, which are halved differently often."""
+    stack = rng.normal(size=(4, 3, 3)) * np.array([1e-3, 1.0, 10.0, 200.0])[:, None, None]
+    stack -= 200.0 * np.eye(3) * np.array([0.0, 0.0, 0.0, 1.0])[:, None, None]
+    for a, found in zip(stack, own.matrix_exponentials(stack), strict=True):
+        exact = np.array(mpmath.expm(mpmath.matrix(a.tolist())).tolist(), dtype=float)
+        assert np.max(np.abs(found - exact)) < 1e-12 * np.max(np.abs(exact))
+
+
 def test_how_often_doubled():
     assert [own.doublings(x) for x in (0.1, 1.0, 1.1, 2.0, 4.0, 4.1)] == [0, 0, 1, 1, 2, 3]
 

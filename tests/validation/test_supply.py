@@ -198,7 +198,7 @@ def test_the_step_at_the_switch_over_is_in_the_start(kind):
     twists, y, t = [], np.zeros(6), 0.0
     for of_stage, until in zip(torques, (0.6 * line / pairs, 170.0), strict=True):
         done = solve_ivp(
-            rates(of_stage), (t, 60.0), y, method="DOP853", rtol=1e-9, atol=1e-11,
+            rates(of_stage), (t, 60.0), y, method="DOP853", rtol=1e-11, atol=1e-13,
             events=at_speed(until), dense_output=True,
         )  # fmt: skip
         path = done.sol(np.linspace(t, done.t[-1], 60_001))

@@ -181,3 +181,44 @@ def test_a_workbook_of_an_earlier_version_lacks_the_sheet(folder: Path) -> None:
         name for name in tables if name in ("MotorCurves", "ChartMotor", copy_name("MotorData"))
     ]
     assert tables[copy_name("Stations")].data.height > 10
+
+
+def test_a_one_way_path_makes_torque_at_slip_frequency(folder: Path) -> None:
+    """Written, read, calculated in time, drawn, and refused by a word that it does not know."""
+    one_way = MOTOR | {"Discharge resistance reverse": "open"}
+    source = built(folder / "one_way.xlsx", one_way, typed=False)
+    recalculate(source, destination=folder / "one_way_out.xlsx")
+    written = folder / "one_way_out.xlsx"
+    case = read_workbook(written).case()
+    (motor,) = motors_from_data(case)
+    rows = rows_of(written, "MotorCurves")
+    curves = slip_curves(motor.starting, np.array([0.5]))
+    half = next(row for row in rows if row["Slip"] == pytest.approx(0.5))
+    share = half["Pulsation1"] / half["Average"]
+    assert share == pytest.approx(float(curves.pulsation_1[0] / curves.average[0]), rel=1e-12)
+    effects = {row["Effect"]: row for row in rows_of(written, "Effects")}
+    assert "one-way discharge path" in effects["motor transient"]["Why"]
+    assert "one-way discharge path" in effects["electrical damping"]["Why"]
+    assert any(row["Multiple of slip"] == 1 for row in rows_of(written, "StartupCrossings"))
+    drawn = rows_of(written, "ChartMotor")
+    assert drawn[0]["Pulsation1"] == pytest.approx(rows[0]["Pulsation1"], rel=1e-5)
+    wrong = built(
+        folder / "shut.xlsx", MOTOR | {"Discharge resistance reverse": "shut"}, typed=False
+    )
+    (problem,) = read_workbook(wrong).problems
+    assert "open" in problem.message
+    assert problem.cell is not None
+
+
+def test_a_soft_starter_of_a_typed_curve(folder: Path) -> None:
+    example = EXAMPLES["proposed"]
+    row = {"Station": "Motor", "Starting": "soft start", "Initial voltage": 60.0, "Ramp time": 4.0}
+    example = replace(example, tables={**example.tables, "Supply": [row]})
+    source = template.build_template(folder / "soft.xlsx", "us", example)
+    outcome = recalculate(source, destination=folder / "soft_out.xlsx")
+    assert any(
+        "Soft starter of 'Motor'" in w and "voltage is full from" in w for w in outcome.warnings
+    )
+    assert read_workbook(folder / "soft_out.xlsx").case().supply[
+        0
+    ].initial_voltage == pytest.approx(0.6)

@@ -274,8 +274,8 @@ _RESULTS: tuple[TableSpec, ...] = (
     ),
     table(
         "TuningCrossings", sheet="Tuning crossings", caption="Crossings",
-        help="Crossings of 2 × slip frequency with the modes, for the best combinations and the "
-        "unchanged case.",
+        help="Crossings of 2 × slip frequency with the modes, and of 1 × slip where a motor has Pulsation1, for the best "
+        "combinations and the unchanged case.",
         columns=(
             integer("Rank", "Rank of the combination.", trace=_RANK),
             text("Combination", "Values of this combination.", trace=_COMBINATION, width=36.0),

@@ -31,8 +31,8 @@ TABLES = (
     scalar=True,
     example="=TV_MODEL(Train!B6:G22, Train!B26:U42, Case!B5:J43, Train!B46:R51, Train!I6:J17, "
     "Torque!B6:G37, Torque!I6:K47, Torque!M6:O27, Fatigue!B6:G12, Fatigue!I6:K19, "
-    "Excitation!B6:G21, Case!B33:C43, Excitation!B25:H46, Motor!B6:AF11, "
-    "Motor!B16:Q21, Excitation!B50:H63, Motor!L47:N58, Motor!P47:U52, "
+    "Excitation!B6:G21, Case!B33:C43, Excitation!B25:H46, Motor!B6:AG11, "
+    "Motor!B16:Q21, Excitation!B50:H63, Motor!N47:P58, Motor!R47:Z52, "
     "Sections!B21:L52, Sections!B56:E61)",
 )
 def tv_model(stations: Block, elements: Block, case: Block | None, *others: Block | None) -> str:

@@ -36,7 +36,7 @@ CIRCUIT = Argument(
 CIRCUIT_COLUMNS = input_table("MotorCircuit").columns
 CURVES = {
     "Station": "", "Slip": "", "Speed": "%", "Average": "pu", "Pulsating": "pu", "Phase": "deg", "Current": "pu",
-    "Power factor": "",
+    "Power factor": "", "Pulsation1": "pu", "Phase1": "deg",
 }  # fmt: skip
 
 
@@ -66,7 +66,7 @@ def _motors(
     FREQUENCY,
     CIRCUIT,
     columns=len(CIRCUIT_COLUMNS),
-    example="=TV_MOTOR_CIRCUIT(Motor!B6:AF11, 60)",
+    example="=TV_MOTOR_CIRCUIT(Motor!B6:AG11, 60)",
 )
 def tv_motor_circuit(data: Block, frequency: float | None, circuit: Block | None) -> Rows:
     """Circuit of each motor from its data sheet, per unit, as table MotorCircuit has it.
@@ -87,15 +87,16 @@ def tv_motor_circuit(data: Block, frequency: float | None, circuit: Block | None
     FREQUENCY,
     CIRCUIT,
     columns=len(CURVES),
-    example="=TV_MOTOR_CURVES(Motor!B6:AF11, , 60)",
+    example="=TV_MOTOR_CURVES(Motor!B6:AG11, , 60)",
 )
 def tv_motor_curves(
     data: Block, slips: Rows | None, frequency: float | None, circuit: Block | None
 ) -> Rows:
-    """Average and pulsating torque, its phase, current and power factor of each motor against slip.
+    """Average and pulsating torques, their phases, current and power factor of each motor against slip.
 
     Per unit of Apparent power / synchronous speed, at rated voltage, with discharge resistor and Start
-    factor. The phase is that of cos(2 s ω t), the voltage lying along the axis of the poles at t = 0.
+    factor. The phase is that of cos(2 s ω t), the voltage lying along the axis of the poles at t = 0. Pulsation1 is the torque at
+    the slip frequency itself, of a one-way discharge path, with the phase of cos(s ω t).
     """
     given = [value for row in slips or () for value in row if value is not None]
     if len(given) > MOST_SLIPS:
@@ -106,7 +107,7 @@ def tv_motor_curves(
         curves = slip_curves(starting, slip)
         columns: tuple[Any, ...] = (
             slip, 100.0 * (1.0 - slip), curves.average, curves.pulsating, curves.phase * (180.0 / math.pi),
-            curves.current, curves.power_factor,
+            curves.current, curves.power_factor, curves.pulsation_1, curves.phase_1 * (180.0 / math.pi),
         )  # fmt: skip
         values = zip(*(column.tolist() for column in columns), strict=True)
         rows += [[station, *row] for row in values]

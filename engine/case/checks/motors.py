@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 from engine.case.checks.problem import (
     NOT_NEGATIVE,
@@ -23,7 +24,13 @@ from engine.case.checks.problem import (
     number_text,
     quote_quantity,
 )
-from engine.case.choices import FieldCircuit, MotorKind, TimeConstantKind, TorqueFollows
+from engine.case.choices import (
+    DischargePath,
+    FieldCircuit,
+    MotorKind,
+    TimeConstantKind,
+    TorqueFollows,
+)
 from engine.case.data import CaseData, MotorCircuitRow, MotorDataRow, value_of
 from engine.case.time_constants import short_circuit_times
 from engine.errors import Problem
@@ -89,6 +96,10 @@ DATA_NUMBERS = (
         "It is a multiple of the resistance of the field winding, often 5 to 15.",
     ),
     Limit(
+        "Discharge resistance reverse", NOT_NEGATIVE, "",
+        "It is a multiple of the resistance of the field winding; open where no current flows that way.",
+    ),
+    Limit(
         "Start factor", Allowed(lambda v: 0.0 < v <= 2.0, "positive and at most 2"), "",
         "It multiplies leakage reactances, usually by 0.7 to 1.",
     ),
@@ -116,6 +127,8 @@ SHORT_TIMES = ("Td transient", "Td subtransient", "Tq subtransient")
 #: Equivalent circuit of an induction motor, and its second cage.
 INDUCTION = ("R1", "X1", "Xm", "R2", "X2")
 SECOND_CAGE = ("R3", "X3")
+#: What the field winding is closed by in the start.
+DISCHARGE = ("Discharge resistance", "Discharge resistance reverse")
 #: What only a synchronous motor has.
 SYNCHRONOUS = (*REACTANCES, "Xd transient", *OPEN_TIMES, *SHORT_TIMES, "Ta", "Ra")
 #: What a circuit in table MotorCircuit stands in place of.
@@ -131,11 +144,14 @@ def check_motors(case: CaseData) -> Iterator[Problem]:
     """Data sheets of motors, each with reactances and time constants or with a circuit."""
     stations = {s.station for s in case.stations if s.station}
     circuits = {row.station: cells for cells, row in each_row("MotorCircuit", case.motor_circuit)}
+    fields = {row.station: row.rf for row in case.motor_circuit}
     yield from check_names("MotorData", "Station", [m.station for m in case.motor_data], "a motor")
     for cells, motor in each_row("MotorData", case.motor_data):
         if motor.station is not None:
             yield from cells.name("Station", motor.station, stations, STATION_NAME)
-        yield from cells.numbers(motor, DATA_NUMBERS)
+        is_open = motor.discharge_resistance_reverse == DischargePath.OPEN
+        numbers = replace(motor, discharge_resistance_reverse=None) if is_open else motor
+        yield from cells.numbers(numbers, DATA_NUMBERS)
         yield from cells.choice("Kind", motor.kind, MotorKind)
         yield from cells.choice("Field circuit", motor.field_circuit, FieldCircuit)
         yield from cells.choice("Time constants", motor.time_constants, TimeConstantKind)
@@ -153,7 +169,7 @@ def check_motors(case: CaseData) -> Iterator[Problem]:
                 continue  # it is the Kind that is wrong
             yield from _sheet(cells, motor)
             yield from _measured(cells, motor)
-        yield from _field_in_the_start(cells, motor)
+        yield from _field_in_the_start(cells, motor, fields.get(motor.station))
     yield from _circuits(case)
     yield from _machine_without_data(case)
 
@@ -200,7 +216,7 @@ def _only(
 
 def _induction(cells: Cells, motor: MotorDataRow) -> Iterator[Problem]:
     """The equivalent circuit of an induction motor."""
-    of_field = ("Discharge resistance", "Field circuit", "Time constants")
+    of_field = (*DISCHARGE, "Field circuit", "Time constants")
     if motor.power_factor is not None and motor.power_factor < 0.0:
         yield cells.wrong(
             "Power factor", motor.power_factor, "positive where Kind is induction",
@@ -213,6 +229,27 @@ def _induction(cells: Cells, motor: MotorDataRow) -> Iterator[Problem]:
                 column, "a number", "Type it from the equivalent circuit of the motor."
             )
     yield from _pair(cells, motor, SECOND_CAGE)
+    yield from _above_leakage(cells, motor, "X1", ("Xm",))
+
+
+def _above_leakage(
+    cells: Cells, row: MotorDataRow | MotorCircuitRow, leakage: str, magnetising: Sequence[str]
+) -> Iterator[Problem]:
+    """The main flux of a motor is many times the leakage flux of its stator."""
+    least = value_of(row, leakage)
+    for column in magnetising:
+        value = value_of(row, column)
+        given = value is not None and least is not None
+        if given and blank_or_positive(value) and blank_or_positive(least) and value <= least:
+            yield cells.wrong(
+                column,
+                value,
+                f"above {leakage}, {number_text(least, 'pu')}",
+                f"A magnetising reactance is 0.5 pu to 6 pu, a leakage of the stator 0.05 pu to 0.25 pu. Are {column} and "
+                f"{leakage} interchanged, or in different units?",
+                "pu",
+                quote_quantity(least, "pu", (*cells, leakage)),
+            )
 
 
 def _pair(
@@ -341,22 +378,40 @@ def _measured(cells: Cells, motor: MotorDataRow) -> Iterator[Problem]:
         )
 
 
-def _field_in_the_start(cells: Cells, motor: MotorDataRow) -> Iterator[Problem]:
-    """An open field has no resistor across it."""
-    if motor.field_circuit == FieldCircuit.OPEN and motor.discharge_resistance is not None:
-        value = motor.discharge_resistance
+def _field_in_the_start(
+    cells: Cells, motor: MotorDataRow, of_circuit: float | None
+) -> Iterator[Problem]:
+    """An open field has no resistor across it, and what is not there no polarity."""
+    for column in DISCHARGE:
+        value = value_of(motor, column)
+        if motor.field_circuit == FieldCircuit.OPEN and value is not None:
+            yield cells.wrong(
+                column, value, "blank where Field circuit is open", "Clear one of the two."
+            )
+            return
+    reverse = motor.discharge_resistance_reverse
+    if reverse is None or motor.kind == MotorKind.INDUCTION:
+        return
+    if motor.xd_transient is None and of_circuit is None:
         yield cells.wrong(
-            "Discharge resistance",
-            value,
-            "blank where Field circuit is open",
-            "Clear one of the two.",
-        )
+            "Discharge resistance reverse", reverse, "blank without a field winding",
+            "Type Xd transient with its time constant, or Rf and Xlf in table MotorCircuit, or clear the cell.",
+        )  # fmt: skip
 
 
 def _machine_without_data(case: CaseData) -> Iterator[Problem]:
     """What a motor answers to oscillations follows from its data sheet."""
     if case.torque_follows != TorqueFollows.MACHINE:
         return
+    for cells, motor in each_row("MotorData", case.motor_data):
+        if motor.is_one_way:
+            yield cells.wrong(
+                "Discharge resistance reverse", motor.discharge_resistance_reverse,
+                "blank where TorqueFollows is machine",
+                "What the motor answers to small oscillations is not known while its field circuit changes with the sign of "
+                "the current. Choose mean speed in TorqueFollows.",
+            )  # fmt: skip
+            return
     sheets = {m.station for m in case.motor_data}
     missing = [str(name) for name in case.motor_stations if name not in sheets]
     if missing or not case.motor_stations:
@@ -386,5 +441,6 @@ def _circuits(case: CaseData) -> Iterator[Problem]:
         for column in ("Rs", "Xl", "Xmd", "Xmq"):
             if value_of(circuit, column) is None:
                 yield cells.blank(column, "a number", "Type it from the maker's circuit.")
+        yield from _above_leakage(cells, circuit, "Xl", ("Xmd", "Xmq"))
         for winding in ("f", "kd", "kq", "kd2", "kq2"):
             yield from _pair(cells, circuit, (f"R{winding}", f"Xl{winding}"))

@@ -23,6 +23,8 @@ TABLE = "Supply"
 LARGEST_RATIO = 200.0
 #: Open transitions take some cycles of the line; above, milliseconds were typed as seconds. [s]
 LONGEST_OPEN = 10.0
+#: Soft starters allow 30 s to 60 s; above, milliseconds were typed as seconds. [s]
+LONGEST_RAMP = 120.0
 NUMBERS = (
     Limit("Short-circuit power", POSITIVE, "V A", "It is in kVA or MVA, not a current in kA."),
     Limit(
@@ -50,23 +52,54 @@ NUMBERS = (
         "It is how long the motor is off the line: 0.05 s to 1 s. Write 80 ms or 0.08 s; blank where the line takes over "
         "without interruption.",
     ),
+    Limit(
+        "Initial voltage",
+        Allowed(lambda v: 0.1 <= v < 1.0, "at least 0.1 (10 %) and below 1 (100 %)"),
+        "",
+        "It is the share of the voltage that the soft starter begins with: write 40 % or 0.4.",
+    ),
+    Limit(
+        "Ramp time",
+        Allowed(lambda v: 0.05 <= v <= LONGEST_RAMP, f"between 0.05 s and {LONGEST_RAMP:g} s"),
+        "s",
+        "It is how long the voltage rises: 2 s to 30 s. Milliseconds typed as seconds?",
+    ),
 )
+#: What each way of starting needs, and may have.
+NEEDED = {
+    Starting.DIRECT: (),
+    Starting.AUTOTRANSFORMER: ("Tap", "Switch-over speed"),
+    Starting.REACTOR: ("Tap", "Switch-over speed"),
+    Starting.SOFT_START: ("Initial voltage", "Ramp time"),
+}
+POSSIBLE = {
+    Starting.AUTOTRANSFORMER: ("Open time",),
+    Starting.REACTOR: ("Open time",),
+}
+OF_STARTERS = ("Tap", "Switch-over speed", "Open time", "Initial voltage", "Ramp time")
 
 
 def check_supply(case: CaseData) -> Iterator[Problem]:
     """A line for each motor at most, with what its starter needs."""
     sheets = {m.station: m for m in case.motor_data if m.station}
+    curves = set(case.motor_stations)
     given = {row.station for row in case.supply_voltage}
     yield from check_names(TABLE, "Station", [row.station for row in case.supply], "a motor")
     for cells, row in each_row(TABLE, case.supply):
         yield from cells.numbers(row, NUMBERS)
         yield from cells.choice("Starting", row.starting, Starting)
-        if row.station is not None and row.station not in sheets:
+        alone = row.starting == Starting.SOFT_START and (row.short_circuit_power, row.x_r) == (
+            None,
+            None,
+        )
+        if row.station is not None and row.station not in (curves if alone else sheets):
             yield cells.wrong(
                 "Station",
                 row.station,
-                "a station of table MotorData",
-                "What the motor draws from the line follows from its data sheet: type its row there, or the voltage "
+                "a station with a motor" if alone else "a station of table MotorData",
+                "Give its torque curve in MotorTorque or its data sheet in MotorData."
+                if alone
+                else "What the motor draws from the line follows from its data sheet: type its row there, or the voltage "
                 "that the line leaves it in table SupplyVoltage.",
             )
         elif row.station in given:
@@ -76,7 +109,7 @@ def check_supply(case: CaseData) -> Iterator[Problem]:
                 "a station without rows in table SupplyVoltage",
                 "Its voltage is either typed there or follows from the line. Clear one of the two.",
             )
-        elif row.station is not None:
+        elif row.station in sheets:
             yield from _weakest(case, cells, row, sheets[row.station])
         yield from _starter(cells, row)
 
@@ -100,20 +133,24 @@ def _weakest(
 
 
 def _starter(cells: Cells, row: SupplyRow) -> Iterator[Problem]:
-    """Tap and switch-over speed of an autotransformer or a reactor, and of nothing else."""
+    """What a starter needs, and nothing else."""
     if row.starting not in (None, *Starting):
         return  # reported already
-    reduced = row.starting in (Starting.AUTOTRANSFORMER, Starting.REACTOR)
-    for column in ("Tap", "Switch-over speed", "Open time"):
+    starting = Starting(row.starting or Starting.DIRECT)
+    needed, possible = NEEDED[starting], POSSIBLE.get(starting, ())
+    for column in OF_STARTERS:
         value = value_of(row, column)
-        if reduced and value is None and column != "Open time":
+        if column in needed and value is None:
             yield cells.blank(
-                column, f"given for Starting {row.starting}", "Type it from the starter's data."
+                column, f"given for Starting {starting}", "Type it from the starter's data."
             )
-        elif not reduced and value is not None:
+        elif column not in (*needed, *possible) and value is not None:
+            others = " or ".join(
+                s for s in Starting if column in (*NEEDED[s], *POSSIBLE.get(s, ()))
+            )
             yield cells.wrong(
                 column,
                 value,
-                "blank where Starting is direct",
-                "Choose autotransformer or reactor in Starting, or clear the cell.",
+                f"blank where Starting is {starting}",
+                f"Choose {others} in Starting, or clear the cell.",
             )

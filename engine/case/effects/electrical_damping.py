@@ -5,8 +5,8 @@ from engine.case.effect import Effect, EffectInputs
 
 
 def has_data_of_every_motor(case: CaseData) -> bool:
-    """Whether every motor has a data sheet, from which its electrical damping follows."""
-    sheets = {row.station for row in case.motor_data}
+    """Whether every motor has a data sheet, from which its electrical damping follows; not with a one-way discharge path."""
+    sheets = {row.station for row in case.motor_data if not row.is_one_way}
     return bool(case.motor_stations) and all(name in sheets for name in case.motor_stations)
 
 
@@ -22,7 +22,9 @@ ELECTRICAL_DAMPING = Effect(
     bound="5 × the number; without MotorData an estimate: the change of a peak with curves read at the other speed",
     flag="electrical_damping",
     inputs=EffectInputs(
-        "a row of every motor in table MotorData", "are blank", has_data_of_every_motor
+        "a row of every motor in table MotorData, without Discharge resistance reverse",
+        "are not so",
+        has_data_of_every_motor,
     ),
     cost=0.3,
 )

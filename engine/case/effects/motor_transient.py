@@ -16,10 +16,10 @@ MOTOR_TRANSIENT = Effect(
     order=35,
     number=(
         "Largest torque that closing or a switch-over adds to an element beyond the curves, exact at one speed, divided "
-        "by the largest torque of that element; on above tolerance / 2, and where electrical damping changes a peak by "
-        "more than itself"
+        "by the largest torque of that element; on above tolerance / 2, where electrical damping changes a peak by "
+        "more than itself, and with a one-way discharge path or a soft starter"
     ),
-    bound="2 × the number",
+    bound="2 × the number; none with a one-way discharge path or a soft starter",
     called_for_by="MotorData of every motor, none with rows in MotorTorque",
     flag="motor_transient",
     inputs=EffectInputs(

@@ -1,7 +1,9 @@
 """How much of a peak is what the motors damp of a mode, or drive?"""
 
-from engine.case.choices import TorqueFollows
+from engine.case.choices import EffectChoice, TorqueFollows
 from engine.case.data import CaseData
+from engine.case.effects import choice_of
+from engine.case.effects.motor_transient import MOTOR_TRANSIENT, has_only_motors_from_data
 from engine.plan.decision import Finding, percent
 from engine.plan.evidence import DAMPING_GAIN, Evidence
 
@@ -12,6 +14,11 @@ def finding(case: CaseData, e: Evidence, modelled: tuple[str, ...]) -> Finding:
         return Finding.impossible("No mode is crossed with a motor on.")
     if not e.electrical.known:
         why = "Not every motor has a row in table MotorData: what it damps of a mode is unknown."
+        if any(row.is_one_way for row in case.motor_data):
+            why = "A motor has a one-way discharge path: what it damps of a mode is unknown."
+            off = choice_of(case, MOTOR_TRANSIENT.name) == EffectChoice.OFF
+            if has_only_motors_from_data(case) and not off:
+                return Finding.impossible(f"{why} The start in time has it.")
         return Finding.impossible(why, None)
     number, limit = e.electrical.number, e.tolerance / DAMPING_GAIN
     bound = DAMPING_GAIN * number

@@ -11,13 +11,26 @@ def finding(case: CaseData, e: Evidence, modelled: tuple[str, ...]) -> Finding:
     if share is None:
         why = "The torque of a motor is typed, or there is no motor: its fluxes are unknown."
         return Finding.impossible(why, None)
-    limit, bound = e.tolerance / CLOSING_GAIN, CLOSING_GAIN * share
+    limit = e.tolerance / CLOSING_GAIN
+    bound: float | None = CLOSING_GAIN * share
     wanted = share > limit
     what = "Closing or a switch-over adds" if case.switch_over_speeds else "Closing adds"
     why = (
         f"{what} at most {percent(share)} of its largest torque to an element, "
         f"{'above' if wanted else 'at most'} the limit {percent(limit)}."
     )
+    if any(row.is_one_way for row in case.motor_data):
+        wanted, bound = True, None
+        why += (
+            " A one-way discharge path fills the field winding with current over many periods of the slip; the curves have it "
+            "settled at each speed, and nothing bounds the difference."
+        )
+    if case.soft_starts:
+        wanted, bound = True, None
+        why += (
+            " A soft starter raises the voltage in time; curves have it against speed, as in the run-up of the rigid train, "
+            "and nothing bounds the difference."
+        )
     if not wanted and e.electrical and e.electrical.number > LARGEST_SMALL_SIGNAL:
         wanted = True
         why += " What the motors damp of a mode, or drive, is too much for electrical damping, which is of small motions."

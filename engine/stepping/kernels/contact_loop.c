@@ -24,7 +24,7 @@
 enum { FREE, DRIVE, DRIVE_LIMITED, BACK, BACK_LIMITED, RECOVERS };
 /* What ends a contact (see `condition`), and what else is waited for. */
 enum { TOUCHES, RETAKES, PARTS, PASSES, FALLS_BELOW, NONE };
-enum { RISING_SPEED = -2, FALLING_SPEED = -3, LOAD_ANGLE = -4 };
+enum { RISING_SPEED = -2, FALLING_SPEED = -3, LOAD_ANGLE = -4, FIELD_CURRENT = -5 }; /* of motor k: less k */
 
 /* Ringing, over an answer's scale, that is sampled as finely as the pulsation; smaller ringing by wider angles, up
  * to this many radians. */
@@ -785,11 +785,19 @@ static point_t speed_left(const loop_t *l, int64_t target, const double *v, cons
                      -sign * rate};
 }
 
-/* First of the speeds and the load angle that the run waits for. */
+/* First of the speeds, the load angle and the currents of fields that the run waits for. */
 static void watch_targets(const loop_t *l, double h, event_t *first)
 {
     const clock_t_ *clock = l->clock;
     double at;
+    for (int64_t k = 0; k < l->drive->machines.n; k++) {
+        point_t g0, g1;
+        if (!l->drive->machines.watched[k]) continue;
+        g0 = field_left(&l->drive->machines, k, l->fluxes + k);
+        g1 = field_left(&l->drive->machines, k, l->fluxes1 + k);
+        at = first_fall(g0.value, g0.slope * h, g1.value, g1.slope * h);
+        if (at < first->at) *first = (event_t){FIELD_CURRENT - k, NONE, at};
+    }
     for (int64_t target = RISING_SPEED; target >= FALLING_SPEED; target--) {
         point_t g0, g1;
         if (isinf(target == RISING_SPEED ? clock->rising : clock->falling)) continue;
@@ -824,6 +832,8 @@ static point_t waited_for(const loop_t *l, event_t event, double h, motion_t *fl
         double rate = 0.5 * (l->phase1[0] - l->state->phase[0]) / (h > 1e-300 ? h : 1e-300);
         return (point_t){-wave.sine, -wave.cosine * rate};
     }
+    if (event.which <= FIELD_CURRENT)
+        return field_left(&l->drive->machines, FIELD_CURRENT - event.which, l->fluxes1 + (FIELD_CURRENT - event.which));
     return speed_left(l, event.which, l->v1, l->a1);
 }
 
@@ -1032,6 +1042,11 @@ int64_t advance_pieces(clock_t_ *clock, const pieces_t *pieces, flanks_t *flanks
         motions_of(l, l->q1, l->v1, l->a1, l->before);
         write_row(l, rows);
         if (dwells > MOST_DWELLS) return come_back(l, 1, STUCK);
+        if (event.which <= FIELD_CURRENT) {
+            if (!lost) continue; /* the cubic saw a change of sign that the exact step does not have */
+            clock->turned = FIELD_CURRENT - event.which;
+            return come_back(l, 2, TURNED);
+        }
         if (event.which < 0) return come_back(l, 1, event.which == LOAD_ANGLE ? ANGLE : SPEED);
         if (!lost) continue; /* the cubic saw a touch that the exact step does not have */
         /* it has left meanwhile, and is damped already before it touches: `TOUCHES` watches */

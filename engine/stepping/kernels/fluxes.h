@@ -80,6 +80,14 @@ static inline jet_t both(jet_t a, jet_t b)
                    a.curve * b.value + 2.0 * a.slope * b.slope + a.value * b.curve};
 }
 
+/* Voltage that a soft starter leaves of it; `inside` is a time within the step. */
+static inline jet_t ramp_voltage(const double *ramp, double t, double inside)
+{
+    const double slope = (1.0 - ramp[0]) / ramp[1];
+    if (!(inside < ramp[1])) return (jet_t){1.0, 0.0, 0.0};
+    return (jet_t){ramp[0] + slope * t, slope, 0.0};
+}
+
 /* `phase` is twice the angle of the line ahead of the rotor. */
 static inline void acting(const drive_t *d, int64_t k, double t, double inside, double phase, const rotor_t *rotor,
                           acting_t *a)
@@ -88,7 +96,7 @@ static inline void acting(const drive_t *d, int64_t k, double t, double inside, 
     const int64_t n = m->n_flux[k], q = m->q[k], motor = m->motor[k];
     const double pairs = d->pole_pairs[motor], line = m->line_omega, share = m->stator[k] * line;
     const double *forward = m->forward + 2 * k, *backward = m->backward + 2 * k;
-    const jet_t v = line_voltage(d, k, rotor->read);
+    const jet_t v = both(line_voltage(d, k, rotor->read), ramp_voltage(m->ramp + 2 * k, t, inside));
     jet_t on_d = {0.0, 0.0, 0.0}, on_q = {0.0, 0.0, 0.0}, grown = {1.0, 0.0, 0.0};
     a->speed = (jet_t){m->frame + pairs * rotor->speed.value, pairs * rotor->speed.slope, pairs * rotor->speed.curve};
     turning_voltage(forward[0], (jet_t){0.5 * phase + forward[1], line - a->speed.value, -a->speed.slope}, &on_d, &on_q);
@@ -189,6 +197,18 @@ static inline int step_fluxes(const machines_t *m, int64_t k, double h, const ac
     for (int64_t i = 0; i < n; i++) x1->psi[i] += times_row(n, inverse->inverse + i * n, left);
     derivatives(m, k, a, x1);
     return 1;
+}
+
+/* A current below zero by so much counts as one that has changed its sign, so that it stays changed [pu]. */
+static const double TURNS_BACK = 1e-9;
+
+/* What has to stay positive for the resistance of the field to stay, and its rate. */
+static inline point_t field_left(const machines_t *m, int64_t k, const fluxes_t *x)
+{
+    const double *row = m->watch + k * m->most;
+    const int64_t n = m->n_flux[k];
+    if (m->watched[k] == 1) return (point_t){TURNS_BACK + times_row(n, row, x->psi), times_row(n, row, x->slope)};
+    return (point_t){TURNS_BACK + times_row(n, row, x->slope), times_row(n, row, x->curve)};
 }
 
 /* Torque of a motor and its rate. */

@@ -30,9 +30,12 @@ typedef struct {
     const double *field;              /* (n, most) from the voltage of the field [1/s] */
     const double *stator;             /* (n) 1, or 0 while it is open: neither voltage nor motion acts on it */
     const double *forward, *backward; /* (n, 2) voltage that turns with the line and against it: size, angle [1, rad] */
+    const double *ramp;               /* (n, 2) voltage at closing, and until when it rises to the full one: 0: it does not [1, s] */
     const double *base;               /* (n) [N m] */
     double line_omega, frame;         /* of the voltage; electrical speed at which the train stands still [rad/s] */
     double *flux;                     /* (n, most) updated [pu] */
+    const int64_t *watched;           /* (n) what has to stay positive: 0 nothing, 1 watch × fluxes, 2 × their rates */
+    const double *watch;              /* (n, most) current or voltage of a field whose resistance changes with its sign */
 } machines_t;
 
 /* Motors, loads and torques against time. */
@@ -193,6 +196,7 @@ typedef struct {
     double visible;                  /* ringing above this share is resolved [1] */
     double rising, falling, angle;   /* mean speeds and load angle to stop at (nan: none) [rad/s, rad] */
     double sampled;                  /* angular frequency that the base step samples [rad/s] */
+    int64_t turned;                  /* motor in time whose field current has changed its sign, updated */
 } clock_t_;
 
 /* Events: time, clearance, contact before and after, speed of the flank. */
@@ -218,7 +222,7 @@ typedef struct {
 /* Why a loop came back: room is full, end time, speed reached, load angle reached, a piece has to be made, no
  * progress, damper forces without a solution in double precision, torque of a motor and its motion that do not settle
  * in a step. */
-enum { MORE, AT_TIME, SPEED, ANGLE, NEW_PIECE, STUCK, DIVIDED, UNSETTLED };
+enum { MORE, AT_TIME, SPEED, ANGLE, NEW_PIECE, STUCK, DIVIDED, UNSETTLED, TURNED };
 
 int64_t linear_room(int64_t lanes, const system_t *system, const drive_t *drive, const torques_t *torques);
 int64_t contact_room(const pieces_t *pieces, const drive_t *drive);

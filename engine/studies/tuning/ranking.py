@@ -214,7 +214,7 @@ def _crossing(
     if before is not None:
         text += _against(pulsating, before.pulsating_torque)
     if c.sweep_rate is not None:
-        text += f" and 2 × slip frequency falls at {c.sweep_rate:.3g} Hz/s"
+        text += f" and {c.multiple_of_slip} × slip frequency falls at {c.sweep_rate:.3g} Hz/s"
         if before is not None:
             text += _against(c.sweep_rate, before.sweep_rate, "slower", "faster")
     return text + "."

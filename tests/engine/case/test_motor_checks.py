@@ -45,6 +45,8 @@ def places(data):
         (replace(SHEET, ta=None, ra=0.0), ()),
         (replace(SHEET, xd_transient=None, td_0_transient=None, discharge_resistance=None), ()),
         (replace(SHEET, field_circuit="open", discharge_resistance=None), ()),
+        (replace(SHEET, discharge_resistance_reverse="open"), ()),
+        (replace(BY_CIRCUIT, discharge_resistance_reverse=0.0), (CIRCUIT,)),
         (BY_CIRCUIT, (CIRCUIT,)),
         (INDUCTION, ()),
         (replace(INDUCTION, r_3=0.1, x_3=0.03), ()),
@@ -55,6 +57,8 @@ def places(data):
         "Ra",
         "no field",
         "open field",
+        "one way open",
+        "one way",
         "circuit",
         "induction",
         "double cage",
@@ -103,6 +107,30 @@ def test_the_rated_power_may_give_the_base():
         ),
         ({"power_factor": 80.0}, "Power factor", "at most 1 (100 %)"),
         ({"power_factor": 0.0}, "Power factor", "below 0 only where it lags"),
+        (
+            {"discharge_resistance_reverse": -1.0},
+            "Discharge resistance reverse",
+            "multiple of the resistance",
+        ),
+        (
+            {
+                "discharge_resistance": None,
+                "discharge_resistance_reverse": 9.0,
+                "field_circuit": "open",
+            },
+            "Discharge resistance reverse",
+            "blank where Field circuit is open",
+        ),
+        (
+            {
+                "discharge_resistance": None,
+                "discharge_resistance_reverse": 9.0,
+                "xd_transient": None,
+                "td_0_transient": None,
+            },
+            "Discharge resistance reverse",
+            "blank without a field winding",
+        ),
         ({"start_factor": 0.0}, "Start factor", "usually by 0.7 to 1"),
         ({"station": "motr"}, "Station", "Did you mean 'motor'?"),
     ],
@@ -123,6 +151,8 @@ def test_wrong_data_are_found_at_their_cell(change, column, words):
         ({"xmd": None}, "Xmd"),
         ({"rs": 1.2}, "Rs"),
         ({"xmd": 110.0}, "Xmd"),
+        ({"xmd": 0.1}, "Xmd"),
+        ({"xmq": 0.11}, "Xmq"),
         ({"xlkd": None}, "Xlkd"),
         ({"rkq_2": 0.1}, "Xlkq2"),
     ],
@@ -158,6 +188,7 @@ def test_a_motor_needs_the_line():
         ({"field_circuit": "open"}, "Field circuit", "blank unless Kind is synchronous"),
         ({"r_3": 0.1}, "X3", "given where R3 is"),
         ({"x_1": 10.0}, "X1", "Per cent and per unit mixed up?"),
+        ({"xm": 0.09}, "Xm", "Are Xm and X1 interchanged"),
         ({"r_1": 3.0}, "R1", "Per cent and per unit mixed up?"),
         ({"kind": "inductoin"}, "Kind", "synchronous"),
         ({"power_factor": -0.9}, "Power factor", "always lags: type it without sign"),
@@ -177,3 +208,12 @@ def test_an_equivalent_circuit_of_no_kind_is_told():
 def test_an_equivalent_circuit_of_the_wrong_kind_is_one_problem():
     (found,) = places(case(replace(INDUCTION, kind=None)))
     assert found[-1] == "R1"
+
+
+def test_small_oscillations_are_unknown_with_a_one_way_path():
+    one_way = replace(SHEET, discharge_resistance_reverse=0.0)
+    assert places(case(one_way, torque_follows="machine")) == [
+        ("MotorData", 1, "Discharge resistance reverse")
+    ]
+    same = replace(SHEET, discharge_resistance_reverse=SHEET.discharge_resistance)
+    assert places(case(same, torque_follows="machine")) == []

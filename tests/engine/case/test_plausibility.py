@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 from sample_case import sample_case, with_limits
 
-from engine.case.data import CaseData, MeshRow, MotorDataRow
+from engine.case.data import CaseData, MeshRow, MotorCircuitRow, MotorDataRow
 from engine.case.plausibility import implausible, impossible_inputs
 from engine.run import run
 
@@ -155,5 +155,31 @@ def test_apparent_power_is_near_the_rated_power(share, said):
 def test_slips_of_a_data_sheet_are_told(voltage, discharge, said):
     motor = MotorDataRow("Motor", voltage=voltage, discharge_resistance=discharge)
     notes = said_of(replace(CaseData(**vars(sample_case("modified"))), motor_data=(motor,)))
+    assert said in notes
+    assert bool(said) == bool(notes)
+
+
+@pytest.mark.parametrize(
+    ("fields", "circuit", "said"),
+    [
+        ({"xd": 0.9, "xq": 1.3}, {}, "Are Xd and Xq interchanged?"),
+        ({"xd": 1.3, "xq": 1.3}, {}, ""),
+        ({}, {"xmd": 0.6, "xmq": 1.1}, "Are Xmd and Xmq interchanged?"),
+        ({"discharge_resistance": 0.1, "discharge_resistance_reverse": 9.0}, {}, ""),
+        (
+            {"discharge_resistance": 9.0, "discharge_resistance_reverse": 90.0},
+            {},
+            "90 times the resistance",
+        ),
+        ({"discharge_resistance": 9.0, "discharge_resistance_reverse": "open"}, {}, ""),
+    ],
+)
+def test_axes_and_discharge_paths_that_no_motor_has_are_told(fields, circuit, said):
+    motor = MotorDataRow("Motor", **fields)
+    rows = (MotorCircuitRow("Motor", **circuit),) if circuit else ()
+    case = replace(
+        CaseData(**vars(sample_case("modified"))), motor_data=(motor,), motor_circuit=rows
+    )
+    notes = said_of(case)
     assert said in notes
     assert bool(said) == bool(notes)

@@ -7,10 +7,14 @@ from dataclasses import replace
 import pytest
 
 from engine.case.checks.find_problems import find_problems
-from engine.case.data import CaseData, SupplyRow, SupplyVoltageRow
+from engine.case.data import CaseData, MotorTorqueRow, SupplyRow, SupplyVoltageRow
 from tests.engine.case.test_motor_checks import SHEET, case
 
 GOOD = SupplyRow("motor", 150e6, 15.0, "autotransformer", 0.65, 0.9)
+
+SOFT = {
+    "starting": "soft start", "tap": None, "switch_over_speed": None, "initial_voltage": 0.4, "ramp_time": 5.0,
+}  # fmt: skip
 
 
 def supplied(**changes: object) -> CaseData:
@@ -29,6 +33,8 @@ def found(data: CaseData) -> list[tuple[str, str]]:
         {"open_time": 0.08},
         {"starting": "direct", "tap": None, "switch_over_speed": None},
         {"short_circuit_power": None, "x_r": None},
+        SOFT,
+        SOFT | {"short_circuit_power": None, "x_r": None},
     ],
 )
 def test_right_input(changes: dict[str, object]) -> None:
@@ -51,6 +57,13 @@ def test_right_input(changes: dict[str, object]) -> None:
         ({"open_time": 80.0}, "Open time", "Write 80 ms or 0.08 s"),
         ({"starting": "direct", "tap": None, "switch_over_speed": None, "open_time": 0.08}, "Open time", "clear the cell"),
         ({"starting": "direct", "switch_over_speed": None}, "Tap", "Choose autotransformer or reactor"),
+        (SOFT | {"initial_voltage": 40.0}, "Initial voltage", "write 40 % or 0.4"),
+        (SOFT | {"ramp_time": 5000.0}, "Ramp time", "Milliseconds typed as seconds?"),
+        (SOFT | {"ramp_time": None}, "Ramp time", "given for Starting soft start"),
+        (SOFT | {"tap": 0.5}, "Tap", "blank where Starting is soft start"),
+        ({"ramp_time": 5.0}, "Ramp time", "Choose soft start in Starting"),
+        (SOFT | {"station": "second"}, "Station", "a station of table MotorData"),
+        (SOFT | {"station": "second", "short_circuit_power": None, "x_r": None}, "Station", "Give its torque curve in MotorTorque"),
     ],
 )  # fmt: skip
 def test_one_mistake(changes: dict[str, object], column: str, words: str) -> None:
@@ -68,4 +81,14 @@ def test_voltage_typed_and_calculated() -> None:
 
 def test_two_rows_of_one_motor() -> None:
     ((where, _),) = found(replace(supplied(), supply=(GOOD, GOOD)))
+    assert where == "Station"
+
+
+def test_a_soft_starter_alone_needs_no_data_sheet() -> None:
+    row = replace(GOOD, **SOFT, short_circuit_power=None, x_r=None)  # type: ignore[arg-type]
+    curve = tuple(MotorTorqueRow("motor", x, 9e3, 2e3) for x in (0.0, 1.0))
+    assert found(case(supply=(row,), motor_torque=curve)) == []
+    ((where, _),) = found(
+        case(supply=(replace(row, short_circuit_power=150e6),), motor_torque=curve)
+    )
     assert where == "Station"
