@@ -26,7 +26,7 @@ Floats = NDArray[np.float64]
 
 PICTURE = Path(__file__).resolve().parents[1] / "docs" / "images" / "backlash_start.png"
 EXAMPLE, MESH = "example_backlash.xlsx", "Mesh"
-#: The lowest mode is crossed within this time (sheet Start-up), and a part of it. [s]
+#: The lowest mode is crossed within this time (sheet Start), and a part of it. [s]
 SHOWN, ENLARGED = (6.3, 7.5), (6.88, 6.96)
 POINTS = 20_000
 #: Torque below this share of the largest is none: the teeth are in the gap.

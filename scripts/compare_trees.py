@@ -15,7 +15,7 @@ the shortest decimal that gives back every bit), strings as they are. What may d
   other than its message;
 * what follows from those sentences: heights of rows; widths of columns and the drawings of a report (look at
   them; the workbook's chart data, which are compared, hold the same numbers); where the prompt of a cell is
-  cut to the 255 characters that Excel allows (sheet Trace has the same sentences whole); and the digests that
+  cut to the 255 characters that Excel allows (sheet Notes has the same sentences whole); and the digests that
   a study keeps of its rows, texts included.
 
 Texts that a workbook keeps in its list of shared strings are compared in the cells that show them.
@@ -59,7 +59,7 @@ TIMES_IN_JSON = (
 TIMES_IN_TABLES = (
     ("Effects", "Time"),
     ("AccuracyCost", "Time"),
-    # what the chart of sheet Accuracy draws, in the order of the times; its cached values too
+    # what the chart of sheet Effects and accuracy draws, in the order of the times; its cached values too
     ("ChartAccuracy", "* time"),
     ("ChartAccuracy", "* peak"),
     ("ChartAccuracy", "* starts"),

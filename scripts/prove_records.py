@@ -103,10 +103,10 @@ import openpyxl
 from addin.worksheet.registry import FUNCTIONS
 import addin.worksheet.functions
 book = openpyxl.load_workbook("templates/blank_si.xlsx")
-sheet = book["Start-up"]
+sheet = book["Start"]
 cells = [cell.value for row in sheet[sheet.tables["StartupPeaks"].ref] for cell in row]
 assert "Magnitude" in cells, cells
-rows = [[c.value for c in row] for row in book["Trace"].iter_rows()]
+rows = [[c.value for c in row] for row in book["Notes"].iter_rows()]
 assert any("Magnitude" in row for row in rows)
 folder = pathlib.Path("build/proof")
 folder.mkdir(parents=True, exist_ok=True)

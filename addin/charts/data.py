@@ -48,7 +48,7 @@ _BLANK_LABEL = " "
 _SMALLEST_CYCLE = 0.03
 
 
-#: Axis of the chart of sheet Accuracy.
+#: Axis of the chart of sheet Effects and accuracy.
 _ACCURACY_AXIS = "Error [%]"
 
 

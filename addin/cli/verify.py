@@ -45,7 +45,7 @@ def verify(
         str | None,
         typer.Option(
             help="Instead of verifying, explain a result: its meaning, equation and inputs. Name "
-            "a table (SteadyState), a column (SteadyState.Torque) or a cell ('Steady state!H9')."
+            "a table (SteadyState), a column (SteadyState.Torque) or a cell ('Results!AW9')."
         ),
     ] = None,
 ) -> None:

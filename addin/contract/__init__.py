@@ -39,10 +39,12 @@ module            responsibility
 `tables`          every table of inputs and outputs, and look-ups by name
 `problems`        problems with the place where an engineer finds them, and the nearest of known
                   words
-`sheets`          what stands where on the shipped workbooks, as data: sheets, title block, key
-                  numbers
 `texts`           words on the shipped workbooks: captions, one sentence a sheet, and the sheet
                   `Notes`
+`sheets`          what stands where on the shipped workbooks, as data: sheets, title block, key
+                  numbers
+`print_areas`     what of a sheet is printed: the parts of it that have something to show, each
+                  on pages of its own
 `trace_table`     the rows of sheet `Trace`: what each result is, by which equation, from what
 `units`           shown unit ↔ SI: the only home of rpm, psi, lbf*in, degrees, percent and per
                   unit

@@ -106,7 +106,7 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
         ),
     ),
     table(
-        "Sections", sheet="Sections", caption="Sections",
+        "Sections", sheet="Train", caption="Sections",
         help="Optional: lengths of constant section of an element, from From to To; they give its stiffness and its own "
         "inertia.",
         rows=30, row_name=("Element", "Section"), later=True,
@@ -129,7 +129,7 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
         ),
     ),
     table(
-        "SectionMaterials", sheet="Sections", caption="Materials of sections",
+        "SectionMaterials", sheet="Train", caption="Materials of sections",
         help="What sections are made of, where it is not steel of 79.3 GPa and 7850 kg/m³.",
         rows=4, row_name=("Material",), later=True,
         columns=(
@@ -208,7 +208,7 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
         ),
     ),
     table(
-        "MotorTorque", sheet="Torque", caption="Motor torque",
+        "MotorTorque", sheet="Torque and motor", caption="Motor torque",
         help="Motor torque against speed at rated voltage, as on the maker's curve.",
         rows=30, row_name=("Station", "Speed"), short_caption=True,
         columns=(
@@ -232,7 +232,7 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
         ),
     ),
     table(
-        "MotorData", sheet="Motor", caption="Motor data",
+        "MotorData", sheet="Torque and motor", caption="Motor data",
         help="Data sheet of a motor, per unit of its own apparent power and voltage; its torque curves "
         "follow where MotorTorque has no rows of its station.",
         rows=4, row_name=("Station",), later=True,
@@ -302,7 +302,7 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
         ),
     ),
     table(
-        "MotorCircuit", sheet="Motor", caption="Motor circuit",
+        "MotorCircuit", sheet="Torque and motor", caption="Motor circuit",
         help="Circuit of a motor of table MotorData, instead of its reactances and time constants.",
         rows=4, row_name=("Station",), later=True,
         columns=(
@@ -326,7 +326,7 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
         ),
     ),
     table(
-        "SupplyVoltage", sheet="Motor", caption="Voltage against speed",
+        "SupplyVoltage", sheet="Torque and motor", caption="Voltage against speed",
         help="What the line leaves each motor in the start, over the voltage of its torque curves; torques go with its "
         "square. Scalar Voltage multiplies it.",
         rows=10, row_name=("Station", "Speed"), short_caption=True, later=True,
@@ -337,7 +337,7 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
         ),
     ),
     table(
-        "Supply", sheet="Motor", caption="Line and starter",
+        "Supply", sheet="Torque and motor", caption="Line and starter",
         help="The line of a motor of table MotorData in the start, and what stands between: the voltage at its terminals follows "
         "from its current. A soft starter without Short-circuit power needs no MotorData. Instead of SupplyVoltage.",
         rows=4, row_name=("Station",), short_caption=True, later=True,
@@ -369,7 +369,7 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
         ),
     ),
     table(
-        "LoadTorque", sheet="Torque", caption="Load torque",
+        "LoadTorque", sheet="Torque and motor", caption="Load torque",
         help="Torque of the driven machines against speed.",
         rows=40, row_name=("Station", "Speed"), short_caption=True,
         columns=(
@@ -379,7 +379,7 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
         ),
     ),
     table(
-        "TorqueTime", sheet="Torque", caption="Torque against time (optional)",
+        "TorqueTime", sheet="Torque and motor", caption="Torque against time (optional)",
         help="Optional: prescribed torque against time, linear between rows.",
         rows=20, row_name=("Station", "Time"), short_caption=True,
         columns=(
@@ -389,7 +389,7 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
         ),
     ),
     table(
-        "EventTorque", sheet="Excitation", caption="Events in operation (optional)",
+        "EventTorque", sheet="Torque and motor", caption="Events in operation (optional)",
         help="Air-gap torque of a fault as makers publish it: sums of A e^(−t/τ) cos(m ω t + φ) from the event on, "
         "added to the torque in operation.",
         rows=20, row_name=("Event", "Station", "Multiple"), later=True,
@@ -415,7 +415,7 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
         ),
     ),
     table(
-        "MotorEvents", sheet="Excitation", caption="Events of a motor (optional)",
+        "MotorEvents", sheet="Torque and motor", caption="Events of a motor (optional)",
         help="Faults and switching of a motor of table MotorData in operation, or while it starts; its torque follows from "
         "its fluxes and its motion.",
         rows=12, row_name=("Event",), later=True,
@@ -502,7 +502,7 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
         ),
     ),
     table(
-        "Excitations", sheet="Excitation", caption="Excitations",
+        "Excitations", sheet="Train", caption="Excitations",
         help="Excitations in continuous operation; blank = 1× and 2× of every shaft speed, 1× and "
         "2× line frequency.",
         rows=14, row_name=("Name",),

@@ -144,23 +144,23 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             sentence(
                 "Where", "Mode, element or speed that governs.",
                 "Mode, element or speed of the governing number", "docs/method.md",
-                of_row=("Verdicts.Result",), width=40.0,
+                of_row=("Verdicts.Result",), width=32.0,
             ),
             sentence(
                 "Coverage", "How much of the train is judged.",
                 "Elements with a limit for this check, of all that the check is for; modes and excitations of a "
                 "margin; crossings of a start",
-                "docs/method.md", of_case=("Elements.Kind", *LIMITS), width=22.0,
+                "docs/method.md", of_case=("Elements.Kind", *LIMITS), width=14.0,
             ),
             sentence(
                 "Not judged", "What is not judged, and the peak torque of each element over the rated torque.",
                 "Elements without a limit for this check; the input that is missing",
-                "docs/method.md", of_case=("Elements.Kind", *LIMITS), width=44.0,
+                "docs/method.md", of_case=("Elements.Kind", *LIMITS), width=20.0,
             ),
         ),
     ),
     table(
-        "StandardRequirements", sheet="Margins", caption="What the standard asks for",
+        "StandardRequirements", sheet="Effects and accuracy", caption="What the standard asks for",
         help="Margins and analyses that scalar Standard asks for, each with its source and the checks that show it.",
         row_name=("Requirement",), rank=9, room=8, later=True,
         columns=(
@@ -198,7 +198,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
         ),
     ),
     table(
-        "NaturalFrequencies", sheet="Frequencies", caption="Natural frequencies",
+        "NaturalFrequencies", sheet="Results", caption="Natural frequencies",
         help="Undamped natural frequencies; rigid-body modes first, with frequency 0.",
         row_name=("Mode",), changes_shown=("Frequency", "Largest strain energy"), rank=1,
         columns=(
@@ -261,7 +261,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
         ),
     ),
     table(
-        "ModeShapes", sheet="Frequencies", caption="Mode shapes",
+        "ModeShapes", sheet="Results", caption="Mode shapes",
         help="Twist of each station, largest = 1; no twist for a mode in which gears only move "
         "laterally.",
         row_name=("Station",), rank=1,
@@ -273,7 +273,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
         ),
     ),
     table(
-        "SeparationMargins", sheet="Margins", caption="Separation margins",
+        "SeparationMargins", sheet="Results", caption="Separation margins",
         help="Every mode against every continuous excitation.",
         row_name=("Mode", "Excitation"), changes_shown=("Margin",), rank=2, filtered=True,
         json_only=(
@@ -329,7 +329,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 "Not judged", "Elements without a limit that keep the margin from being accepted.",
                 "Elements of the mode that must be judged and have no limit, with their shares of strain energy and "
                 "modal torque",
-                f"{STEADY}; {MIL}", of_row=("SteadyState.Verdict", "SteadyState.Error"), of_case=MODAL, width=40.0,
+                f"{STEADY}; {MIL}", of_row=("SteadyState.Verdict", "SteadyState.Error"), of_case=MODAL, width=26.0,
             ),
         ),
         extra_columns=(
@@ -342,7 +342,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
         ),
     ),
     table(
-        "SteadyState", sheet="Steady state", caption="Steady-state response",
+        "SteadyState", sheet="Results", caption="Steady-state response",
         help="Forced response; stresses include SCF.",
         row_name=("Element", "Excitation", "Mode", "Applied at"),
         changes_shown=("Peak-to-peak stress",), rank=3, filtered=True,
@@ -433,7 +433,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
         ),
     ),
     table(
-        "StartupPeaks", sheet="Start-up", caption="Peaks of the start",
+        "StartupPeaks", sheet="Start", caption="Peaks of the start",
         help="Extremes from rest to the end of the run, torques at own speed, stress nominal without SCF.",
         row_name=("Element",), changes_shown=("Maximum torque", "Peak-to-peak stress"),
         of_the_start=True, rank=4,
@@ -524,7 +524,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
         ),
     ),
     table(
-        "SectionResults", sheet="Sections", caption="Stiffness and inertia of the sections",
+        "SectionResults", sheet="Train", caption="Stiffness and inertia of the sections",
         help="Each section of table Sections as it twists and turns, and each element as a whole.",
         row_name=("Element", "Section"), later=True,
         columns=(
@@ -551,7 +551,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
         ),
     ),
     table(
-        "MotorCurves", sheet="Motor", caption="Calculated torque curves",
+        "MotorCurves", sheet="Torque and motor", caption="Calculated torque curves",
         help="Torques and current of each motor of table MotorData while it slips, rated voltage behind its row of table Supply.",
         row_name=("Station", "Slip"), later=True,
         columns=(
@@ -610,7 +610,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
         ),
     ),
     table(
-        "MotorTimeConstants", sheet="Motor", caption="Time constants",
+        "MotorTimeConstants", sheet="Torque and motor", caption="Time constants",
         help="Of field and damper in the axis of the poles, of the circuit that the start uses: as the relations of one winding after "
         "the other give them, and as tests show them.",
         row_name=("Station", "Time constant"), short_caption=True, later=True,
@@ -637,7 +637,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
         ),
     ),
     table(
-        "ElectricalDamping", sheet="Frequencies", caption="Electrical damping",
+        "ElectricalDamping", sheet="Results", caption="Electrical damping",
         help="What each motor makes of each mode that the start crosses, at that speed, and in operation at rated "
         "load with a leading power factor. Blank where the motor has no data sheet.",
         row_name=("Station", "Mode", "Percent speed"), later=True,
@@ -701,7 +701,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
         ),
     ),
     table(
-        "StartupCrossings", sheet="Start-up", caption="Crossings of 2 × slip frequency",
+        "StartupCrossings", sheet="Start", caption="Crossings of 2 × slip frequency",
         help="Where 2 × slip frequency crosses each mode, and 1 × slip where a motor has Pulsation1, typed or from its one-way discharge path.",
         row_name=("Mode",), changes_shown=("Peak-to-peak torque", "Mesh minimum torque"),
         room=CROSSING_ROWS, of_the_start=True, rank=4,
@@ -807,12 +807,12 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                     "StartupCrossings.Sweep rate", "NaturalFrequencies.Damping ratio",
                     "StartupCrossings.Average torque", "StartupCrossings.Pulsating torque",
                 ),
-                width=52.0,
+                width=38.0,
             ),
         ),
     ),
     table(
-        "AllowableStarts", sheet="Starts", caption="Allowable starts",
+        "AllowableStarts", sheet="Fatigue", caption="Allowable starts",
         help="Fatigue damage of one start and allowable starts.",
         row_name=("Element",), changes_shown=("Allowable starts",), of_the_start=True, rank=6,
         json_only=(
@@ -895,7 +895,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
         ),
     ),
     table(
-        "TorqueReversals", sheet="Reversals", caption="Torque reversals",
+        "TorqueReversals", sheet="Start", caption="Torque reversals",
         help="Torque reversals in the start, on the From side: each gear mesh, geared coupling, and other element with a Reversal limit.",
         row_name=("Element",),
         changes_shown=("Minimum torque", "Reversals", "Impacts", "Tooth force"), room=8,
@@ -1002,7 +1002,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             ),
             sentence(
                 "Note", "Summary of the result.", "Summary of the row", REVERSALS,
-                of_row=("TorqueReversals.Reversals", "TorqueReversals.Limit"), width=48.0, pane=Pane.WORKBOOK,
+                of_row=("TorqueReversals.Reversals", "TorqueReversals.Limit"), width=20.0, pane=Pane.WORKBOOK,
             ),
         ),
         extra_columns=(
@@ -1016,7 +1016,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
         ),
     ),
     table(
-        "EventPeaks", sheet="Events", caption="Peaks of events",
+        "EventPeaks", sheet="Torque and motor", caption="Peaks of events",
         help="Extremes from the event on, the torques of operation or start included, at own speed; stress nominal without "
         "SCF.",
         row_name=("Event", "Element"), changes_shown=("Maximum", "Minimum"), of_the_start=True, rank=7,
@@ -1099,7 +1099,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
         ),
     ),
     table(
-        "AirGapTorque", sheet="Events", caption="Air-gap torque of events of motors",
+        "AirGapTorque", sheet="Torque and motor", caption="Air-gap torque of events of motors",
         help="Torque of the motor at its own speed in each event of table MotorEvents, and in a start in time; negative "
         "brakes.",
         row_name=("Event",), changes_shown=("Largest",), of_the_start=True, rank=7, later=True,
@@ -1142,7 +1142,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
         ),
     ),
     table(
-        "Effects", sheet="Effects", caption="Effects",
+        "Effects", sheet="Effects and accuracy", caption="Effects",
         help="Effects simulated and left out, each with its deciding number.",
         rows=len(EFFECTS), row_name=("Effect",), changes_shown=("On",), room=len(EFFECTS),
         worded=True, rank=7,
@@ -1191,7 +1191,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
         ),
     ),
     table(
-        "AccuracyCost", sheet="Accuracy", caption="Accuracy and its cost",
+        "AccuracyCost", sheet="Effects and accuracy", caption="Accuracy and its cost",
         help="Error against computing time of this case on this machine.",
         row_name=("Method", "Setting"), of_the_start=True, worded=True, rank=7,
         columns=(
@@ -1247,7 +1247,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
 #: Tables of the workbook alone, beside the results of the contract; the JSON has none of them.
 WORKBOOK_TABLES: tuple[TableSpec, ...] = (
     table(
-        "StartCycles", sheet="Starts", caption="Cycles of one start",
+        "StartCycles", sheet="Fatigue", caption="Cycles of one start",
         help="Largest damage first; a row without amplitude holds all other cycles.",
         row_name=("Amplitude",), of_the_start=True,
         columns=(
@@ -1288,7 +1288,7 @@ WORKBOOK_TABLES: tuple[TableSpec, ...] = (
         ),
     ),
     table(
-        "BearingForces", sheet="Reversals", caption="Bearing forces",
+        "BearingForces", sheet="Start", caption="Bearing forces",
         help="Largest radial bearing force of each gear on elastic bearings, excluding weight.",
         row_name=("Station",), changes_shown=("Force",), room=13, of_the_start=True, rank=5,
         columns=(
@@ -1311,7 +1311,7 @@ WORKBOOK_TABLES: tuple[TableSpec, ...] = (
         ),
     ),
     table(
-        "EnergyShares", sheet="Frequencies", caption="Sensitivities",
+        "EnergyShares", sheet="Results", caption="Sensitivities",
         help="Frequency shift for the change above: ± ½ × share × change × f, + for a stiffness, "
         "− for an inertia.",
         row_name=("Quantity", "Of"),
@@ -1346,7 +1346,7 @@ WORKBOOK_TABLES: tuple[TableSpec, ...] = (
         ),
     ),
     table(
-        "Plans", sheet="Effects", caption="Plans",
+        "Plans", sheet="Effects and accuracy", caption="Plans",
         help="Results shown are those of the last plan; a new plan is made when the run "
         "contradicts the previous plan.",
         row_name=("Plan",), worded=True, rank=7,

@@ -29,8 +29,8 @@ RUN_FACTS: tuple[tuple[str, str], ...] = (
     ("run_NmPerTransmitted", "N m per unit of TorqueReversals[Transmitted torque]"),
     ("run_ContactLaw", "Damping law of teeth in contact"),
     ("run_AccuracySentence", "Computing time of the wanted accuracy"),
-    ("run_AccuracyReference", "Reference of the errors on sheet Accuracy"),
-    ("run_AccuracyInputs", "Inputs of sheet Accuracy"),
+    ("run_AccuracyReference", "Reference of the errors on sheet Effects and accuracy"),
+    ("run_AccuracyInputs", "Inputs of sheet Effects and accuracy"),
     ("run_Poles", "Number of poles"),
     ("run_ShaftSpeeds", "Speeds of the other shafts with the motor at synchronous speed"),
     ("run_TotalRatio", "Speed ratio that is farthest from 1"),
@@ -40,4 +40,6 @@ RUN_FACTS: tuple[tuple[str, str], ...] = (
     ("run_RatedPower", "Rated power [kW]"),
     ("run_RatedTorque", "Rated torque [N m]"),
     ("run_RunningLoadShare", "Sum of the running loads over rated torque [%]"),
+    ("run_PrintedModes", "What of modes and margins is not printed"),
+    ("run_PrintedResponse", "What of the steady-state response is not printed"),
 )

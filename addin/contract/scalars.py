@@ -127,7 +127,7 @@ _BY_GROUP: Mapping[str, tuple[Field, ...]] = {
             "InitialState",
             tuple(choices.InitialState),
             "Where torques of table TorqueTime begin: rest, with the start; running, as an event in operation "
-            "(sheet Events), added to the torques of the train at synchronous speed.",
+            "(sheet Torque and motor), added to the torques of the train at synchronous speed.",
             blank="rest",
         ),
         choice(

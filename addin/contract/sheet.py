@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import reduce
 
-#: Width of the text column of sheet `Notes`. [characters]
-NOTES_WIDTH = 122.0
+#: Width of the texts of sheet `Notes`. [characters]
+NOTES_WIDTH = 140.0
+#: Usual height of a row: that of its text and a little more. [point]
+ROW_HEIGHT = 12.75
+#: Which parts are printed whatever they hold, and which are not.
+ALWAYS, NEVER = ("always",), ("never",)
 
 
 @dataclass(frozen=True)
@@ -33,9 +39,13 @@ class KeyNumber:
 
 @dataclass(frozen=True)
 class Sheet:
-    """One sheet as data."""
+    """One sheet as data, or one of several parts that stand side by side on a sheet.
 
-    name: str  #: Sheet name.
+    A part has columns of its own, so that its tables may grow downwards beside those of the others; its cells
+    are given as if it began in column A.
+    """
+
+    name: str  #: Its name; of a part, the title in its banner.
     #: ``input``, ``live``, ``result`` or ``notes``: colour of the tab and of the banner's word.
     kind: str
     widths: Mapping[str, float]  #: Column widths by ranges such as ``B:D``.
@@ -43,7 +53,6 @@ class Sheet:
     charts: tuple[ChartAt, ...] = ()  #: Its charts.
     freeze: str = "A4"  #: First cell that scrolls; empty = all of it. [A1]
     header_rows: int = 3  #: Rows repeated on every page; a chart must begin below them.
-    one_page: bool = False  #: Whether all of it is fitted to one page.
     hidden: bool = False  #: Whether it holds nothing but numbers behind charts.
     printed: str = ""  #: Last column of banner and print; empty = all of them.
     #: Columns at which another page begins; the print is then as large as the widest page allows,
@@ -52,15 +61,65 @@ class Sheet:
     repeated: str = ""  #: Columns repeated on every page, such as ``A:C``; empty = none.
     row_breaks: tuple[int, ...] = ()  #: Rows, counted from 1, at which another page begins.
     largest: int = 100  #: Scale of a print in pieces at the most. [%]
-    side: float = 0.4  #: Margin left and right of a printed page. [in]
     intro: str = ""  #: One sentence below the strip.
     #: Of a study: sheet of the nominal run after which it is placed; empty = after all of those.
     behind: str = ""
+    #: Tables of which one must hold something for the part to be printed, `ALWAYS` or `NEVER`; empty = its own
+    #: tables and those that its charts draw.
+    printed_for: tuple[str, ...] = ()
+    print_from: int = 1  #: First row that is printed; the repeated ones stand above it in any case.
+    print_to: int = 0  #: Last row that is printed in any case.
+    on: str = ""  #: Of a part: the sheet on which it stands.
+    shift: int = 0  #: Columns of the parts left of it, see `side_by_side`. [count]
+
+    @property
+    def worksheet(self) -> str:
+        """Name of the sheet in the workbook."""
+        return self.on or self.name
 
     @property
     def last(self) -> str:
         """Last column of banner and print."""
         return self.printed or list(self.widths)[-1].split(":")[-1]
+
+    @property
+    def columns(self) -> tuple[int, int]:
+        """Its first and its last column on the sheet, counted from 1. [count]"""
+        return self.shift + 1, self.shift + column_number(self.last)
+
+    def at(self, place: str) -> str:
+        """A cell, a column or a range of columns of the part, on its sheet. [A1]"""
+        return _LETTERS.sub(
+            lambda found: column_letters(column_number(found[0]) + self.shift), place
+        )
+
+
+_LETTERS = re.compile(r"[A-Z]+")
+
+
+def column_number(letters: str) -> int:
+    """Number of a column, counted from 1. [count]"""
+    return reduce(lambda number, letter: 26 * number + ord(letter) - 64, letters, 0)
+
+
+def column_letters(number: int) -> str:
+    """Letters of a column, counted from 1. [letters]"""
+    letters = ""
+    while number:
+        number, letter = divmod(number - 1, 26)
+        letters = chr(65 + letter) + letters
+    return letters
+
+
+def side_by_side(parts: Sequence[Sheet]) -> tuple[Sheet, ...]:
+    """Parts of the same sheet beside each other, in their order."""
+    placed, used = [], dict[str, int]()
+    for part in parts:
+        shift = used.get(part.worksheet, 0)
+        placed.append(replace(part, shift=shift))
+        widest = list(part.widths)[-1].split(":")[-1]
+        used[part.worksheet] = shift + column_number(widest)
+    return tuple(placed)
 
 
 def text_height(text: str, width: float) -> float:

@@ -6,8 +6,9 @@ from addin.contract import number_formats as shown
 from addin.contract.banner import NOTES
 from addin.contract.chart_tables import HISTORIES
 from addin.contract.result_tables import CROSSING_ROWS
-from addin.contract.sheet import ChartAt, KeyNumber, Sheet
+from addin.contract.sheet import ALWAYS, NEVER, ROW_HEIGHT, ChartAt, KeyNumber, Sheet, side_by_side
 from addin.contract.tables import table
+from addin.contract.texts import EFFECT_NOTES
 
 BLANK_TEXT = '=IF({0}="","",{0})'
 
@@ -20,18 +21,18 @@ STRIP = (
 
 # --- where everything stands ----------------------------------------------------------------------
 
-#: Row of the cell above each history chart; the chart begins one row below.
-_HISTORY_ROWS = (5, 20, 35)
+#: Rows of the history charts: below the tables of the other parts whose rows are as high as their texts need.
+_HISTORY_ROWS = (18, 30, 42)
 
 HISTORY_CHARTS = tuple(
-    ChartAt(f"history {k + 1}", f"{'BI'[k % 2]}{_HISTORY_ROWS[k // 2] + 1}", 624, 268)
+    ChartAt(f"history {k + 1}", f"{'BI'[k % 2]}{_HISTORY_ROWS[k // 2]}", 600, 194)
     for k in range(HISTORIES)
 )
+#: First row of the cells in which the engineer may name the element of each history chart.
+CHOICES_BEGIN = 7
 
-#: Rows below the room of `TorqueReversals`: the chart with the bearing forces beside it.
-_BELOW_REVERSALS = 8 + table("TorqueReversals").room + 1
-#: First row of the notes of sheet `Reversals`, below chart and bearing forces.
-REVERSAL_NOTES_AT = f"B{_BELOW_REVERSALS + table('BearingForces').room + 5}"
+#: First row below the room of `TorqueReversals`.
+_BELOW_REVERSALS = 8 + table("TorqueReversals").room + 2
 #: First row below the room of `Effects`.
 _BELOW_EFFECTS = 8 + table("Effects").room + 1
 EFFECT_NOTES_AT = f"B{_BELOW_EFFECTS}"
@@ -44,7 +45,9 @@ def _said(formula: str) -> str:
 
 #: Notes that sheet Summary has room for, below its verdicts; the rest is on sheet Audit.
 SUMMARY_NOTES = 8
+#: Each on two rows.
 NOTES_BEGIN = 28
+NOTES_END = NOTES_BEGIN + 2 * SUMMARY_NOTES
 
 
 def _note_line(number: int) -> str:
@@ -58,7 +61,7 @@ def _note_line(number: int) -> str:
     return f"=IF({NOTES}>{SUMMARY_NOTES},{more},{note})"
 
 
-#: Lines that show facts of the run: sheet, first and last cell, formula, style, height in points.
+#: Lines that show facts of the run: sheet or part, first and last cell, formula, style, height in points.
 FACT_LINES: tuple[tuple[str, str, str, str, str, float], ...] = (
     (
         "Start-up",
@@ -66,7 +69,7 @@ FACT_LINES: tuple[tuple[str, str, str, str, str, float], ...] = (
         "Q4",
         _said(
             'IF(run_Outcome="","No start was calculated: neither motor torque nor torque against '
-            'time is given on sheet Torque.",run_Outcome&IF(COUNT(StartupCrossings[Mode])=0,'
+            'time is given on sheet Torque and motor.",run_Outcome&IF(COUNT(StartupCrossings[Mode])=0,'
             '"   No crossings: no pulsating torque of the motor crosses a mode.",""))'
         ),
         "fact",
@@ -75,13 +78,13 @@ FACT_LINES: tuple[tuple[str, str, str, str, str, float], ...] = (
     (
         "Reversals",
         "B4",
-        "Q4",
+        "S4",
         _said(
             'IF(run_Outcome="","No start: no motor torque is given.",'
             'IF(COUNTIF(TorqueReversals[Element],"?*")=0,"The train has no gear mesh and no geared coupling '
             'with backlash, so no torque reversal is judged.",'
             'IF(COUNT(BearingForces[Force])=0,"No bearing forces: no gear moves on its bearings in this '
-            'start. Type bearing data on sheet Train; see the plan on sheet Effects.","")))'
+            'start. Type bearing data on sheet Train; see the plan on sheet Effects and accuracy.","")))'
         ),
         "note",
         15.0,
@@ -92,16 +95,15 @@ FACT_LINES: tuple[tuple[str, str, str, str, str, float], ...] = (
         "N4",
         _said(
             'IF(AND(COUNTIF(EventTorque[Event],"?*")=0,COUNTIF(MotorEvents[Event],"?*")=0,'
-            'InitialState<>"running"),"No event in operation: tables EventTorque and MotorEvents on sheet '
-            'Excitation are blank.","")'
+            'InitialState<>"running"),"No event in operation: tables EventTorque and MotorEvents are blank.","")'
         ),
         "note",
         15.0,
     ),
     (
-        "Starts",
+        "Fatigue",
         "B4",
-        "I4",
+        "M4",
         _said(
             'IF(run_Outcome="","No start: no motor torque is given.",'
             'IF(COUNTIF(AllowableStarts[Element],"?*")=0,"No shaft is judged: type Stress diameter and '
@@ -111,25 +113,30 @@ FACT_LINES: tuple[tuple[str, str, str, str, str, float], ...] = (
         15.0,
     ),
     *(
-        ("Summary", f"H{row}", f"N{row}", _note_line(number), "prose", 26.0)
-        for number, row in enumerate(range(NOTES_BEGIN, NOTES_BEGIN + SUMMARY_NOTES), 1)
+        ("Summary", f"H{row}", f"N{row + 1}", _note_line(number), "prose", ROW_HEIGHT)
+        for number, row in enumerate(range(NOTES_BEGIN, NOTES_END, 2), 1)
     ),
-    ("Accuracy", "B5", "P5", BLANK_TEXT.format("run_AccuracySentence"), "sentence", 42.0),
-    ("Accuracy", "B6", "P6", BLANK_TEXT.format("run_AccuracyReference"), "prose", 26.0),
-    ("Accuracy", "B7", "P7", BLANK_TEXT.format("run_AccuracyInputs"), "note", 15.0),
+    ("Margins", "B4", "J4", BLANK_TEXT.format("run_PrintedModes"), "note", 15.0),
+    ("Steady state", "B4", "N4", BLANK_TEXT.format("run_PrintedResponse"), "note", 15.0),
+    ("Accuracy", "B4", "P4", BLANK_TEXT.format("run_AccuracySentence"), "sentence", 30.0),
+    ("Accuracy", "B5", "P5", BLANK_TEXT.format("run_AccuracyReference"), "prose", 26.0),
+    ("Accuracy", "B6", "P6", BLANK_TEXT.format("run_AccuracyInputs"), "note", 15.0),
 )
 
-SHEETS: tuple[Sheet, ...] = (
+#: Sheets, and the parts of those that have several, from left to right.
+SHEETS: tuple[Sheet, ...] = side_by_side((
     Sheet(
         "Summary",
         "summary",
-        {"A": 1.5, "B": 26, "C": 14, "D": 9, "E:F": 18, "G": 2, "H": 28, "I:J": 11, "K": 21,
-         "L": 40, "M": 22, "N": 44},
+        {"A": 1.5, "B": 24, "C": 10, "D": 7, "E:F": 10, "G": 1.5, "H": 20, "I:J": 9.5, "K": 13,
+         "L": 32, "M": 14, "N": 20},
         {"Verdicts": "H11"},
-        (ChartAt("train", "B12", 612, 270), ChartAt("speed-time", "B43", 612, 290)),
+        (ChartAt("train", "B12", 452, 270),),
         freeze="",
         header_rows=2,
-        one_page=True,
+        printed_for=ALWAYS,
+        print_to=NOTES_END - 1,
+        largest=70,
     ),
     Sheet(
         "Case",
@@ -138,202 +145,244 @@ SHEETS: tuple[Sheet, ...] = (
         {"EffectChoices": "B32"},
         intro="Inputs of the case and how it is calculated. Type into the yellow cells (blue "
               "text); the unit is in the cell to the right of the number.",
+        printed_for=ALWAYS,
+        print_to=45,
     ),
     Sheet(
         "Train",
         "input",
-        {"A": 1.5, "B": 21, "C": 22, "D:E": 13, "F": 13, "G:U": 9.5},
-        {"Stations": "B5", "ModeDamping": "I5", "Elements": "B25", "Meshes": "B45"},
+        {"A": 1.5, "B": 18, "C": 15, "D:E": 11, "F": 10, "G:U": 7},
+        {"Stations": "B5", "ModeDamping": "I5", "Elements": "B24", "Meshes": "B43"},
         intro="The mass-elastic table. Units are above the headers; the prompt of a cell says what "
               "blank means. Insert table rows where a table is full.",
+        printed_for=ALWAYS,
+        largest=70,
+    ),
+    Sheet(
+        "Excitation",
+        "input",
+        {"A": 1.5, "B": 30, "C": 14, "D": 22, "E": 13, "F": 22, "G": 14},
+        {"Excitations": "B5"},
+        on="Train",
+        intro="Excitations in continuous operation. Leave the table blank for the defaults: 1× and "
+              "2× of every shaft speed, 1× and 2× line frequency.",
     ),
     Sheet(
         "Sections",
         "input",
-        {"A": 1.5, "B": 20, "C": 12, "D:G": 10, "H": 16, "I:L": 10, "M": 2, "N": 20, "O:R": 12},
-        {"Sections": "B20", "SectionMaterials": "B55", "SectionResults": "N20"},
+        {"A": 1.5, "B": 18, "C": 10, "D:G": 9, "H": 14, "I:L": 9, "M": 1.5, "N": 18, "O:R": 10},
+        {"Sections": "B22", "SectionMaterials": "B57", "SectionResults": "N22"},
         (ChartAt("profile", "B5", 1180, 280),),
-        freeze="A4",
+        on="Train",
         intro="Optional: stepped shafts and rotors from their sections, which give Stiffness and inertia of their "
         "element in table Elements.",
     ),
     Sheet(
         "Torque",
         "input",
-        {"A": 1.5, "B": 14, "C:G": 10, "H": 2, "I": 14, "J": 10, "K": 13, "L": 2, "M": 14,
-         "N:O": 10, "P": 2, "Q:X": 9},
+        {"A": 1.5, "B": 13, "C:G": 8, "H": 1, "I": 13, "J": 8, "K": 10, "L": 1, "M": 13,
+         "N:O": 8, "P": 1, "Q:X": 7},
         {"MotorTorque": "B5", "LoadTorque": "I5", "TorqueTime": "M5"},
         (
-            ChartAt("torque", "Q5", 544, 334),
-            ChartAt("motor-typed", "Q21", 544, 274),
-            ChartAt("load-typed", "Q36", 544, 274),
+            ChartAt("torque", "Q5", 432, 300),
+            ChartAt("motor-typed", "Q23", 432, 220),
+            ChartAt("load-typed", "Q37", 432, 190),
         ),
-        freeze="A8",
+        on="Torque and motor",
         intro="Torque against speed of the motor and of each driven machine; every curve begins "
         "with the row of its lowest speed.",
+        printed_for=ALWAYS,
+    ),
+    Sheet(
+        "Faults in operation",
+        "input",
+        {"A": 1.5, "B": 22, "C": 12, "D": 16, "E:M": 11},
+        {"EventTorque": "B5", "MotorEvents": "B49"},
+        on="Torque and motor",
+        intro="Optional: torques of faults in operation, and faults of a motor that has a data sheet.",
     ),
     Sheet(
         "Motor",
         "input",
-        {"A": 1.5, "B": 18, "C": 12, "D:Z": 11, "AA:AG": 8},
-        {"MotorData": "B5", "MotorCircuit": "B15", "MotorCurves": "B25", "SupplyVoltage": "N46",
-         "Supply": "R46", "MotorTimeConstants": "AB46"},
-        (ChartAt("motor-curves", "N26", 640, 334),),
-        freeze="A4",
-        intro="Optional: the data sheet of a motor, from which its torque curves are calculated. Where sheet "
+        {"A": 1.5, "B": 14, "C": 11, "D:Z": 8.5, "AA:AG": 7},
+        {"MotorData": "B5", "MotorCircuit": "B15", "MotorCurves": "B49", "SupplyVoltage": "N49",
+         "Supply": "R49", "MotorTimeConstants": "AB49"},
+        (ChartAt("motor-curves", "B24", 640, 400),),
+        on="Torque and motor",
+        breaks=("R",),
+        intro="Optional: the data sheet of a motor, from which its torque curves are calculated. Where part "
         "Torque has no curve of its station, the start uses them.",
+    ),
+    Sheet(
+        "Events",
+        "result",
+        {"A": 1.5, "B": 16, "C": 13, "D:E": 9, "F:H": 7, "I:K": 8, "L": 8.5, "M": 11, "N:U": 7.3},
+        {"EventPeaks": "B5"},
+        on="Torque and motor",
+        intro="Faults in operation: events of tables EventTorque and MotorEvents upon the train that "
+        "runs under its running loads, or starts. They count as no starts.",
+    ),
+    Sheet(
+        "Air-gap torque",
+        "result",
+        {"A": 1.5, "B:I": 10, "J": 1.5, "K": 20, "L:S": 9},
+        {"AirGapTorque": "K5"},
+        (ChartAt("air-gap", "B5", 600, 334), ChartAt("clearing", "B26", 600, 334)),
+        on="Torque and motor",
+        intro="Largest air-gap torque of each event of a motor.",
     ),
     Sheet(
         "Fatigue",
         "input",
-        {"A": 1.5, "B": 18, "C:E": 11, "F": 10, "G": 15, "H": 2, "I": 18, "J:K": 11, "L": 2,
-         "M:T": 9},
-        {"Materials": "B5", "SNPoints": "I5"},
-        (ChartAt("sn", "M5", 544, 400),),
-        freeze="A8",
-        intro="Strength and S-N lines of the shaft materials. Amplitudes are zero-to-peak; "
-        "nominal stress times SCF is compared with them.",
-    ),
-    Sheet(
-        "Excitation",
-        "input",
-        {"A": 1.5, "B": 30, "C": 14, "D": 22, "E": 13, "F": 22, "G": 14, "H:K": 18, "L:M": 12},
-        {"Excitations": "B5", "EventTorque": "B24", "MotorEvents": "B49"},
-        intro="Excitations in continuous operation. Leave the table blank for the defaults: 1× and "
-              "2× of every shaft speed, 1× and 2× line frequency. Below: torques of faults in operation.",
+        {"A": 1.5, "B": 19, "C:M": 8.8, "N": 1, "O:U": 8},
+        {"Materials": "B5", "SNPoints": "I5", "AllowableStarts": "B26", "StartCycles": "O37"},
+        (ChartAt("sn", "O5", 427, 300),),
+        intro="Strength and S-N lines of the shaft materials (zero-to-peak; nominal stress times SCF is compared "
+        "with them), and the fatigue damage of one start by rainflow count and Miner's rule.",
+        printed_for=ALWAYS,
+        print_to=35,
+        largest=70,
     ),
     Sheet(
         "Frequencies",
         "result",
-        {"A": 1.5, "B": 7, "C:D": 11, "E:F": 10, "G": 24, "H:I": 9, "J": 11, "K": 2, "L": 18,
-         "M:V": 8.5, "W": 2, "X": 18, "Y": 24, "Z:AI": 8.5, "AJ": 2, "AK": 18, "AL": 7, "AM:AU": 11},
-        {"NaturalFrequencies": "B5", "ModeShapes": "L24", "EnergyShares": "X5", "ElectricalDamping": "AK5"},
-        (ChartAt("shapes", "L5", 768, 362),),
-        breaks=("L", "X", "AK"),
-        largest=80,
+        {"A": 1.5, "B": 6, "C:D": 9, "E:F": 8, "G": 18, "H:I": 7, "J": 9, "K": 1, "L": 15, "M:V": 6.8},
+        {"NaturalFrequencies": "B5", "ModeShapes": "L26"},
+        (ChartAt("shapes", "L5", 630, 330),),
+        on="Results",
         intro="Undamped torsional natural frequencies and mode shapes; rigid-body modes come "
         "first with frequency 0.",
     ),
     Sheet(
         "Margins",
         "result",
-        {"A": 1.5, "B": 7, "C": 26, "D": 10, "E": 12, "F:G": 10, "H": 24, "I": 40, "J": 10, "K": 2,
-         "L:S": 9.5, "T": 2, "U": 24, "V": 40, "W": 34, "X": 9, "Y": 26, "Z": 14, "AA": 36},
-        {"SeparationMargins": "B5", "StandardRequirements": "U5"},
-        (ChartAt("interference", "L8", 570, 520),),
-        freeze="A8",
-        header_rows=7,
+        {"A": 1.5, "B": 6, "C": 20, "D": 8, "E": 10, "F:G": 8, "H": 16, "I": 26, "J": 8, "K": 1, "L:S": 8},
+        {"SeparationMargins": "B5"},
+        (ChartAt("interference", "L5", 480, 420),),
+        on="Results",
         intro="Margin = |f − f_exc| / f_exc, the least over the speeds of continuous operation; "
         "0 where an excitation crosses the mode within this range.",
     ),
     Sheet(
         "Steady state",
         "result",
-        {"A": 1.5, "B": 22, "C": 26, "D": 7, "E": 11, "F": 16, "G:K": 12, "L": 24, "M:N": 12},
+        {"A": 1.5, "B": 20, "C": 20, "D": 6, "E": 9, "F": 16, "G:K": 11, "L": 24, "M:N": 10},
         {"SteadyState": "B5"},
-        freeze="A8",
-        header_rows=7,
+        on="Results",
         intro="Response to continuous excitation, by default 1 % zero-to-peak of the "
         "transmitted torque. Stresses include SCF and are compared with UTS/25.",
     ),
     Sheet(
+        "Energy shares",
+        "result",
+        {"A": 1.5, "B": 16, "C": 20, "D:M": 8.5},
+        {"EnergyShares": "B5"},
+        on="Results",
+        intro="Which stiffness or inertia moves a frequency; for work at the screen, not printed.",
+        printed_for=NEVER,
+    ),
+    Sheet(
+        "Electrical damping",
+        "result",
+        {"A": 1.5, "B": 16, "C": 6, "D:L": 11},
+        {"ElectricalDamping": "B5"},
+        on="Results",
+        intro="What the air gap of motors with a data sheet adds to the damping of the modes.",
+        printed_for=("MotorData",),
+    ),
+    Sheet(
         "Start-up",
         "result",
-        {"A": 1.5, "B": 20, "C:J": 10.4, "K": 20, "L:P": 10.4, "Q": 74},
+        {"A": 1.5, "B": 16, "C:D": 9.6, "E": 8, "F": 9.6, "G": 8, "H": 9.6, "I:J": 7.5, "K": 13, "L": 8.5,
+         "M:N": 9.6, "O:P": 7.5, "Q": 38},
         {"StartupCrossings": "B5", "StartupPeaks": f"B{9 + CROSSING_ROWS}"},
-        (
-            ChartAt("speed-time", f"Q{9 + CROSSING_ROWS}", 520, 304),
-            ChartAt("blow", f"Q{25 + CROSSING_ROWS}", 520, 284),
-            ChartAt("pull-in", f"Q{40 + CROSSING_ROWS}", 520, 284),
-        ),
-        one_page=True,
+        (ChartAt("speed-time", f"P{10 + CROSSING_ROWS}", 320, 230),),
+        on="Start",
         intro="The start from rest to EndSpeed, or to the end of pull-in or coast-down. Torques "
         "are at each element's own speed; a mesh's on its From side. Stresses here are nominal, without "
         "SCF.",
+        largest=70,
     ),
     Sheet(
         "Histories",
         "result",
-        {"A": 1.5, "B": 14, "C:D": 14, "E:G": 14, "H": 2, "I:N": 14},
+        {"A": 1.5, "B:G": 14, "H": 2, "I:N": 14},
         {},
-        HISTORY_CHARTS,
-        one_page=True,
+        (*HISTORY_CHARTS, ChartAt("pull-in", f"B{_HISTORY_ROWS[-1] + 12}", 600, 194)),
+        on="Start",
         intro="Torque, stress or tooth load against time from rest to EndSpeed (Szenasi & von "
               "Nimitz 1978, Figures 1, 7 and 8). Each point drawn is calculated; the extremes are "
               "kept.",
+        print_from=_HISTORY_ROWS[0] - 1,
     ),
     Sheet(
         "Reversals",
         "result",
-        {"A": 1.5, "B": 22, "C": 10.4, "D:N": 9.2, "O": 11, "P": 10, "Q:R": 9.5, "S": 48, "T": 9},
-        {"TorqueReversals": "B5", "BearingForces": f"K{_BELOW_REVERSALS}"},
+        {"A": 1.5, "B": 15, "C": 9.6, "D:K": 7.5, "L": 9, "M:N": 7.5, "O": 8, "P:R": 7.5, "S": 20, "T:U": 8.5},
+        {"TorqueReversals": "B5", "BearingForces": f"S{_BELOW_REVERSALS}"},
         (
-            ChartAt("reversal", f"B{_BELOW_REVERSALS}", 660, 330),
-            ChartAt("forces", f"O{_BELOW_REVERSALS + 1}", 620, 310),
+            ChartAt("reversal", f"B{_BELOW_REVERSALS}", 344, 280),
+            ChartAt("blow", f"G{_BELOW_REVERSALS}", 340, 280),
+            ChartAt("forces", f"M{_BELOW_REVERSALS}", 340, 280),
         ),
+        on="Start",
         intro="Gear teeth that unload or separate during the start. A reversal is one passage of "
-              "the torque below zero. Torques are those of the From side, at its own speed.",
-    ),
-    Sheet(
-        "Starts",
-        "result",
-        {"A": 1.5, "B": 24, "C:F": 13, "G:H": 11, "I:L": 12, "M": 2, "N:U": 9.5},
-        {"AllowableStarts": "B5", "StartCycles": "N44"},
-        (ChartAt("sn", "N8", 570, 420),),
-        freeze="A8",
-        header_rows=7,
-        intro="Fatigue damage of one start by rainflow count and Miner's rule; allowable starts "
-        "are 1 / damage. Amplitude = half range times SCF; mean stress is ignored.",
-    ),
-    Sheet(
-        "Events",
-        "result",
-        {"A": 1.5, "B": 24, "C": 22, "D:E": 12, "F:H": 10, "I:K": 11, "L": 12, "M": 20, "N:U": 10,
-         "V": 2, "W": 24, "X:AF": 12},
-        {"EventPeaks": "B5", "AirGapTorque": "W5"},
-        (ChartAt("air-gap", "W22", 640, 334), ChartAt("clearing", "W40", 640, 334)),
-        breaks=("V",),
-        freeze="A8",
-        header_rows=7,
-        intro="Faults in operation: events of tables EventTorque and MotorEvents (sheet Excitation) upon the train that "
-        "runs under its running loads, or starts. They count as no starts.",
+              "the torque below zero. Torques are those of the From side, at its own speed. More on sheet Notes.",
     ),
     Sheet(
         "Effects",
         "result",
         {"A": 1.5, "B": 19, "C": 9, "D": 7, "E:H": 11, "I": 96},
         {"Effects": "B5", "Plans": f"H{_BELOW_EFFECTS}"},
+        on="Effects and accuracy",
         intro="Effects that this case requires, each with its deciding number. Force an effect on "
               "or off in table EffectChoices on sheet Case.",
+        printed_for=("Effects",),
+        print_to=_BELOW_EFFECTS + len(EFFECT_NOTES),
+    ),
+    Sheet(
+        "Standard",
+        "result",
+        {"A": 1.5, "B": 24, "C": 40, "D": 34, "E": 9, "F": 26, "G": 14, "H": 36},
+        {"StandardRequirements": "B5"},
+        on="Effects and accuracy",
+        intro="What the standard that is named in scalar Standard asks for, and which checks show it.",
     ),
     Sheet(
         "Accuracy",
         "result",
-        {"A": 1.5, "B": 23, "C": 40, "D:F": 11, "G": 2, "H:P": 9.5},
+        {"A": 1.5, "B": 21, "C": 40, "D:F": 10, "G": 1.5, "H:P": 8},
         {"AccuracyCost": "B9"},
-        (ChartAt("accuracy", "H9", 640, 420),),
+        # below the rows of `Effects`, which are as high as their texts need
+        (ChartAt("accuracy", "H30", 560, 420),),
+        on="Effects and accuracy",
         intro="Error against computing time, for this case on this machine.",
+        printed_for=("ChartAccuracy",),  # an accuracy study
     ),
     Sheet(
         "Audit", "result", {"A": 1.5, "B": 38, "C": 110}, {"Audit": "B5"}, freeze="A7",
         intro="What was calculated, from which inputs, by which version, method and equations.",
+        printed_for=NEVER,
     ),
     Sheet(
-        "Notes", "notes", {"A": 1.5, "B": 28, "C": 122}, {}, freeze="A3",
-        intro="How to use this workbook, what it calculates and what its colours mean.",
+        "Notes", "notes",
+        {"A": 1.5, "B": 28, "C": 24, "D": 22, "E": 38, "F": 56, "G": 42, "H": 36, "I": 40}, {},
+        freeze="A3",
+        intro="How to use this workbook, what it calculates, what its colours mean, and below where each result "
+        "comes from.",
+        printed_for=NEVER,
     ),
-    Sheet(
-        "Trace",
-        "notes",
-        {"A": 1.5, "B": 13, "C": 24, "D": 22, "E": 38, "F": 56, "G": 42, "H": 36, "I": 40},
-        {},
-        freeze="A6",
-        header_rows=5,
-        intro="Meaning, equation, source and inputs of each number on the result sheets. For one "
-              "cell, with the cells and values it comes from: torsionbook verify FILE --trace "
-              "'Sheet!H9'",
-    ),
-)  # fmt: skip
+))  # fmt: skip
+
+
+#: Sheets of earlier releases that are none now: their tables stand on others.
+EARLIER_SHEETS = frozenset({part.name for part in SHEETS if part.on} | {"Starts", "Trace"})
+
+
+def part_named(name: str) -> Sheet:
+    """A sheet, or the part of one, by its name."""
+    return next(sheet for sheet in SHEETS if sheet.name == name)
+
 
 TAB_COLOURS = {
     "summary": "#1F3A5F", "input": "#C9971C", "live": "#2A7F77", "result": "#44719B",
@@ -377,8 +426,8 @@ def _of_shaft(column: str) -> str:
     )
 
 
-#: Cell of the caption above the facts of the governing shaft on sheet `Starts`.
-CYCLE_FACTS_AT = "N31"
+#: Cell of the caption above the facts of the governing shaft on sheet `Fatigue`.
+CYCLE_FACTS_AT = "O24"
 
 #: What leads from the cycles of one start to 1/q.
 CYCLE_FACTS = (

@@ -8,7 +8,7 @@ from addin.contract.sources import CONTACT, IMPACT, MIL_STANDARD, PAPER, PAPER_T
 from engine.case.defaults import NOTABLE_REVERSAL
 from engine.case.practice_limits import PRACTICE_LIMITS
 
-#: Words on sheet Accuracy until the study has been run.
+#: Words on sheet Effects and accuracy until the study has been run.
 NO_STUDY = (
     "Errors are estimates of this calculation; computing times are measured. Error "
     "against time by the exponential and by the paper's method, for this case: "
@@ -21,8 +21,14 @@ CONTACT_LAW: tuple[str, str] = (
     "In this workbook: limited",
 )
 
-#: Notes of sheet `Reversals`: term, and text or formula.
-REVERSAL_NOTES: tuple[tuple[str, str], ...] = (
+#: Above the trace on sheet Notes.
+TRACE_INTRO = (
+    "Meaning, equation, source and inputs of each number on the result sheets. For one cell, with the cells and "
+    "values it comes from: torsionbook verify FILE --trace 'Results!AW9'"
+)
+
+#: Notes on torque reversals: term, and text or formula.
+_REVERSAL_NOTES: tuple[tuple[str, str], ...] = (
     (
         "Reversal",
         f"One passage of the torque below zero that is deeper than {NOTABLE_REVERSAL:.1%} of "
@@ -69,7 +75,7 @@ NOTES: Mapping[str, tuple[tuple[str, str], ...]] = {
     "How to use": (
         (
             "Fill in",
-            "Type the inputs on sheets Case, Train, Torque, Fatigue and Excitation. Units may be "
+            "Type the inputs on sheets Case, Train, Torque and motor, and Fatigue. Units may be "
             "changed in the cell above a column or right of a number; numbers are read in the unit "
             "shown, never converted.",
         ),
@@ -152,6 +158,7 @@ NOTES: Mapping[str, tuple[tuple[str, str], ...]] = {
         ),
         ("Yield", "Nominal peak stress is judged against Yield / 2 (maximum shear theory)."),
     ),
+    "Torque reversals": _REVERSAL_NOTES,
     "Limits of this version": (
         (
             "Contact",

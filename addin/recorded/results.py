@@ -16,7 +16,7 @@ from addin.xlsx.references import cell_name
 
 @dataclass(frozen=True, eq=False)
 class RecordedAccuracy:
-    """The study of accuracy that stands on sheet Accuracy."""
+    """The study of accuracy that stands on sheet Effects and accuracy."""
 
     rows: Sequence[Mapping[str, Any]]  #: Rows of `AccuracyCost` by JSON key. [SI]
     sentence: str  #: What it found, and against what its errors are measured.

@@ -19,10 +19,10 @@ _HEAD = """# Results: meaning, equation and inputs of each number
 Made from the records of the tables by `make generated`; do not edit.
 
 For every column of every result table: its meaning, its equation or rule, the source, and the inputs and
-results that it uses. Each row of a page is a column of a table. Sheet Trace of each workbook and the help of each header cell give the same. For a
+results that it uses. Each row of a page is a column of a table. Sheet Notes of each workbook and the help of each header cell give the same. For a
 single cell, with the places and values of its inputs:
 
-    torsionbook verify train.out.xlsx --trace 'Steady state!H9'
+    torsionbook verify train.out.xlsx --trace 'Results!AW9'
 
 *From the row* are inputs and results of the element, station, mode, excitation or material of that row;
 *from the case* those of all of them. Symbols: see the [nomenclature](nomenclature.md); numerical methods:

@@ -56,7 +56,7 @@ def _not_drawn(subject: Subject) -> str:
     if rows <= HISTORIES:
         return ""
     choose = (
-        "to draw others, name them above the charts of sheet Start-up."
+        "to draw others, name them above the charts of sheet Start."
         if subject.shown.is_workbook
         else "in a workbook the engineer chooses them."
     )

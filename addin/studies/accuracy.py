@@ -104,7 +104,7 @@ _HELP = """\
 Measure error against computing time for this case.
 
 Calculates the start by the exponential method and by Newmark at several steps or tolerances,
-compares with a much more accurate reference, and writes sheet Accuracy; other results are unchanged.
+compares with a much more accurate reference, and writes sheet Effects and accuracy; other results are unchanged.
 
 Example: `torsionbook accuracy train.xlsx` writes train.accuracy.xlsx."""
 

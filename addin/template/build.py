@@ -124,21 +124,21 @@ class _Builder(LiveSheets):
 
     def build(self, answers: LiveAnswers = NO_ANSWERS) -> None:
         """All sheets: first the cells, then the charts that refer to them."""
+        self.parts = SHEETS
         layout = with_studies(SHEETS) if self.studies else SHEETS
         layout = layout if self.variant.spelled is None else _with_live(layout)
-        for sheet in layout:
-            self.sheets[sheet.name] = self.workbook.add_worksheet(sheet.name)
+        for name in dict.fromkeys(sheet.worksheet for sheet in layout):
+            self.sheets[name] = self.workbook.add_worksheet(name)
         for name in ("Lists", "ChartData", COPY_SHEET):
             self.sheets[name] = self.workbook.add_worksheet(name)
         for sheet in layout:
             self._frame(sheet)
             for table, cell in sheet.tables.items():
-                row, left = xl_cell_to_rowcol(cell)
+                row, left = xl_cell_to_rowcol(sheet.at(cell))
                 row += self._rows_pushed_in(sheet, row)
                 self._table(sheet, fields.table(table), row, left)
         self._case()
-        self._notes()
-        self._trace()
+        self._trace(self._notes())
         self._lists()
         self._chart_data()
         self._input_copy()
@@ -161,7 +161,8 @@ class _Builder(LiveSheets):
                     self.workbook, places, EVERY_CHART[at.name], (at.width, at.height)
                 )
                 options = {"object_position": 2, "description": at.name}
-                self.sheets[sheet.name].insert_chart(at.cell, chart, options)
+                self.page(sheet).insert_chart(sheet.at(at.cell), chart, options)
+        self._print_areas()
         self.sheets["Summary"].activate()
 
     def _rows_pushed_in(self, sheet: Sheet, row: int) -> int:
@@ -177,7 +178,7 @@ def _row(cell: str) -> int:
 
 def _with_live(sheets: Sequence[Sheet]) -> list[Sheet]:
     """`Live` behind the last sheet of inputs."""
-    last = max(k for k, sheet in enumerate(sheets) if sheet.kind == "input")
+    last = max(k for k, sheet in enumerate(sheets) if sheet.name == "Fatigue")
     return [*sheets[: last + 1], LIVE_SHEET, *sheets[last + 1 :]]
 
 

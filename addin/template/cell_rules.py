@@ -25,7 +25,7 @@ def _prompt(field: Field) -> dict[str, str]:
 def trace_prompt(field: Field) -> dict[str, Any]:
     """Equation and source of a result behind its header, as far as there is room for them."""
     assert field.trace is not None
-    words = f"{field.trace.equation}\n{field.trace.source}\nEquation and inputs: see sheet Trace."
+    words = f"{field.trace.equation}\n{field.trace.source}\nEquation and inputs: see sheet Notes."
     if len(words) > _LONGEST_PROMPT:
         words = f"{words[: _LONGEST_PROMPT - 1]}…"
     return {"validate": "any", "input_title": field.name[:32], "input_message": words}

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from xlsxwriter.utility import xl_cell_to_rowcol, xl_rowcol_to_cell
 
 from addin.charts.rows import Rows
 from addin.contract.banner import CHANGED_WORDS, DOCUMENT_AT, OVERALL_AT
-from addin.contract.sheet import Sheet
+from addin.contract.print_areas import Standing, holds_data, print_area_text, printed_areas
+from addin.contract.sheet import ROW_HEIGHT, Sheet
 from addin.contract.sheets import KIND_WORDS, STRIP, TAB_COLOURS
 from addin.template.charts import Place
 from addin.template.examples import Example
@@ -21,6 +22,8 @@ from addin.template.variants import Variant
 _LETTER, _A4 = 1, 9
 #: Width of the paper on its side. [in]
 _PAPER = {"us": 11.0, "si": 11.69}
+#: Margin left and right of a printed page. [in]
+_SIDE = 0.25
 #: Programs measure columns a little differently. [1]
 _PRINT_SLACK = 0.94
 #: Room of the overall verdict at the left end of the strip, where nobody has to scroll. [characters]
@@ -52,6 +55,7 @@ class Frames:
         self.places: dict[str, Place] = {}
         self.unit_cells: dict[tuple[str, str], str] = {}
         self.sheets: dict[str, Any] = {}
+        self.parts: Sequence[Sheet] = ()  #: Of the sheets of a case.
         self.variant = variant
         self.studies = studies
         self.scalar_cells: list[tuple[int, int]] = []
@@ -59,26 +63,34 @@ class Frames:
 
     def _frame(self, sheet: Sheet) -> None:
         """Column widths, banner, strip, freezing and print set-up of a sheet."""
-        page = self.sheets[sheet.name]
+        page = self.page(sheet)
+        for columns, width in sheet.widths.items():
+            columns = sheet.at(columns)
+            page.set_column(columns if ":" in columns else f"{columns}:{columns}", width)
+        self._banner(page, sheet)
+        if sheet.intro:
+            page.write_string(sheet.at("B3"), sheet.intro, self.style("note"))
+        if sheet.shift:  # the first part has made the frame of the sheet
+            return
         page.hide_gridlines(2)
         if sheet.hidden:
             page.hide()
         page.set_tab_color(TAB_COLOURS[sheet.kind])
-        for columns, width in sheet.widths.items():
-            page.set_column(columns if ":" in columns else f"{columns}:{columns}", width)
+        page.set_default_row(ROW_HEIGHT)
         page.set_row(0, 28)
         page.set_row(1, 18)
-        self._banner(page, sheet)
-        if sheet.intro:
-            page.write_string(2, 1, sheet.intro, self.style("note"))
         if sheet.freeze:
             page.freeze_panes(*xl_cell_to_rowcol(sheet.freeze))
         self._print_set_up(page, sheet)
 
+    def page(self, part: Sheet) -> Any:
+        """The sheet under construction on which a part stands."""
+        return self.sheets[part.worksheet]
+
     def _banner(self, page: Any, sheet: Sheet) -> None:
         """Title and kind of the sheet, then overall verdict and document."""
-        last = column_number(sheet.last)
-        for column in range(1, last + 1):
+        begin, last = sheet.shift + 1, column_number(sheet.at(sheet.last))
+        for column in range(begin, last + 1):
             page.write_blank(0, column, None, self.style("banner"))
             page.write_blank(1, column, None, self.style("strip"))
         if sheet.name == "Summary":
@@ -87,25 +99,25 @@ class Frames:
             page.write_string(0, last, "torsionbook", self.style("banner_right"))
             page.write_formula(1, 1, STRIP, self.style("strip"), self._strip())
             return
-        page.write_string(0, 1, sheet.name, self.style("banner"))
+        page.write_string(0, begin, sheet.name, self.style("banner"))
         page.write_string(0, last, KIND_WORDS[sheet.kind], self.style("banner_right"))
-        end = end_of_first(sheet, _VERDICT_WIDTH)
-        page_end = column_number(sheet.breaks[0]) - 1 if sheet.breaks else last
+        end = sheet.shift + end_of_first(sheet, _VERDICT_WIDTH)
+        page_end = column_number(sheet.at(sheet.breaks[0])) - 1 if sheet.breaks else last
         for first, final, at, style, shown in (
-            (1, end, OVERALL_AT, "strip_verdict", "NOT CALCULATED"),
+            (begin, end, OVERALL_AT, "strip_verdict", "NOT CALCULATED"),
             (end + 1, page_end, DOCUMENT_AT, "strip", self._strip()),
         ):
             if first < final:
                 page.merge_range(1, first, 1, final, "", self.style(style))
             page.write_formula(1, first, f"={at}", self.style(style), shown)
-        cell = xl_rowcol_to_cell(1, 1, True, True)
+        cell = xl_rowcol_to_cell(1, begin, True, True)
         for word, style in (
             ("PASS", "cf_pass"), ("ACCEPTED", "cf_accepted"), ("FAIL", "cf_fail"),
             (CHANGED_WORDS, "cf_fail"),
         ):  # fmt: skip
             rule = f'=LEFT({cell},{len(word)})="{word}"'
             page.conditional_format(
-                1, 1, 1, end,
+                1, begin, 1, end,
                 {"type": "formula", "criteria": rule, "format": self.style(style)},
             )  # fmt: skip
 
@@ -119,11 +131,16 @@ class Frames:
         return f"Document {document or '-'}   Rev. {revision or '-'}   {tag}{gap}{title}"
 
     def _print_set_up(self, page: Any, sheet: Sheet) -> None:
+        """Paper, margins, footer and repeated rows; the scale and, of a sheet of a study, its pages."""
         page.set_landscape()
         page.set_paper(_LETTER if self.system == "us" else _A4)
-        page.set_margins(left=sheet.side, right=sheet.side, top=0.45, bottom=0.6)
+        page.set_margins(left=_SIDE, right=_SIDE, top=0.45, bottom=0.6)
         page.set_footer('&L&"Arial"&8&F&C&"Arial"&8&A&R&"Arial"&8Page &P of &N', {"margin": 0.3})
         page.repeat_rows(0, sheet.header_rows - 1)
+        parts = [part for part in self.parts if part.worksheet == sheet.worksheet]
+        if parts:  # `_print_areas` says what of them
+            page.set_print_scale(min(_print_scale(part, _PAPER[self.system]) for part in parts))
+            return
         if sheet.breaks or sheet.row_breaks:
             page.set_v_pagebreaks([column_number(letters) for letters in sheet.breaks])
             page.set_print_scale(_print_scale(sheet, _PAPER[self.system]))
@@ -131,11 +148,33 @@ class Frames:
             if sheet.row_breaks:
                 page.set_h_pagebreaks([row - 1 for row in sheet.row_breaks])
         else:
-            page.fit_to_pages(1, 1 if sheet.one_page else 0)
+            page.fit_to_pages(1, 0)
         if sheet.repeated:
             page.repeat_columns(sheet.repeated)
         if sheet.printed or sheet.breaks or sheet.row_breaks:
             page.print_area(f"A1:{sheet.last}{_LAST_ROW}")
+
+    def _print_areas(self) -> None:
+        """What is printed of the sheets of a case, as far as the inputs tell."""
+        for name in dict.fromkeys(part.worksheet for part in self.parts):
+            parts = [part for part in self.parts if part.worksheet == name]
+            areas = [
+                area
+                for part in parts
+                for area in printed_areas(part, Standing(self._rows_of, self._has_content)) or ()
+            ]
+            self.sheets[name].print_area_range = print_area_text(name, areas)
+
+    def _rows_of(self, table: str) -> tuple[int, int]:
+        """Header row and last row of a table, counted from 1."""
+        place = self.places[table]
+        return place.first, place.last + 1
+
+    def _has_content(self, table: str) -> bool:
+        """Whether an example fills a table, or its inputs alone the data of a chart."""
+        if table in self.blocks:
+            return holds_data(self.blocks[table])
+        return any(any(row.values()) for row in self.example.tables.get(table, ()))
 
     def _put(self, page: Any, row: int, column: int, value: Any, style: Any) -> None:
         """A number, words or a blank."""
@@ -201,7 +240,7 @@ def _print_scale(sheet: Sheet, paper: float) -> int:
         sum(pixels[k] for k in {*range(first, end), *(repeated if first else ())})
         for first, end in zip(edges, ends, strict=True)
     )
-    room = 96.0 * (paper - 2.0 * sheet.side)
+    room = 96.0 * (paper - 2.0 * _SIDE)
     return min(sheet.largest, math.floor(100.0 * _PRINT_SLACK * room / widest))
 
 

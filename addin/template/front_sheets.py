@@ -8,21 +8,23 @@ from xlsxwriter.utility import xl_cell_to_rowcol, xl_rowcol_to_cell
 
 from addin.contract import tables as fields
 from addin.contract.banner import OVERALL_AT, overall_formula
-from addin.contract.chart_tables import GROUPS, LABELS
+from addin.contract.chart_tables import GROUPS, HISTORIES, LABELS
 from addin.contract.palette import SPEED_GROUPS
 from addin.contract.sheet import plot_name
 from addin.contract.sheets import (
     BLANK_TEXT,
     CASE_HALVES,
-    HISTORY_CHARTS,
+    CHOICES_BEGIN,
     KEY_NUMBERS,
     NOTES_BEGIN,
     TITLE_BLOCK,
+    part_named,
 )
 from addin.contract.tables import Field
 from addin.template.cell_rules import hint, input_rule, unit_list
 from addin.template.frames import column_number
 from addin.template.table_cells import Tables
+from addin.xlsx.references import quoted_sheet
 
 NOT_CALCULATED_YET = (
     "Not calculated yet. Save and close this workbook, then run: torsionbook recalc FILE"
@@ -155,11 +157,13 @@ class FrontSheets(Tables):
 
     def _chosen_elements(self) -> None:
         """Cells in which the engineer may name the element of each history chart."""
-        page = self.sheets["Histories"]
-        for number, chart in enumerate(HISTORY_CHARTS, 1):
-            row, column = xl_cell_to_rowcol(chart.cell)
-            row -= 1
-            page.write_string(row, column, "Element to draw", self.style("label"))
+        part = part_named("Histories")
+        page = self.page(part)
+        head, column = xl_cell_to_rowcol(part.at(f"B{CHOICES_BEGIN - 1}"))
+        for offset, words in ((0, "Chart"), (1, "Element to draw"), (3, "Drawn now")):
+            page.write_string(head, column + offset, words, self.style("caption"))
+        for row, number in enumerate(range(1, HISTORIES + 1), head + 1):
+            page.write_string(row, column, f"History {number}", self.style("label"))
             page.merge_range(row, column + 1, row, column + 2, "", self.style("input_text"))
             page.data_validation(
                 row, column + 1, row, column + 1,
@@ -177,4 +181,4 @@ class FrontSheets(Tables):
             drawn = f"=ChartData!$B${self._label_row(key)}"
             page.write_formula(row, column + 3, drawn, words, text)
             cell = xl_rowcol_to_cell(row, column + 1, True, True)
-            self.workbook.define_name(plot_name(number), f"=Histories!{cell}")
+            self.workbook.define_name(plot_name(number), f"={quoted_sheet(part.worksheet)}!{cell}")

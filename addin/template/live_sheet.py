@@ -22,6 +22,7 @@ from addin.template.reference_sheets import ReferenceSheets
 from addin.worksheet.functions.model import TABLES
 from addin.worksheet.models import MODELS
 from addin.worksheet.registry import call
+from addin.xlsx.references import quoted_sheet
 
 #: Name of the cell that holds the model shown.
 MODEL_NAME = "LiveModel"
@@ -229,7 +230,7 @@ class LiveSheets(ReferenceSheets):
         corner = xl_rowcol_to_cell(top, min(place.columns.values()), True, True)
         # LibreOffice does not know [#All], so the data alone; the corner takes in what is above.
         whole = f"{name}[]"
-        return f"{place.sheet}!{corner}:INDEX({whole},ROWS({whole}),COLUMNS({whole}))"
+        return f"{quoted_sheet(place.sheet)}!{corner}:INDEX({whole},ROWS({whole}),COLUMNS({whole}))"
 
     # ---- modes and margins -----------------------------------------------------------------------
 
@@ -377,7 +378,7 @@ class LiveSheets(ReferenceSheets):
         place = self.places["Elements"]
         unit = xl_rowcol_to_cell(place.first - 2, place.columns[column], True, True)
         convert = (
-            f'IF({{0}}="","",{self._spelled("TV_CONVERT")}({{0}},{place.sheet}!{unit},'
+            f'IF({{0}}="","",{self._spelled("TV_CONVERT")}({{0}},{quoted_sheet(place.sheet)}!{unit},'
             f'"{_unit(dimension, self.system)}"))'
         )
         return self._typed(column, k, convert)

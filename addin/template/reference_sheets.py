@@ -13,7 +13,7 @@ from addin.contract.input_copy import CHANGED_FORMULA, COPY_ROW, COPY_TABLES
 from addin.contract.run_facts import RUN_FACTS
 from addin.contract.sheet import NOTES_WIDTH, text_height
 from addin.contract.studies.registry import STUDY_FACTS
-from addin.contract.texts import NOTES
+from addin.contract.texts import CONTACT_LAW, NOTES, TRACE_INTRO
 from addin.contract.trace_table import TRACE_HEADERS, trace_groups, trace_rows
 from addin.template.charts import Place
 from addin.template.front_sheets import NOT_CALCULATED_YET
@@ -21,6 +21,8 @@ from addin.template.result_sheets import ResultSheets
 
 #: Above the copy of the inputs.
 COPY_CAPTION = "Copy of the inputs, written by every calculation: the banners compare the present inputs with it"
+#: Last column over which the texts of sheet `Notes` run.
+_LAST_OF_TEXT = 5
 #: Rows of the lists behind the drop-downs.
 _LISTED = 60
 
@@ -28,8 +30,8 @@ _LISTED = 60
 class ReferenceSheets(ResultSheets):
     """Notes, trace and hidden sheets."""
 
-    def _notes(self) -> None:
-        """Legend, how to use, equations and, in an example, where its numbers come from."""
+    def _notes(self) -> int:
+        """Legend, how to use, equations and, in an example, where its numbers come from; the row below them."""
         page = self.sheets["Notes"]
         row = self._legend(page, 3)
         blocks = dict(NOTES)
@@ -39,13 +41,25 @@ class ReferenceSheets(ResultSheets):
             self._heading(page, row, heading)
             for k, (term, text) in enumerate(lines, row + 1):
                 page.write_string(k, 1, term, self.style("prose_bold"))
-                page.write_string(k, 2, text, self.style("prose"))
-                page.set_row(k, text_height(text, NOTES_WIDTH))
+                self._wide(page, k, text, "prose")
             row += len(lines) + 2
+        return row
 
-    def _trace(self) -> None:
+    def _wide(self, page: Any, row: int, text: str, style: str) -> None:
+        """A text of sheet `Notes`, as wide as several columns of the trace below it."""
+        page.merge_range(row, 2, row, _LAST_OF_TEXT, "", self.style(style))
+        if text == CONTACT_LAW[0]:
+            page.write_formula(row, 2, text, self.style(style), CONTACT_LAW[1])
+        else:
+            page.write_string(row, 2, text, self.style(style))
+        page.set_row(row, text_height(text, NOTES_WIDTH))
+
+    def _trace(self, row: int) -> None:
         """Equation, source and inputs of every result column, from the table of fields."""
-        page, head = self.sheets["Trace"], 4
+        page = self.sheets["Notes"]
+        self._heading(page, row, "Trace")
+        self._wide(page, row + 1, TRACE_INTRO, "prose_beside")
+        head = row + 3
         for k, header in enumerate(TRACE_HEADERS, 1):
             page.write_string(head, k, header, self.style("header_result"))
         styles = ["prose_bold"] * 3 + ["prose"] * 5
@@ -78,7 +92,7 @@ class ReferenceSheets(ResultSheets):
             row + 1,
         ):  # fmt: skip
             page.write_string(k, 1, sample, self.style(style))
-            page.write_string(k, 2, words, self.style("prose_beside"))
+            self._wide(page, k, words, "prose_beside")
         return k + 2
 
     def _lists(self) -> None:

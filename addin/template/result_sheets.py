@@ -10,33 +10,30 @@ from xlsxwriter.utility import xl_cell_to_rowcol, xl_rowcol_to_cell
 from addin.contract import tables as fields
 from addin.contract.field import SHAPE_COLUMNS
 from addin.contract.live_formulas import CHANGE_NAME
-from addin.contract.sheet import text_height
 from addin.contract.sheets import (
     CYCLE_FACTS,
     CYCLE_FACTS_AT,
     EFFECT_NOTES_AT,
     FACT_LINES,
-    REVERSAL_NOTES_AT,
+    part_named,
 )
 from addin.contract.studies.registry import COLOUR_SCALE, STUDIES
 from addin.contract.study_spec import StudyScale
 from addin.contract.tables import TableSpec
-from addin.contract.texts import CONTACT_LAW, EFFECT_NOTES, REVERSAL_NOTES
+from addin.contract.texts import EFFECT_NOTES
 from addin.template.frames import column_number
 from addin.template.front_sheets import FrontSheets
+from addin.xlsx.references import quoted_sheet
 from engine.case.effects import EFFECTS
-
-#: Columns C to Q of sheet `Reversals`, merged. [characters]
-_REVERSAL_NOTES_WIDTH = 138.0
 
 
 class ResultSheets(FrontSheets):
     """Facts, notes and colours."""
 
     def _frequencies_note(self) -> None:
-        self.sheets["Frequencies"].write_string(
-            3,
-            11,
+        part = part_named("Frequencies")
+        self.page(part).write_string(
+            part.at("L4"),
             f"Mode shapes of the first {SHAPE_COLUMNS} elastic modes; further modes are in the "
             "JSON results.",
             self.style("note"),
@@ -44,8 +41,9 @@ class ResultSheets(FrontSheets):
 
     def _cycle_facts(self) -> None:
         """Data of the governing shaft and the sum over its cycles, above table `StartCycles`."""
-        page = self.sheets["Starts"]
-        row, left = xl_cell_to_rowcol(CYCLE_FACTS_AT)
+        part = part_named("Fatigue")
+        page = self.page(part)
+        row, left = xl_cell_to_rowcol(part.at(CYCLE_FACTS_AT))
         page.write_string(
             row, left, "From stress cycles to allowable starts 1 / q", self.style("caption")
         )
@@ -61,28 +59,19 @@ class ResultSheets(FrontSheets):
 
     def _fact_lines(self) -> None:
         """Lines of words that the calculation writes into `RunFacts`."""
-        for sheet, first, last, formula, style, height in FACT_LINES:
-            page, shown = self.sheets[sheet], self.style(style)
-            page.merge_range(f"{first}:{last}", "", shown)
-            page.write_formula(first, formula, shown, "")
+        for name, first, last, formula, style, height in FACT_LINES:
+            part, shown = part_named(name), self.style(style)
+            page = self.page(part)
+            page.merge_range(part.at(f"{first}:{last}"), "", shown)
+            page.write_formula(part.at(first), formula, shown, "")
             page.set_row(xl_cell_to_rowcol(first)[0], height)
 
     def _sheet_notes(self) -> None:
-        """How to read the sheets `Reversals` and `Effects`, and what the effects on `Case` are."""
-        page = self.sheets["Reversals"]
-        row, left = xl_cell_to_rowcol(REVERSAL_NOTES_AT)
-        page.write_string(row, left, "How to read this sheet", self.style("caption"))
-        for k, (term, text) in enumerate(REVERSAL_NOTES, row + 1):
-            page.write_string(k, left, term, self.style("prose_bold"))
-            page.merge_range(k, left + 1, k, left + 15, "", self.style("prose"))
-            if text == CONTACT_LAW[0]:
-                page.write_formula(k, left + 1, text, self.style("prose"), CONTACT_LAW[1])
-            else:
-                page.write_string(k, left + 1, text, self.style("prose"))
-            page.set_row(k, text_height(text, _REVERSAL_NOTES_WIDTH))
-        row, left = xl_cell_to_rowcol(EFFECT_NOTES_AT)
+        """How to read the effects, and what those on `Case` are."""
+        part = part_named("Effects")
+        row, left = xl_cell_to_rowcol(part.at(EFFECT_NOTES_AT))
         for k, text in enumerate(EFFECT_NOTES, row + 1):
-            self.sheets["Effects"].write_string(k, left, text, self.style("note"))
+            self.page(part).write_string(k, left, text, self.style("note"))
         choices = self.places["EffectChoices"]
         for k, effect in enumerate(EFFECTS.values(), choices.first):
             self.sheets[choices.sheet].write_string(
@@ -136,7 +125,7 @@ class ResultSheets(FrontSheets):
         """The change whose shifts of frequency are shown: typed above table `EnergyShares`."""
         place = self.places["EnergyShares"]
         page, left = self.sheets[place.sheet], place.columns["Quantity"]
-        row = place.first - 5
+        row = place.first - 4
         page.write_string(row, left, "Change", self.style("key_label"))
         page.write_number(row, left + 1, 0.01, self.style("input", "0.0%"))
         words = "of one stiffness or inertia at a time; type your own value"
@@ -144,14 +133,15 @@ class ResultSheets(FrontSheets):
         cell = xl_rowcol_to_cell(row, left + 1, True, True)
         self.workbook.define_name(CHANGE_NAME, f"='{place.sheet}'!{cell}")
         if self.studies:
-            place = self.places["FrequencySensitivities"]
+            there, place = place.sheet, self.places["FrequencySensitivities"]
             page, left = self.sheets[place.sheet], place.columns["Quantity"]
             page.write_string(4, left, "Change of the quantity", self.style("note"))
             page.write_formula(4, left + 1, f"={CHANGE_NAME}", self.style("check", "0.0%"), 0.01)
             link = self.style("note_beside")
             page.write_url(
-                4, left + 2, f"internal:'Frequencies'!{cell}", link, "typed on sheet Frequencies"
-            )
+                4, left + 2, f"internal:{quoted_sheet(there)}!{cell}", link,
+                f"typed on sheet {there}",
+            )  # fmt: skip
 
     def _verdict_colours(self) -> None:
         """Pass green, accepted amber, fail red, not judged grey, wherever a verdict stands."""

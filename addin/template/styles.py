@@ -90,7 +90,7 @@ _FORMATS: Mapping[str, Mapping[str, Any]] = {
     "check": _boxed("teal", _LIVE),
     "check_value": _boxed("teal", _LIVE, align="right"),
     "title_label": _boxed("grey", "paper", font_size=8, indent=1),
-    "title_value": _boxed("navy", bold=True, **_LEFT),
+    "title_value": _boxed("navy", bold=True, shrink=True, **_LEFT),
     "verdict_banner": _boxed("grey", "open", bold=True, font_size=12, align="center"),
     "key_label": _boxed(paper="paper", indent=1),
     "key_value": _boxed(bold=True, align="right"),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from xlsxwriter.utility import xl_cell_to_rowcol, xl_rowcol_to_cell
+from xlsxwriter.utility import xl_rowcol_to_cell
 
 from addin.contract import tables as fields
 from addin.contract.chart_tables import LABELS
@@ -18,6 +18,8 @@ from engine.case.effects import EFFECTS
 
 #: Headers of at most so many letters stand in one line. [characters]
 _SHORT_HEADER = 8
+#: Row of the captions at the head of a sheet, counted from 0.
+_FIRST_ROW = 4
 
 
 class Tables(Frames):
@@ -25,7 +27,7 @@ class Tables(Frames):
 
     def _table(self, sheet: Sheet, spec: TableSpec, row: int, left: int) -> None:
         """Caption, units row, header and data of a table, with drop-downs and prompts."""
-        page = self.sheets[sheet.name]
+        page = self.page(sheet)
         columns = spec.workbook_columns
         self._caption(page, row, left, spec)
         has_units = any(field.has_unit for field in columns)
@@ -34,12 +36,10 @@ class Tables(Frames):
         rows = list(self._typed_rows(spec)) if is_input else []
         first, last = header + 1, header + max(spec.rows, len(rows))
         self.places[spec.name] = Place(
-            sheet.name, first, last, {field.name: left + k for k, field in enumerate(columns)}
+            sheet.worksheet, first, last, {field.name: left + k for k, field in enumerate(columns)}
         )
-        # A row among those of a table beside it, which began above, stays low where its words allow that.
-        begun = [xl_cell_to_rowcol(cell) for cell in sheet.tables.values()]
-        is_beside = any(above < row and column != left for above, column in begun)
-        if not is_beside or max(len(field.name) for field in columns) > _SHORT_HEADER:
+        # A row among those of a table beside it stays low where its words allow that.
+        if row == _FIRST_ROW or max(len(field.name) for field in columns) > _SHORT_HEADER:
             page.set_row(header, 38 if has_units else 24)
         page.add_table(
             header,

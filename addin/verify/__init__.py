@@ -18,7 +18,7 @@ module           responsibility
 `input_copy`     the copy of its inputs that the banners are compared with
 `key_units`      units beside key numbers
 `appearance`     whether results are shown, and shown as they are
-`fixed_texts`    texts of sheets Notes and Trace
+`fixed_texts`    texts of sheet Notes, the trace included
 `tables`         the rows of one table against those that would be written
 `json_file`      a result JSON beside its case
 `trace`          what a result is, by which equation, from which inputs

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 
 from addin.contract.banner import CHANGED_WORDS, COPY_SHEET
 from addin.contract.problems import shortened
-from addin.contract.sheets import SHEETS
+from addin.contract.sheets import EARLIER_SHEETS, SHEETS
 from addin.contract.studies.registry import with_studies
 from addin.contract.tables import (
     INPUT_TABLES,
@@ -44,7 +44,7 @@ LOOKED_AT = (
     "merged cells",
     "pictures, shapes, sparklines and comments over cells",
     "titles of charts and sheets",
-    "texts of Notes and Trace",
+    "texts of Notes",
 )
 #: What a reader sees and nobody looks at here.
 NOT_JUDGED = (
@@ -177,7 +177,9 @@ def compare_appearance(workbook: Workbook) -> Iterator[Finding]:
 
 
 def _seen_cells(workbook: Workbook) -> Iterator[SeenCell]:
-    shipped_visible = {sheet.name for sheet in with_studies(SHEETS) if not sheet.hidden}
+    shipped_visible = EARLIER_SHEETS | {
+        sheet.worksheet for sheet in with_studies(SHEETS) if not sheet.hidden
+    }
     for is_input, specs in ((False, _EVERY_TABLE), (True, _EVERY_INPUT)):
         for spec in specs:
             table = workbook.tables.get(spec.name)

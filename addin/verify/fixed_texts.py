@@ -1,4 +1,4 @@
-"""Texts of torsionbook: titles of result sheets, and what a reviewer reads on Notes and Trace beside the results."""
+"""Texts of torsionbook: titles of result sheets, and what a reviewer reads on Notes beside the results."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from addin.contract.tables import table
 from addin.contract.texts import NOTES
 from addin.contract.trace_table import TRACE_HEADERS, trace_groups, trace_rows
 from addin.verify.findings import Finding
-from addin.verify.structure import plain, present_sheet
+from addin.verify.structure import plain, present_sheet, shows_results
 from addin.xlsx import Workbook
 from addin.xlsx.references import Rect, cell_name
 
-_EVERYTHING = Rect(1, 1, 3000, 60)
+_EVERYTHING = Rect(1, 1, 3000, 200)
 #: Words by which a row of Trace is known: sheet, table, column.
 _NAMED_BY = 3
 
@@ -42,7 +42,7 @@ def compare_texts(workbook: Workbook, same_version: bool) -> Iterator[Finding]:
     """
     for shipped in with_studies(SHEETS):
         shown = present_sheet(workbook, shipped)
-        if shipped.kind == "result" and not shipped.hidden and shown is not None:
+        if shows_results(shipped) and shown is not None:
             places = _places(workbook, shown)
             for text in (
                 shipped.name,
@@ -53,10 +53,14 @@ def compare_texts(workbook: Workbook, same_version: bool) -> Iterator[Finding]:
                 finding = _changed(workbook, shown, places, (text,), 1)
                 if finding is not None:
                     yield replace(finding, kind="not shown", fails=False)
-    notes = [line for lines in NOTES.values() for line in lines]
+    notes = [line for lines in NOTES.values() for line in lines if not line[1].startswith("=")]
     trace = [TRACE_HEADERS, *trace_rows(), *trace_groups()]
     of_studies = [row for row in trace_rows(studies=True) if row not in trace]
-    for sheet, rows, named_by in (("Notes", notes, 1), ("Trace", [*trace, *of_studies], _NAMED_BY)):
+    trace_sheet = "Trace" if "Trace" in workbook.sheet_names else "Notes"  # its own in 0.1.0
+    for sheet, rows, named_by in (
+        ("Notes", notes, 1),
+        (trace_sheet, [*trace, *of_studies], _NAMED_BY),
+    ):
         if sheet not in workbook.sheet_names or not workbook.sheet_bytes(sheet):
             continue
         places = _places(workbook, sheet)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -24,9 +25,9 @@ from addin.contract.sheets import (
     CYCLE_FACTS,
     FACT_LINES,
     KEY_NUMBERS,
-    SHEETS,
     STRIP,
     TITLE_BLOCK,
+    part_named,
 )
 from addin.contract.tables import INPUT_TABLES, RESULT_TABLES, WORKBOOK_TABLES, Field
 from addin.verify.compare import RecordedValue, agreement, plain_value, value_in_words
@@ -205,7 +206,10 @@ def _beside_labels(
     labels = {plain(label): label for label in formulas}
     where = {number.label: number.where for number in KEY_NUMBERS if number.where}
     part = workbook.sheet_part(sheet)
+    headers = [table.ref for table in workbook.tables.values() if table.sheet == sheet]
     for row, column, words in list(_words_of(workbook, sheet)):
+        if any(ref.has(row, column) for ref in headers):
+            continue
         label = labels.get(words)
         beside = next(part.filled_cells(Rect(row, column + 1, row, column + 4)), None)
         if label is None or beside is None:
@@ -218,24 +222,39 @@ def _beside_labels(
                 yield after
 
 
+#: Digests of the lines above the tables of sheets Start-up, Reversals, Starts and Events of earlier templates:
+#: those of 0.1.0, then those that were made before the ten sheets.
+_EARLIER_LINES = frozenset(
+    {"7ee63c59c54e70bf", "6e3f153f4c29777b", "45c318b3f4a1c2f6"}
+    | {"80f4c63c4607edce", "ebd1720e90fc230b", "556cf9b8d5aaa0f5", "e7beffd1d1a660c5"}
+    | {"249de0bd97110106"}
+)
+
+
+def _is_earlier_line(formula: str) -> bool:
+    return hashlib.sha256(formula.encode()).hexdigest()[:16] in _EARLIER_LINES
+
+
 def _lines(workbook: Workbook) -> Iterator[OwnFormula]:
     """The lines of words above the tables, unless they were moved as they are."""
-    sheets = {sheet.name: sheet for sheet in SHEETS}
     lines = [(sheet, first, formula) for sheet, first, _, formula, _, _ in FACT_LINES]
     for shipped, first, formula in (*lines, ("Summary", DOCUMENT_AT.rpartition("!")[2], STRIP)):
-        sheet = present_sheet(workbook, sheets[shipped])
+        of_this = part_named(shipped)
+        sheet = present_sheet(workbook, of_this)
         if sheet is None:
             continue
+        first = first.replace("$", "")
+        cell = of_this.at(first) if sheet == of_this.worksheet else first
         part = workbook.sheet_part(sheet)
-        held = ((at, part.value(*at)) for at in part.formulas)
-        moved = next(
-            (at for at, f in held if isinstance(f, Formula) and bare(f.text) == bare(formula)),
-            None,
-        )
+        values = ((at, part.value(*at)) for at in part.formulas)
+        held = {at: bare(f.text) for at, f in values if isinstance(f, Formula)}
+        if sheet != of_this.worksheet and any(map(_is_earlier_line, held.values())):
+            continue
+        moved = next((at for at, text in held.items() if text == bare(formula)), None)
         if moved:
             yield OwnFormula(sheet, *moved, formula, "text line")
-        elif workbook.value(sheet, first.replace("$", "")) not in (None, ""):
-            yield OwnFormula(sheet, *parse_cell(first.replace("$", "")), formula, "text line")
+        elif workbook.value(sheet, cell) not in (None, ""):
+            yield OwnFormula(sheet, *parse_cell(cell), formula, "text line")
 
 
 def typed_over(workbook: Workbook, same_template: bool) -> Iterator[Finding]:

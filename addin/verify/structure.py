@@ -8,7 +8,7 @@ from collections.abc import Collection, Iterator, Sequence
 from addin.contract.banner import COPY_SHEET
 from addin.contract.problems import shortened
 from addin.contract.scalars import SCALAR_SHEET
-from addin.contract.sheets import SHEETS, Sheet
+from addin.contract.sheets import EARLIER_SHEETS, SHEETS, Sheet
 from addin.contract.studies.registry import with_studies
 from addin.contract.tables import (
     INPUT_TABLES,
@@ -104,10 +104,11 @@ def _beside_label(workbook: Workbook, sheet: str, label: str) -> list[tuple[int,
 
 def other_sheets(workbook: Workbook) -> Iterator[Finding]:
     """Sheets with names that are not of torsionbook: what a reader takes from them is not judged."""
-    shipped = {sheet.name for sheet in (*with_studies(SHEETS), LIVE_SHEET)} | {
+    shipped = {sheet.worksheet for sheet in (*with_studies(SHEETS), LIVE_SHEET)} | {
         "Lists",
         "ChartData",
         COPY_SHEET,
+        *EARLIER_SHEETS,
     }
     names = [f"'{shortened(sheet, 40)}'" for sheet in workbook.sheet_names if sheet not in shipped]
     if names:
@@ -135,9 +136,16 @@ def without_banner(workbook: Workbook, banners: Collection[str]) -> Iterator[Fin
     """
     for shipped in with_studies(SHEETS):
         sheet = present_sheet(workbook, shipped)
-        if shipped.kind == "result" and not shipped.hidden and sheet and sheet not in banners:
+        if shows_results(shipped) and sheet and sheet not in banners:
             sentence = "the sheet does not show the overall verdict: its banner was removed, or is of another version"
             yield Finding("not shown", sheet, "", sentence, fails=False)
+
+
+def shows_results(sheet: Sheet) -> bool:
+    """Whether a sheet, or a part of one, shows results."""
+    results = {spec.name for spec in RESULT_TABLES}
+    is_mixed = sheet.kind == "input" and bool(results & set(sheet.tables))
+    return not sheet.hidden and (sheet.kind == "result" or is_mixed)
 
 
 def has_every_column(workbook: Workbook) -> bool:
@@ -222,9 +230,10 @@ def _as_cells(
 
 
 def present_sheet(workbook: Workbook, sheet: Sheet) -> str | None:
-    """A sheet under the name it was shipped with, or under the one it has now, told by its tables."""
-    if sheet.name in workbook.sheet_names:
-        return sheet.name
+    """A sheet under the name it was shipped with, now or by an earlier release, or told by its tables."""
+    for name in (sheet.worksheet, sheet.name):
+        if name in workbook.sheet_names:
+            return name
     tables = (workbook.tables.get(name) for name in sheet.tables)
     return next((table.sheet for table in tables if table is not None), None)
 

@@ -101,9 +101,7 @@ def _cell(traced_workbook: _Traced, wanted: str) -> Iterator[str]:
         sheet, cell = split_sheet(wanted.strip())
         row, column = parse_cell(cell.replace("$", "").upper())
     except ValueError:
-        raise ValueError(
-            f"'{wanted}' is not a cell address; write it as 'Steady state!H9'."
-        ) from None
+        raise ValueError(f"'{wanted}' is not a cell address; write it as 'Results!AW9'.") from None
     workbook = traced_workbook.workbook
     for spec in _RESULTS.values():
         table = workbook.tables.get(spec.name)

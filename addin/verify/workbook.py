@@ -238,7 +238,7 @@ def _on_what_stands(workbook: Workbook) -> str:
     """What there is in a workbook that was never calculated."""
     if _has_study(workbook):
         return (
-            "Only sheet Accuracy is filled, by torsionbook accuracy, whose study is not recalculated here. All "
+            "Only sheet Effects and accuracy is filled, by torsionbook accuracy, whose study is not recalculated here. All "
             "other result tables are empty. Run torsionbook recalc."
         )
     return "All result tables are empty. Run torsionbook recalc."
@@ -391,7 +391,7 @@ def _facts_compared(
 
 
 def _has_study(workbook: Workbook) -> bool:
-    """Whether sheet Accuracy holds a study, which is a calculation of its own."""
+    """Whether sheet Effects and accuracy holds a study, which is a calculation of its own."""
     _, _, words = _facts(workbook).get("run_AccuracySentence", ("", "", None))
     return bool(words) and words != NO_STUDY
 

@@ -7,6 +7,9 @@ module          responsibility
 `results_json`  results to JSON, and the errors of an input that could not be calculated
 `input_copy`    the copy of the inputs that a calculation leaves on a hidden sheet, with the
                 formulas that compare
+`printed_rows`  rows of long result tables that decide something: these are printed
+`print_areas`   what a calculated workbook prints: the parts of its sheets that have something to
+                show
 `workbook`      results into the cells the product owns: result tables, facts for live formulas,
                 chart data
 `recalculate`   one input file in, its results out: the same path for the command line and every

@@ -38,6 +38,8 @@ from addin.reading.workbook import WorkbookInput, read_workbook
 from addin.recorded.results import recorded_fact
 from addin.recorded.study_digests import stated_digests, twelve_digits
 from addin.writing.input_copy import input_copy
+from addin.writing.print_areas import renew_print_areas
+from addin.writing.printed_rows import printed_rows
 from addin.xlsx import (
     Formula,
     SaveReport,
@@ -71,7 +73,7 @@ _OPTIONAL = frozenset(
 #: What the rows of a plain recalculation are, below `NO_STUDY`.
 ANALYSES = (
     "Start: linear start with all teeth in contact, on which the plan is based. Start "
-    "with events: the same with the effects that sheet Effects shows as on. Errors "
+    "with events: the same with the effects that sheet Effects and accuracy shows as on. Errors "
     "are the change of the results from step h to h/2."
 )
 
@@ -152,6 +154,7 @@ def write_results(
     workbook.link_chart_titles(_title_links(workbook))
     _renew_banner(workbook)
     _fit_rows(workbook, present)
+    renew_print_areas(workbook, printed_rows(run.tables).counts)
     for spec in fields.INPUT_TABLES:  # typed by a program that leaves charts as they were
         table = workbook.tables.get(spec.name)
         if table is not None:
@@ -223,7 +226,9 @@ def tables_to_write(
     """
     units, problems = read_shown_units(workbook, run.case.ratings.rated_torque)
     blocks = chart_blocks(run.case, units, run, chosen)
-    wanted = [*_result_blocks(run, units), _run_facts(run, stamp, units)]
+    # a workbook of an earlier version has no place for what is said of the order
+    sorts = "run_PrintedResponse" in workbook.defined_names
+    wanted = [*_result_blocks(run, units, sorts), _run_facts(run, stamp, units)]
     wanted += [TableData(table.name, blocks[table.name], table.columns) for table in CHART_TABLES]
     copied = input_copy(read or read_workbook(workbook), stamp.sha256)
     if not copied and CHANGED_WORDS in _banner(workbook):
@@ -281,6 +286,7 @@ def write_study(
         TableData(chart.name, accuracy_block(rows), chart.columns),
     ]
     workbook.write_tables(_present(workbook, wanted))
+    renew_print_areas(workbook, {}, only=spec.sheet)
     facts = {
         "run_AccuracySentence": words["sentence"],
         "run_AccuracyReference": words["reference"],
@@ -401,7 +407,7 @@ def read_shown_units(
     return shown_units(names, rated_torque)
 
 
-def _result_blocks(run: RunView, units: ShownUnits) -> list[TableData]:
+def _result_blocks(run: RunView, units: ShownUnits, sorts: bool) -> list[TableData]:
     """Rows of every result table; live checks are formulas whose value is calculated when saving."""
     specs = (*fields.RESULT_TABLES, *fields.WORKBOOK_TABLES)
     tables = dict(run.tables) | {
@@ -410,6 +416,8 @@ def _result_blocks(run: RunView, units: ShownUnits) -> list[TableData]:
         "BearingForces": (run.startup or {}).get("bearing_forces", ()),
         "EnergyShares": run.energies,
     }
+    if sorts:
+        tables["SteadyState"] = printed_rows(run.tables).response
     return [_result_block(spec, tables.get(spec.name, ()), units) for spec in specs]
 
 
@@ -426,7 +434,7 @@ def _run_facts(run: RunView, stamp: RunStamp, units: ShownUnits) -> TableData:
     ratings = run.case.ratings
     start = run.startup or {}
     speed = ratings.synchronous_speed
-    governing = start_cycle_facts(run)
+    governing, printed = start_cycle_facts(run), printed_rows(run.tables)
     endurance = governing["endurance"]
     facts: dict[str, Any] = {
         "run_Stamp": stamp.sentence,
@@ -453,6 +461,8 @@ def _run_facts(run: RunView, stamp: RunStamp, units: ShownUnits) -> TableData:
         "run_AccuracySentence": NO_STUDY,
         "run_AccuracyReference": ANALYSES,
         "run_AccuracyInputs": stamp.sentence,
+        "run_PrintedModes": printed.on_modes,
+        "run_PrintedResponse": printed.on_response,
     }
     rows = [[name, meaning, facts[name]] for name, meaning in RUN_FACTS]
     return TableData("RunFacts", rows, ["Name", "Meaning", "Value"])
@@ -581,6 +591,7 @@ def _cut_to_room(workbook: Workbook, data: TableData) -> TableData:
 
 def _fit_rows(workbook: Workbook, written: Sequence[TableData]) -> None:
     """Row heights of tables with sentences that wrap; rows no longer used get the usual one."""
+    needed: dict[tuple[str, int], float] = {}  # tables side by side share their rows
     for data in written:
         spec, columns = fields.find_table(data.name), list(data.columns or ())
         wrapped = [
@@ -597,7 +608,10 @@ def _fit_rows(workbook: Workbook, written: Sequence[TableData]) -> None:
         ]
         heights += [text_height("", 1.0)] * (spec.room - len(heights))
         for row_number, height in enumerate(heights, table.data.top):
-            workbook.set_row_height(table.sheet, row_number, height)
+            at = table.sheet, row_number
+            needed[at] = max(height, needed.get(at, 0.0))
+    for (sheet, row_number), height in needed.items():
+        workbook.set_row_height(sheet, row_number, height)
 
 
 def _with_columns(workbook: Workbook, data: TableData, there: Sequence[str]) -> TableData:

@@ -71,6 +71,7 @@ class Workbook(WorkbookState):
         super().__init__(container, structure)
         self._read_only = True
         self._ignore_lock = False
+        self._print_areas: dict[str, str] = {}
         self._cache_report: CacheReport | None = None
 
     # ---- reading -----------------------------------------------------------------------------------------------
@@ -164,6 +165,18 @@ class Workbook(WorkbookState):
             raise ObstaclesFound(obstacles)
         for plan in plans:
             carry_out(self, plan)
+
+    def set_print_area(self, sheet: str, text: str) -> None:
+        """Let other cells be printed of a sheet that has a print area; of another one nothing changes.
+
+        Parameters
+        ----------
+        sheet : str
+            The sheet.
+        text : str
+            Its areas, each with the name of the sheet, as a defined name holds them. [reference]
+        """
+        self._print_areas[sheet] = text
 
     def set_row_height(self, sheet: str, row: int, height: float) -> None:
         """Set the height of a row whose text wraps.
@@ -308,8 +321,10 @@ class Workbook(WorkbookState):
         if any(sheet.formula_set_changed() for sheet in self._sheets.values()):
             chain, dropped = self.structure.without_calc_chain()
             replaced |= chain
+        structure = self.structure.with_print_areas(self._print_areas)
         if self.changed:
-            replaced[self.structure.part] = self.structure.with_full_calculation()
+            structure = self.structure.with_full_calculation(structure)
+        replaced[self.structure.part] = structure
         same = [name for name, data in replaced.items() if data == self.container.read(name)]
         return {name: data for name, data in replaced.items() if name not in same}, dropped
 

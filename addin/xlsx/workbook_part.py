@@ -7,9 +7,10 @@ from __future__ import annotations
 
 import posixpath
 import re
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from urllib.parse import unquote
+from xml.sax.saxutils import escape
 
 from addin.xlsx.container import Container, shown_name
 from addin.xlsx.errors import WorkbookRefused, damaged
@@ -33,6 +34,11 @@ _TEMPLATE_TYPES = (
 )
 _CALC_PR = re.compile(rb"<((?:\w+:)?)calcPr\b([^<>]*?)(/?)>")
 _NO_TAGS = re.compile(rb"<!--.*?-->|<!\[CDATA\[.*?\]\]>|<\?.*?\?>", re.DOTALL)
+#: Attributes and text of the name of a print area.
+_PRINT_AREA = re.compile(
+    rb"""<(?:\w+:)?definedName\b([^<>]*\bname\s*=\s*["']_xlnm\.Print_Area["'][^<>]*)>([^<]*)<"""
+)
+_LOCAL_SHEET = re.compile(rb"""\blocalSheetId\s*=\s*["'](\d+)["']""")
 _FULL_CALC = re.compile(rb"""\s*fullCalcOnLoad\s*=\s*(?:"[^"]*"|'[^']*')""")
 
 
@@ -160,9 +166,21 @@ class WorkbookPart:
         """Whether the package carries a digital signature, which any edit would break."""
         return any(name.lower().startswith(SIGNATURES) for name in self._container.names)
 
-    def with_full_calculation(self) -> bytes:
-        """The workbook part asking for a full calculation when it is opened."""
+    def with_print_areas(self, areas: Mapping[str, str]) -> bytes:
+        """The workbook part with other print areas of sheets that have one, by the names of the sheets."""
         data = self._container.read(self.part)
+        numbers = {str(self.sheet_names.index(sheet)): text for sheet, text in areas.items()}
+        kept, position = bytearray(), 0
+        for found in _PRINT_AREA.finditer(_masked(data)):
+            local = _LOCAL_SHEET.search(found[1])
+            text = numbers.get(local[1].decode()) if local else None
+            if text is not None:
+                kept += data[position : found.start(2)] + escape(text).encode()
+                position = found.end(2)
+        return bytes(kept) + data[position:]
+
+    def with_full_calculation(self, data: bytes) -> bytes:
+        """The workbook part asking for a full calculation when it is opened."""
         found = _CALC_PR.search(_masked(data))
         if found is not None:
             attributes = _FULL_CALC.sub(b"", found[2]).rstrip()

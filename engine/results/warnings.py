@@ -220,7 +220,7 @@ def _start_warnings(results: Results) -> Iterator[str]:
             + (
                 f"Take 'off' away from {', '.join(off)} in table EffectChoices."
                 if off
-                else "See sheet Effects for the data that are missing."
+                else "See sheet Effects and accuracy for the data that are missing."
             )
         )
     elif not start.met_tolerance:

@@ -70,7 +70,7 @@ def test_results_json_keeps_to_its_schema_and_to_the_published_table(example):
 
 def test_sheet_and_json_show_the_same_numbers(example):
     results = json.loads((example / "train.json").read_text(encoding="utf-8"))
-    sheet = openpyxl.load_workbook(example / "train.out.xlsx", data_only=True)["Frequencies"]
+    sheet = openpyxl.load_workbook(example / "train.out.xlsx", data_only=True)["Results"]
     first, last = sheet.tables["NaturalFrequencies"].ref.split(":")
     rows = list(sheet[first:last])
     header = [c.value for c in rows[0]]
@@ -371,12 +371,17 @@ def test_the_study_changes_its_own_sheet_and_no_other_result(studied):
     )
     content = json.loads((studied / "study.json").read_text(encoding="utf-8"))
     for sheet in after.worksheets:
-        if sheet.title in ("Accuracy", "ChartData", "Lists"):
+        if sheet.title in ("Effects and accuracy", "ChartData", "Lists"):
             continue
         for row in sheet.iter_rows():
             for cell in row:
                 assert cell.value == before[sheet.title][cell.coordinate].value
-    words = [cell.value for row in after["Accuracy"].iter_rows(5, 7) for cell in row if cell.value]
+    words = [
+        cell.value
+        for row in after["Effects and accuracy"].iter_rows(4, 6, 11)
+        for cell in row
+        if cell.value
+    ]
     assert words[0] == content["accuracy"]["sentence"]
     assert content["case_sha256"][:12] in words[2]
 

@@ -9,10 +9,11 @@ import pytest
 from open_workbook import OpenBook
 
 from addin.contract.shipped import template_path
+from addin.contract.tables import INPUT_TABLES
 from addin.excel import refill as module
 from addin.excel.refill import excel_value, refill
 from addin.excel.workbook import install
-from addin.xlsx import ErrorValue, Formula
+from addin.xlsx import ErrorValue, Formula, open_workbook
 
 USUAL = (True, True, "automatic", True)
 
@@ -89,14 +90,20 @@ def test_every_cell_ends_as_in_the_recalculated_file(tmp_path, kept, name):
     }
     assert ours == tables
     changed = {n for n, s in book.sheets.items() if s.cells != before[n]}
-    assert {"Frequencies", "Start-up"} <= changed
+    assert {"Results", "Start"} <= changed
     assert book.app.state == USUAL
 
 
 def test_inputs_are_never_written(refilled):
+    """Sheets with inputs may hold results beside them: nothing is written into the tables of inputs."""
     book = refilled
-    for sheet in ("Case", "Train", "Torque", "Fatigue", "Excitation", "xlwings.conf"):
+    for sheet in ("Case", "xlwings.conf"):
         assert book.sheets[sheet].written == set(), sheet
+    workbook = open_workbook(template_path("example_proposed.xlsx"), read_only=True)
+    for spec in INPUT_TABLES:
+        table = workbook.table(spec.name)
+        inside = {at for at in book.sheets[table.sheet].written if table.ref.has(*at)}
+        assert inside == set(), spec.name
     assert book.written
 
 
@@ -116,7 +123,7 @@ def test_a_second_time_with_fewer_rows_leaves_nothing_stale(tmp_path, kept):
     shrunk = {n for s in before.values() for n, t in s.items() if t.range.last[0] < rows[n]}
     assert shrunk
     sheets = {sheet for sheet, _ in book.written}
-    assert {"Reversals", "Effects", "Start-up"} <= sheets
+    assert {"Effects and accuracy", "Start"} <= sheets
     assert [d for d in differences(book, kept / "train.xlsm") if d[0] in sheets] == []
 
 
@@ -161,10 +168,10 @@ def test_wrong_inputs_are_told_and_nothing_is_written(tmp_path, kept):
 
 def test_a_protected_sheet_is_named_before_anything_is_written(tmp_path, kept):
     book = open_book(tmp_path, "example_proposed")
-    book.sheets["Margins"].api.ProtectContents = True
+    book.sheets["Results"].api.ProtectContents = True
     refill(book)
     assert [mode for mode, _ in book.alerts] == ["critical"]
-    assert "sheet Margins is protected" in book.alerts[0][1]
+    assert "sheet Results is protected" in book.alerts[0][1]
     assert book.written == set()
 
 
@@ -174,7 +181,7 @@ def test_excel_is_put_back_as_it_was_whatever_happens(tmp_path, kept):
     def fails(*_):
         raise RuntimeError("made up")
 
-    book.sheets["Summary"].set = book.sheets["Frequencies"].set = fails
+    book.sheets["Summary"].set = book.sheets["Results"].set = fails
     with pytest.raises(RuntimeError, match="made up"):
         refill(book)
     assert book.app.state == USUAL

@@ -31,10 +31,7 @@ TEMPLATES = HERE.parents[1] / "templates"
 #: Fields of a problem that stay; its message is not among them.
 FIELDS = ("sheet", "table", "row", "column", "found", "allowed")
 #: Sheets of results: no input is read from them, and to open and save them takes most of the time.
-RESULTS = {
-    "Summary", "Frequencies", "Margins", "Steady state", "Start-up", "Histories", "Reversals",
-    "Starts", "Effects", "Accuracy", "Audit", "Notes", "Trace", "ChartData",
-}  # fmt: skip
+RESULTS = {"Summary", "Results", "Start", "Effects and accuracy", "Audit", "Notes", "ChartData"}
 
 
 @cache

@@ -40,6 +40,8 @@ FREQUENCIES = {
                  1417.39947, 2919.55326),
 }  # fmt: skip
 NAMES = sorted(TEMPLATES)
+#: Sheets that hold results alone: nothing of them is printed until there are some.
+NOT_YET = ("Results", "Start", "Effects and accuracy")
 
 
 @pytest.fixture(scope="module")
@@ -128,17 +130,18 @@ def test_nothing_stands_below_a_result_table(book: openpyxl.Workbook) -> None:
 
 def test_sheets_are_in_order_and_helpers_hidden(book: openpyxl.Workbook) -> None:
     shown = [sheet.title for sheet in book.worksheets if sheet.sheet_state == "visible"]
-    assert shown == [sheet.name for sheet in SHEETS]
+    assert shown == list(dict.fromkeys(sheet.worksheet for sheet in SHEETS))
+    assert len(shown) <= 10
     assert [s.title for s in book.worksheets[-3:]] == ["Lists", "ChartData", "Inputs calculated"]
 
 
 def test_pages_are_set_up_for_print(book: openpyxl.Workbook) -> None:
     for sheet in book.worksheets[:-3]:
         assert sheet.page_setup.orientation == "landscape"
-        assert sheet.page_setup.fitToWidth in (None, 1)
-        in_pieces = len(sheet.col_breaks.brk) > 0
-        assert bool(sheet.sheet_properties.pageSetUpPr.fitToPage) is not in_pieces
-        assert not in_pieces or 50 <= sheet.page_setup.scale <= 100
+        assert not sheet.sheet_properties.pageSetUpPr.fitToPage
+        is_printed = sheet.print_area != f"'{sheet.title}'!$A$1"
+        assert is_printed or sheet.title in NOT_YET or sheet.title in ("Audit", "Notes")
+        assert not is_printed or 70 <= sheet.page_setup.scale <= 100
         assert "&P" in sheet.oddFooter.right.text
         assert "&N" in sheet.oddFooter.right.text
         assert sheet.print_title_rows
@@ -265,7 +268,7 @@ def test_a_spreadsheet_program_agrees_with_every_cached_value(soffice, name: str
 def test_every_page_has_ink(soffice, name: str) -> None:
     from workbook_checks import assert_pages_have_ink
 
-    assert_pages_have_ink(template_path(name), soffice, at_least=14)
+    assert_pages_have_ink(template_path(name), soffice, at_least=5)
 
 
 def test_no_table_has_a_name_that_is_defined(book: openpyxl.Workbook) -> None:

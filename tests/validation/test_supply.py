@@ -379,7 +379,7 @@ def test_curves_have_no_torque_while_the_motor_is_off_the_line():
 
 @pytest.mark.parametrize(("seed", "open_time"), [(15, None), (18, None), (21, None), (4, 0.08)])
 def test_what_a_switch_over_brings_is_within_its_bound(seed, open_time):
-    """Forced off, the start lacks the shock, and its peaks change by no more than the bound on sheet Effects."""
+    """Forced off, the start lacks the shock, and its peaks change by no more than the bound on sheet Effects and accuracy."""
     case = replace(start_case(seed), torque_follows=TorqueFollows.MEAN_SPEED)
     power = case.motor_data[0].apparent_power
     kind = ("autotransformer", "reactor")[seed % 2]

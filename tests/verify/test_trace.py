@@ -117,8 +117,8 @@ def test_a_verdict_is_traced_to_the_rows_of_its_own_check(train):
     [
         ("Nothing", "is not a result table. Choose one of Verdicts"),
         ("SteadyState.Colour", "has no column 'Colour'; it has Element"),
-        ("Steady state!A1", "is outside the result tables: Verdicts (Summary!"),
-        ("Steady state!5", "is not a cell address"),
+        ("Results!A1", "is outside the result tables: Verdicts (Summary!"),
+        ("Results!5", "is not a cell address"),
     ],
 )
 def test_what_cannot_be_traced_is_said_with_what_can(train, wanted, said):

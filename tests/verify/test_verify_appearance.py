@@ -19,6 +19,7 @@ from tampered_package import Package
 
 from addin.contract.shipped import template_path
 from addin.contract.texts import NOTES
+from addin.contract.trace_table import TRACE_HEADERS
 from addin.verify.appearance import compare_appearance
 from addin.verify.file import verify_file
 from addin.verify.findings import Finding
@@ -256,7 +257,7 @@ def test_the_rules_of_verdicts_as_libreoffice_writes_them_are_no_finding(train, 
         text = text.replace('<cfRule type="expression"', '<cfRule type="expression" text=""')
         return re.sub(r'(LEFT\([^,]*),\d+\)="([^"]*)"', r'\1,LEN("\2"))="\2"', text)
 
-    for sheet in ("Margins", "Summary"):
+    for sheet in ("Results", "Summary"):
         package.change(package.part_of_sheet(sheet), rewritten)
     workbook = open_workbook(package.store(tmp_path / "saved.xlsx"), read_only=True)
     assert [one for one in compare_appearance(workbook) if one.fails] == []
@@ -270,7 +271,7 @@ _OLD_SHAPE = (
 _SPARKLINE = (
     '<extLst><ext xmlns:x14="http://schemas.microsoft.com/office/spreadsheetml/2009/9/main" uri="{0}">'
     '<x14:sparklineGroups xmlns:xm="http://schemas.microsoft.com/office/excel/2006/main"><x14:sparklineGroup>'
-    "<x14:sparklines><x14:sparkline><xm:f>Starts!C8:C9</xm:f><xm:sqref>B2</xm:sqref></x14:sparkline>"
+    "<x14:sparklines><x14:sparkline><xm:f>Fatigue!C8:C9</xm:f><xm:sqref>B2</xm:sqref></x14:sparkline>"
     "</x14:sparklines></x14:sparklineGroup></x14:sparklineGroups></ext></extLst>"
 )
 
@@ -278,14 +279,14 @@ _SPARKLINE = (
 def test_banners_that_are_covered_hidden_or_cut_are_found(train, tmp_path):
     package = Package(train)
     parts = {
-        sheet: package.part_of_sheet(sheet) for sheet in ("Margins", "Starts", "Audit", "Notes")
+        sheet: package.part_of_sheet(sheet) for sheet in ("Results", "Fatigue", "Audit", "Notes")
     }
 
     def into(sheet, old, new):
         package.change(parts[sheet], lambda text: text.replace(old, new, 1))
 
-    into("Margins", '<row r="2"', '<row r="2" hidden="1"')
-    into("Starts", "</worksheet>", f"{_SPARKLINE}</worksheet>")
+    into("Results", '<row r="2"', '<row r="2" hidden="1"')
+    into("Fatigue", "</worksheet>", f"{_SPARKLINE}</worksheet>")
     into("Audit", "<tableParts", '<legacyDrawing r:id="rIdOld"/><tableParts')
     package.parts["xl/drawings/old.vml"] = _OLD_SHAPE.encode()
     relationship = (
@@ -300,8 +301,8 @@ def test_banners_that_are_covered_hidden_or_cut_are_found(train, tmp_path):
     found = [one for one in compare_appearance(workbook) if one.fails]
     said = {(one.sheet, one.cell, one.kind, one.sentence.split(",")[0]) for one in found}
     assert said == {
-        ("Margins", "B2", "hidden", "row 2 is hidden"),
-        ("Starts", "B2", "hidden", "a sparkline lies over the cell"),
+        ("Results", "B2", "hidden", "row 2 is hidden (and 4 more such cells)"),
+        ("Fatigue", "B2", "hidden", "a sparkline lies over the cell"),
         ("Audit", "B2", "hidden", "a control lies over the cell"),
         ("Notes", "B2", "hidden", "the text is 9 points high in a row of 5 points"),
     }
@@ -482,14 +483,16 @@ def test_changed_texts_of_notes_and_trace_are_found(train, tmp_path):
     book = openpyxl.load_workbook(train)
     told = NOTES["How to use"][0][1]
     [note] = [cell for row in book["Notes"].iter_rows() for cell in row if cell.value == told]
-    equation, header = book["Trace"]["F9"], book["Trace"]["D12"]
+    places = {cell.value: cell for row in book["Notes"].iter_rows() for cell in row}
+    head = places[TRACE_HEADERS[-1]].row
+    equation, header = book["Notes"][f"F{head + 4}"], book["Notes"][f"D{head + 7}"]
     for cell in (note, equation, header):
         cell.value = "Another text."
     book.save(tmp_path / "reworded.xlsx")
     workbook = open_workbook(tmp_path / "reworded.xlsx", read_only=True)
     found = list(compare_texts(workbook, same_version=True))
     assert [(one.sheet, one.cell) for one in found] == [
-        ("Notes", note.coordinate), ("Trace", "F9"), ("Trace", "")
+        ("Notes", note.coordinate), ("Notes", equation.coordinate), ("Notes", "")
     ]  # fmt: skip
     assert all(one.fails for one in found)
     assert not any(one.fails for one in compare_texts(workbook, same_version=False))
@@ -497,12 +500,12 @@ def test_changed_texts_of_notes_and_trace_are_found(train, tmp_path):
 
 def test_other_titles_and_captions_of_result_sheets_are_notes(train, tmp_path):
     package = Package(train)
-    package.put_text("Margins", "B1", "Margins: all kept")
-    package.put_text("Margins", "B5", "All margins are kept")
-    package.put_text("Starts", "B3", "The shafts may start as often as one likes.")
+    package.put_text("Results", "X1", "Margins: all kept")
+    package.put_text("Results", "X5", "All margins are kept")
+    package.put_text("Fatigue", "B3", "The shafts may start as often as one likes.")
     workbook = open_workbook(package.store(tmp_path / "titles.xlsx"), read_only=True)
     found = list(compare_texts(workbook, same_version=True))
-    assert [one.sheet for one in found] == ["Margins", "Margins", "Starts"]
+    assert [one.sheet for one in found] == ["Fatigue", "Results", "Results"]
     assert all("is missing" in one.sentence and not one.fails for one in found)
 
 

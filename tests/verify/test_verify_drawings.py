@@ -78,7 +78,7 @@ def test_the_end_of_a_history_cannot_be_cut_off(train):
     for part, drawn in charts(train).items():
         if "ChartData!$CB$5" in drawn:
             said = edited(train, part, lambda text: text.replace(end, cut))
-            assert said[0].sheet == "Histories"
+            assert said[0].sheet == "Start"
             assert f"not ChartData!CB5:CB{history.data.bottom}" in said[0].sentence
 
 
@@ -108,7 +108,7 @@ def test_the_whole_verification_tells_chart_and_cell(train, tmp_path):
     draws, carries = (f for f in told.findings if f.fails)
     assert "draws ChartData!CD5:CD" in draws.sentence
     assert " shows " in carries.sentence
-    assert {(f.kind, f.sheet, bool(f.cell)) for f in (draws, carries)} == {("chart", "Histories", True)}  # fmt: skip
+    assert {(f.kind, f.sheet, bool(f.cell)) for f in (draws, carries)} == {("chart", "Start", True)}  # fmt: skip
 
 
 def test_a_copy_of_a_value_inside_a_chart_is_told_with_its_cell(train):
@@ -116,7 +116,7 @@ def test_a_copy_of_a_value_inside_a_chart_is_told_with_its_cell(train):
     part = next(p for p, drawn in charts(train).items() if "ChartData!$CB$5" in drawn)
     point = re.compile(r'(<c:yVal>.*?<c:pt idx="7"><c:v>)([^<]*)(</c:v>)', re.DOTALL)
     [said] = edited(train, part, lambda text: point.sub(r"\g<1>1.5\3", text, count=1))
-    assert (said.kind, said.sheet) == ("chart", "Histories")
+    assert (said.kind, said.sheet) == ("chart", "Start")
     assert "shows 1.5 for ChartData!CB12" in said.sentence
     assert said.expected == workbook.shown_value("ChartData", "CB12")
     assert said.fails
@@ -138,7 +138,7 @@ def test_what_an_engineer_does_to_charts_is_his_affair(train, tmp_path):
 
     def own(text):
         """A measured curve beside ours."""
-        mine = re.sub(r"ChartData!\$Y\$\d+:\$Y\$\d+", "Torque!$B$7:$B$9", series[0])
+        mine = re.sub(r"ChartData!\$Y\$\d+:\$Y\$\d+", "'Torque and motor'!$B$7:$B$9", series[0])
         mine = re.sub("<c:numCache>.*?</c:numCache>", "", mine, flags=re.DOTALL)
         return text.replace(series[-1], series[-1] + mine)
 
@@ -169,7 +169,7 @@ def test_charts_stay_clean_and_known_after_another_program(train, soffice, tmp_p
     part = next(p for p, drawn in charts(saved).items() if "$CB$5" in drawn)
     package.change(part, lambda text: text.replace("$CB$", "$CD$"))
     said = found(package.store(tmp_path / "tampered.xlsx"))
-    assert [one.sheet for one in said if "draws" in one.sentence] == ["Histories"]
+    assert [one.sheet for one in said if "draws" in one.sentence] == ["Start"]
 
 
 # --- units ----------------------------------------------------------------------------------------
@@ -178,7 +178,7 @@ def test_charts_stay_clean_and_known_after_another_program(train, soffice, tmp_p
 def unit_cells(workbook: Workbook) -> dict[str, tuple[str, str]]:
     """Cells right of the numbers: by what stands there, sheet and cell."""
     found = {}
-    for sheet, label, unit in (("Summary", 2, 4), ("Starts", 14, 19)):
+    for sheet, label, unit in (("Summary", 2, 4), ("Fatigue", 15, 20)):
         part = workbook.sheet_part(sheet)
         for row in range(1, 60):
             words, shown = part.constant(row, label), part.constant(row, unit)
@@ -219,7 +219,7 @@ def test_a_unit_given_by_a_formula_that_reads_something_else_is_told(train):
 
 
 def test_charts_lie_where_they_are_said_to_lie(train):
-    """By the drawings of the package, read by hand: two charts on sheet Torque, at F... and so on."""
+    """By the drawings of the package, read by hand: two charts on sheet Torque and motor, at F... and so on."""
     places = {(one.sheet, one.cell) for one in drawn_charts(open_workbook(train, ignore_lock=True))}
     package = Package(train)
     corners = re.compile(r"<xdr:from><xdr:col>(\d+)</xdr:col>.*?<xdr:row>(\d+)</xdr:row>")

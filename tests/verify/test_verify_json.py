@@ -76,10 +76,10 @@ def test_exit_status_and_json_for_machines(calculated, tmp_path, edited):
     folder = tmp_path / "said"
     done = RUN.invoke(app, ["verify", str(good), str(bad), "--json", str(folder)])
     assert done.exit_code == 1
-    assert "Start-up!G" in done.output
+    assert "Start!G" in done.output
     said = json.loads((folder / "edited.verify.json").read_text(encoding="utf-8"))
     assert [(f["kind"], f["sheet"], f["found"]) for f in said["findings"] if f["fails"]] == [
-        ("edited", "Start-up", 1.0)
+        ("edited", "Start", 1.0)
     ]
     assert RUN.invoke(app, ["verify", str(good), "--within", "taste"]).exit_code == 2
     missing = RUN.invoke(app, ["verify", str(tmp_path / "none.xlsx")])

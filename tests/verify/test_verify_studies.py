@@ -214,6 +214,6 @@ def test_an_accuracy_study_of_a_workbook_never_calculated_says_what_stands_in_it
         write_study(opened, target, rows, words, stamp, None)
         found = verify_file(target)
         assert found.outcome == "never calculated"
-        assert found.sentence.startswith("Only sheet Accuracy is filled")
+        assert found.sentence.startswith("Only sheet Effects and accuracy is filled")
         assert "Run torsionbook recalc" in found.sentence
         assert [f.kind for f in found.findings] == kinds

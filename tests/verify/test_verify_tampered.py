@@ -42,7 +42,7 @@ def test_a_result_table_that_became_a_range_is_missed(tampered, table):
     found = tampered(lambda package: package.table_to_range(table))
     assert not found.passes
     [missing] = [f for f in failing(found) if f.kind == "table missing"]
-    assert (missing.sheet, missing.table) == ("Starts", table)
+    assert (missing.sheet, missing.table) == ("Fatigue", table)
 
 
 @pytest.mark.slow
@@ -70,7 +70,7 @@ def test_a_header_that_stops_the_calculator_leaves_the_workbook_unverified(tampe
     """Blanks in a header are seen by nobody, but its formulas cannot be judged then."""
 
     def edit(package):
-        package.put_text("Starts", header_cell("Paper count"), "Paper  count")
+        package.put_text("Fatigue", header_cell("Paper count"), "Paper  count")
 
     found = tampered(edit)
     assert found.outcome == "not verified"
@@ -81,8 +81,8 @@ def test_a_header_that_stops_the_calculator_leaves_the_workbook_unverified(tampe
 @pytest.mark.slow
 def test_swapped_headers_are_seen(tampered):
     def edit(package):
-        package.put_text("Starts", header_cell("Damage"), "Paper count")
-        package.put_text("Starts", header_cell("Paper count"), "Damage")
+        package.put_text("Fatigue", header_cell("Damage"), "Paper count")
+        package.put_text("Fatigue", header_cell("Paper count"), "Damage")
 
     found = tampered(edit)
     assert found.outcome == "does not follow"
@@ -97,7 +97,7 @@ def test_swapped_headers_are_seen(tampered):
 @pytest.mark.parametrize("name", ["Paper count ", "Count with margin"])
 def test_a_renamed_column_is_missed(tampered, name):
     def edit(package):
-        package.put_text("Starts", header_cell("Paper count"), name)
+        package.put_text("Fatigue", header_cell("Paper count"), name)
         package.change(
             package.part_of_table("AllowableStarts"),
             lambda text: text.replace('name="Paper count"', f'name="{name}"'),
@@ -127,8 +127,8 @@ def header_cell(column: str) -> str:
     ("sheet", "cell", "formula", "shows"),
     [
         ("Summary", "B9", '"PASS: all 5 checks"', "PASS: all 5 checks"),
-        ("Starts", "B4", '"Nothing to judge here"', "Nothing to judge here"),
-        ("Start-up", "B4", '"In order, "&amp;run_Outcome', "In order"),
+        ("Fatigue", "B4", '"Nothing to judge here"', "Nothing to judge here"),
+        ("Start", "B4", '"In order, "&amp;run_Outcome', "In order"),
         ("Summary", "Largest nominal stress, p-p", '"another shaft"&amp;Tag', "another shaft"),
     ],
 )
@@ -147,9 +147,9 @@ def test_another_formula_in_place_of_ours_is_judged_by_what_it_shows(
 @pytest.mark.parametrize(
     ("sheet", "formula"),
     [
-        ("Margins", '"INCOMPLETE: "&amp;COUNTA(Verdicts[Check])&amp;" checks"'),
+        ("Results", '"INCOMPLETE: "&amp;COUNTA(Verdicts[Check])&amp;" checks"'),
         ("Notes", 'IF(COUNTA(Verdicts[Check])&gt;0,"{banner}","")'),
-        ("Effects", "IF(TRUE,OverallVerdict)"),
+        ("Effects and accuracy", "IF(TRUE,OverallVerdict)"),
         ("Audit", "IF(TRUE,Summary!$B$9)"),
     ],
 )
@@ -177,9 +177,9 @@ def test_a_verdict_on_another_sheet_that_is_not_the_overall_one_is_seen(
 def test_verdicts_that_are_typed_are_seen_on_sheets_of_torsionbook_and_of_others(train, tmp_path):
     """A word alone counts beside the results, the words of the banner everywhere."""
     package = Package(train)
-    package.put_text("Margins", "C1", "PASSED!")
+    package.put_text("Results", "Y1", "PASSED!")
     package.put_text("Notes", "B2", "PASS: all 8 checks")
-    package.put_text("Starts", "B2", "a word")
+    package.put_text("Fatigue", "B2", "a word")
     own = (
         '<worksheet xmlns="http://schemas.openxmlformats.org/spreadsheetml/2006/main"><sheetData><row r="1">'
         '<c r="A1" t="inlineStr"><is><t>PASS</t></is></c>'
@@ -197,12 +197,12 @@ def test_verdicts_that_are_typed_are_seen_on_sheets_of_torsionbook_and_of_others
         package.change(part, lambda text, end=end, entry=entry: text.replace(end, entry + end))
     workbook = open_workbook(package.store(tmp_path / "typed.xlsx"), read_only=True)
     typed = {(one.sheet, one.cell) for one in typed_over(workbook, True) if one.fails}
-    assert typed == {("Margins", "C1"), ("Notes", "B2"), ("Cover", "B1")}
+    assert typed == {("Results", "Y1"), ("Notes", "B2"), ("Cover", "B1")}
     [cover] = other_sheets(workbook)
     assert "'Cover'" in cover.sentence
     banners = {sheet for sheet, _, _ in verdict_cells(workbook)}
     assert [(one.sheet, one.fails) for one in without_banner(workbook, banners)] == [
-        ("Starts", False)
+        ("Fatigue", False)
     ]
 
 
@@ -315,16 +315,16 @@ def test_a_coarser_number_format_allows_no_more(tampered):
                 flags=re.S,
             ),
         )
-        package.change_cell("Starts", cell, "<v>0.0001</v>")
+        package.change_cell("Fatigue", cell, "<v>0.0001</v>")
         styles = package.parts["xl/styles.xml"].decode()
         last = int(re.search(r'<cellXfs count="(\d+)"', styles)[1]) - 1
         package.change(
-            package.part_of_sheet("Starts"),
+            package.part_of_sheet("Fatigue"),
             lambda text: re.sub(rf'<c r="{cell}" s="\d+"', f'<c r="{cell}" s="{last}"', text),
         )
 
     found = tampered(edit)
-    assert ("Starts", cell) in {(f.sheet, f.cell) for f in failing(found)}
+    assert ("Fatigue", cell) in {(f.sheet, f.cell) for f in failing(found)}
     assert found.total(Agreement.DIFFERENT) == 1
 
 
@@ -343,7 +343,7 @@ def test_a_number_format_without_digits_hides_the_number(tampered):
     cell = f"{place[0]}{int(place[1:]) + 1}"
 
     def edit(package):
-        sheet = package.parts[package.part_of_sheet("Starts")].decode()
+        sheet = package.parts[package.part_of_sheet("Fatigue")].decode()
         style = int(re.search(rf'<c r="{cell}" s="(\d+)"', sheet)[1])
         formats = package.parts["xl/styles.xml"].decode()
         cells = re.search(r"<cellXfs.*?</cellXfs>", formats, re.S)[0]

@@ -30,9 +30,9 @@ from addin.template.examples import EXAMPLES
 VBA = bytes.fromhex("D0CF11E0A1B11AE1") + bytes(range(256)) * 16
 #: Sheets as they are shipped → as this engineer calls them.
 RENAMED = {
-    "Steady state": "Forced response (2026)",
+    "Results": "Forced response (2026)",
     "Train": "Mass-elastic",
-    "Start-up": "Owner's start",
+    "Start": "Owner's start",
 }
 #: Tables that stand elsewhere: rows and columns were inserted before them.
 MOVED = {
@@ -42,8 +42,8 @@ MOVED = {
     "Materials": "B7", "SNPoints": "I9",
     "Excitations": "C8", "EventTorque": "C27", "MotorEvents": "C52",
     "NaturalFrequencies": "B29", "ModeShapes": "L31",
-    "SeparationMargins": "B8",
-    "SteadyState": "D11",
+    "SeparationMargins": "B28",
+    "SteadyState": "C11",
     "EffectChoices": "C44",
     "Audit": "B9",
 }  # fmt: skip
@@ -96,7 +96,7 @@ def _own_sheet(book: Any) -> Any:
     own.write_formula("B1", "=MAX(StartupPeaks[Maximum torque])", None, 1.0)
     own.write_formula("B2", "=B1/RatedTorque", None, 1.0)
     own.write_formula("B3", "=INDEX(SteadyState[Torque],3)", None, 1.0)
-    own.write_formula("B4", "='Steady state'!$J$14*2", None, 1.0)
+    own.write_formula("B4", "=Results!$AO$14*2", None, 1.0)
     own.write_formula("B5", '=COUNTIF(SeparationMargins[Verdict],"fail*")', None, 99)
     own.write_formula("B6", '="Verdict: "&OverallVerdict', None, "Verdict: old")
     own.write_formula("B7", "=TODAY()", None, 40000)
@@ -104,7 +104,7 @@ def _own_sheet(book: Any) -> Any:
     own.write_formula("B9", "=B1+B3", None, 2.0)
     own.write_dynamic_array_formula("B10:B10", "=_xlfn._xlws.SORT(B1:B1)", None, 1.0)
     own.write_formula("B11", "=MY_MACRO(StartupPeaks[Maximum torque])", None, 12.5)
-    own.write_array_formula("D1:D2", "{=Frequencies!C32:C33*2}", None, 1.0)
+    own.write_array_formula("D1:D2", "{=Results!C32:C33*2}", None, 1.0)
     own.write_number("D2", 1.0)
     own.add_table(
         "F1:G4",
@@ -117,19 +117,19 @@ def _own_sheet(book: Any) -> Any:
 
 def _ornaments(book: Any, sheets: Mapping[str, Any], own: Any) -> None:
     """Everything XlsxWriter knows of what people put into workbooks."""
-    steady, peaks, summary = sheets["Steady state"], sheets["Start-up"], sheets["Summary"]
+    steady, peaks, summary = sheets["Results"], sheets["Start"], sheets["Summary"]
     chart = book.add_chart({"type": "column"})
-    chart.add_series({"name": "torque", "values": "='Steady state'!$J$14:$J$14"})
-    chart.add_series({"values": "='Start-up'!$C$20:$C$20", "y2_axis": True})
+    chart.add_series({"name": "torque", "values": "=Results!$AO$14:$AO$14"})
+    chart.add_series({"values": "=Start!$C$20:$C$20", "y2_axis": True})
     chart.set_title({"name": "Our own chart"})
     own.insert_chart("K2", chart)
     scatter = book.add_chart({"type": "scatter", "subtype": "smooth"})
     scatter.add_series(
-        {"categories": "=Frequencies!$C$32:$C$32", "values": "=Frequencies!$D$32:$D$32",
+        {"categories": "=Results!$C$32:$C$32", "values": "=Results!$D$32:$D$32",
          "trendline": {"type": "linear"}, "y_error_bars": {"type": "percentage", "value": 5}}
     )  # fmt: skip
     own.insert_chart("K20", scatter)
-    own.add_sparkline("H1", {"range": "'Steady state'!J14:J14"})
+    own.add_sparkline("H1", {"range": "Results!AO14:AO14"})
     own.add_sparkline("H2", {"range": "'Our summary'!B1:B3"})
     own.conditional_format(
         "B1:B5", {"type": "data_bar", "data_bar_2010": True, "bar_no_border": True}
@@ -139,12 +139,12 @@ def _ornaments(book: Any, sheets: Mapping[str, Any], own: Any) -> None:
     own.write_url("A14", "https://example.org/procedure", string="our procedure")
     own.write_rich_string("A15", "2 × ", book.add_format({"bold": True}), "slip")
     own.set_background(io.BytesIO(_png()))
-    steady.write_comment("D12", "as agreed with the vendor", {"x_scale": 2, "visible": True})
+    steady.write_comment("AI12", "as agreed with the vendor", {"x_scale": 2, "visible": True})
     peaks.set_header("&L&G", {"image_left": "logo.png", "image_data_left": io.BytesIO(_png())})
     summary.insert_image(
         "M1", "logo.png", {"image_data": io.BytesIO(_png()), "description": "logo"}
     )
-    steady.set_column("F:F", None, None, {"hidden": True})
+    steady.set_column("AK:AK", None, None, {"hidden": True})
     sheets["Audit"].set_column("B:B", None, None, {"level": 1})
     sheets["Train"].set_column("E:E", None, None, {"hidden": True})
     sheets["Train"].protect("secret", {"format_cells": True})
@@ -230,7 +230,7 @@ def with_office_parts(path: Path) -> Path:
     """Threaded comments, printer settings, an external link, x14 validations, custom XML, and what is in office_objects."""
     parts = parts_of(path)
     own = part_of_sheet(parts, "Our summary")
-    steady = part_of_sheet(parts, sheet_name("Steady state"))
+    steady = part_of_sheet(parts, sheet_name("Results"))
     new: dict[str, tuple[bytes, str]] = {
         "xl/threadedComments/threadedComment1.xml": (
             f'<ThreadedComments xmlns="{_MS}/spreadsheetml/2018/threadedcomments"><threadedComment '

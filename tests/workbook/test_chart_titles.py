@@ -129,7 +129,7 @@ def test_a_workbook_saved_by_libreoffice_names_what_it_draws(soffice, tmp_path: 
 
 
 def test_the_cell_above_a_history_says_what_is_drawn(written: Path) -> None:
-    sheet = opened(written)["Histories"]
+    sheet = opened(written)["Start"]
     words = [str(cell.value) for row in sheet.iter_rows() for cell in row if cell.value]
     assert "Mesh: tangential tooth load [lbf]" in words
     assert "HP compressor shaft: nominal shear stress [psi]" in words

@@ -1,4 +1,4 @@
-"""Sheet Frequencies: how each frequency follows stiffnesses and inertias, as live formulas."""
+"""Sheet Results: how each frequency follows stiffnesses and inertias, as live formulas."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ def test_a_workbook_of_an_earlier_version_is_recalculated_without_a_word(
     run: Calculation, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     sheets = tuple(
-        replace(s, tables={k: v for k, v in s.tables.items() if k != "EnergyShares"}, breaks=())
+        replace(s, tables={k: v for k, v in s.tables.items() if k != "EnergyShares"})
         for s in SHEETS
     )
     monkeypatch.setattr(template, "SHEETS", sheets)

@@ -159,7 +159,7 @@ def test_a_worst_clearing_time_on_the_sheet(tmp_path: Path) -> None:
 
 
 def test_an_event_in_the_start_on_the_sheet(tmp_path: Path) -> None:
-    """Begins goes into the file and comes back, a number or a word; peaks and air-gap torque stand on sheet Events."""
+    """Begins goes into the file and comes back, a number or a word; peaks and air-gap torque stand on sheet Torque and motor."""
     dip = MotorEventRow(
         "Dip", "Motor", "voltage dip", residual_voltage=0.8, clears_after=0.1, begins="running"
     )
@@ -195,7 +195,7 @@ def test_verify_follows_it_and_finds_an_edited_peak(calculated: Path, tmp_path: 
     workbook.save(tmp_path / "edited.xlsx")
     found = verify_file(tmp_path / "edited.xlsx")
     assert found.outcome == "does not follow"
-    assert any((f.sheet, f.cell) == ("Events", cell) for f in found.findings)
+    assert any((f.sheet, f.cell) == (table.sheet, cell) for f in found.findings)
 
 
 def test_events_that_are_cleared_leave_no_rows(calculated: Path, tmp_path: Path) -> None:

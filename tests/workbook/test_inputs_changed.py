@@ -16,6 +16,7 @@ from made_up_run import SOURCE, STAMP, made_up_run
 
 from addin.contract.banner import OVERALL_WITHOUT_COPY
 from addin.contract.field import Field, TableSpec
+from addin.contract.sheets import SHEETS
 from addin.contract.studies.registry import STUDIES
 from addin.contract.tables import DIMENSIONS, INPUT_TABLES, SCALARS
 from addin.reading.workbook import WorkbookInput, read_workbook
@@ -304,9 +305,10 @@ def test_every_banner_says_so_wherever_names_lead(
         if getattr(workbook.sheet_part(sheet).value(*at), "text", "") == "Summary!$B$9"
     ]
     visible = set(workbook.sheet_names) - workbook.structure.hidden_sheets
-    assert [sheet for sheet, _ in strips] == [
-        s for s in workbook.sheet_names if s in visible - {"Summary"}
-    ]
+    assert sorted(sheet for sheet, _ in strips) == sorted(
+        part.worksheet for part in SHEETS if part.name != "Summary"
+    )
+    assert {sheet for sheet, _ in strips} == visible - {"Summary"}
     astray = tmp_path / "astray.xlsx"
     names = rb'(name="(?:OverallVerdict|run_[A-Za-z0-9]+)"[^>]*>)[^<]*'
     with zipfile.ZipFile(calculated) as old, zipfile.ZipFile(astray, "w") as new:

@@ -1,4 +1,4 @@
-"""Sheet Sections: rows are read, their stiffness and inertia are written, and the train uses them."""
+"""Sheet Train: rows are read, their stiffness and inertia are written, and the train uses them."""
 
 from __future__ import annotations
 
@@ -132,7 +132,7 @@ def test_problems_name_the_cell(folder: Path) -> None:
     wrong = (ROWS[0], (2, 4.0, 2.75, None, None, 0.5, None, None, None), *ROWS[2:])
     (problem,) = read_workbook(built(folder / "wrong.xlsx", wrong)).problems
     assert (problem.sheet, problem.table, problem.row, problem.column) == (
-        "Sections",
+        "Train",
         "Sections",
         2,
         "Fillet",
@@ -144,7 +144,6 @@ def test_problems_name_the_cell(folder: Path) -> None:
 def test_a_workbook_of_an_earlier_version_lacks_the_sheet(folder: Path) -> None:
     """It is read, calculated and written as before."""
     book = openpyxl.load_workbook(template.build_template(folder / "new.xlsx", "us", "proposed"))
-    del book["Sections"]
     for sheet in book:
         for name in [name for name in sheet.tables if "Section" in name or name == "ChartProfile"]:
             del sheet.tables[name]
@@ -168,5 +167,5 @@ def test_calc_opens_and_saves_it(soffice, written: Path, folder: Path) -> None:
     assert rows_of(saved, "SectionResults")[-1]["Stiffness"] == pytest.approx(
         rows_of(written, "SectionResults")[-1]["Stiffness"], rel=1e-12
     )
-    banner = openpyxl.load_workbook(saved, data_only=True)["Sections"]["B2"].value
-    assert banner == openpyxl.load_workbook(written, data_only=True)["Sections"]["B2"].value
+    banner = openpyxl.load_workbook(saved, data_only=True)["Train"]["B2"].value
+    assert banner == openpyxl.load_workbook(written, data_only=True)["Train"]["B2"].value

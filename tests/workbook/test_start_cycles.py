@@ -67,8 +67,8 @@ def test_only_the_line_of_the_governing_shaft_is_drawn() -> None:
 @pytest.mark.slow
 def test_the_sum_stands_on_the_sheet(tmp_path: Path) -> None:
     path = write_results(SOURCE, tmp_path / "out.xlsx", made_up_run(), STAMP).path
-    sheet = opened(path)["Starts"]
-    shown = {row[0]: row[3] for row in sheet.iter_rows(31, 42, 14, 17, values_only=True) if row[0]}
+    sheet = opened(path)["Fatigue"]
+    shown = {row[0]: row[3] for row in sheet.iter_rows(24, 35, 15, 18, values_only=True) if row[0]}
     whole = sum(row["damage"] for row in start_cycle_rows(made_up_run()))
     assert shown["Governing shaft"] == SHAFT
     assert shown["SCF"] == pytest.approx(3.0)

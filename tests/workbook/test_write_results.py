@@ -146,7 +146,7 @@ def test_chart_data_are_never_longer_than_their_limit(written: Path) -> None:
 def test_tables_the_engineer_removed_are_named_not_missed(tmp_path: Path) -> None:
     book = openpyxl.load_workbook(SOURCE)
     del book["ChartData"]
-    del book["Steady state"]
+    del book["Results"]
     source = tmp_path / "fewer.xlsx"
     book.save(source)
     report = write_results(source, tmp_path / "out.xlsx", made_up_run(), STAMP)
@@ -203,4 +203,4 @@ def test_a_spreadsheet_program_agrees_with_every_live_formula(soffice, written: 
 
 @pytest.mark.slow
 def test_every_page_of_the_results_has_ink(soffice, written: Path) -> None:
-    assert_pages_have_ink(written, soffice, at_least=15)
+    assert_pages_have_ink(written, soffice, at_least=10)

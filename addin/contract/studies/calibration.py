@@ -447,7 +447,6 @@ _SHEETS: tuple[Sheet, ...] = (
         ),
         freeze="",
         row_breaks=(_FITS_AT - 1, _MARGINS_AT - 1),
-        side=0.25,
         intro="Smallest change of the uncertain inputs (sheet Tolerances) that explains the "
         "measurements: torsionbook calibrate FILE.",
     ),
@@ -457,7 +456,6 @@ _SHEETS: tuple[Sheet, ...] = (
         {"A": 1.5, "B": 22, "C:I": 11, "J": 60},
         {"CalibrationSolutions": "B7"},
         freeze="A10",
-        side=0.25,
         intro="Every train that explains the measurements, or comes as near where none does, if there are "
         "several. Written by torsionbook "
         "calibrate FILE.",

@@ -78,7 +78,7 @@ _RESULTS: tuple[TableSpec, ...] = (
         extra_columns=tuple(
             number(
                 f"Shift {mode}", "frequency",
-                f"Live formula: Mode {mode} × the change above × its frequency on sheet Frequencies.",
+                f"Live formula: Mode {mode} × the change above × its frequency on sheet Results.",
                 "∂ln f/∂ln × change × frequency", _ENERGY, of_row=("FrequencySensitivities.Mode",),
                 of_case=("NaturalFrequencies.Frequency",), formula=sensitivity_shift(mode),
                 format=shown.SHIFT,
@@ -95,7 +95,6 @@ _SHEETS: tuple[Sheet, ...] = (
         {"A": 1.5, "B": 15, "C": 22, "D:K": 8.5, "L": 16, "M": 37},
         {"Sensitivities": "B7"},
         freeze="A10",
-        side=0.25,
         intro="Sensitivity of the results to each quantity. Written by torsionbook sensitivities "
         "FILE.",
     ),
@@ -106,7 +105,7 @@ _SHEETS: tuple[Sheet, ...] = (
         {"FrequencySensitivities": "B7"},
         freeze="A10",
         intro="Sensitivity of each frequency to each stiffness and inertia; the green cells show "
-        "the shifts for the change typed on sheet Frequencies. Written by torsionbook "
+        "the shifts for the change typed on sheet Results. Written by torsionbook "
         "sensitivities FILE.",
         behind="Frequencies",
     ),

@@ -376,7 +376,6 @@ _SHEETS: tuple[Sheet, ...] = (
         {"A": 1.5, "B": 20, "C": 26, "D:K": 10, "L": 10, "M": 32},
         {"DamageLedger": "B7", "RemainingStarts": f"B{_LEDGER.below(7)}"},
         freeze="",
-        side=0.25,
         intro="Life used of each judged shaft by the duty on sheet Duty: Palmgren-Miner, order of "
         "starts ignored; life ends at damage 1/StartsFactor.",
     ),

@@ -332,7 +332,6 @@ _SHEETS: tuple[Sheet, ...] = (
             ChartAt("starts_distribution", f"J{_BELOW_STARTS + 10}", 570, 220),
         ),
         freeze="A6",
-        side=0.25,
         intro="Scatter of the allowable starts that follows from the input scatter on sheet "
         "Tolerances, and its main drivers. Written by torsionbook tolerances FILE.",
     ),
@@ -342,7 +341,6 @@ _SHEETS: tuple[Sheet, ...] = (
         {"A": 1.5, "B": 7, "C": 22, "D:Q": 9},
         {"ToleranceFrequencies": "B5", "ToleranceMargins": f"B{_BELOW_FREQUENCIES}"},
         freeze="A4",
-        side=0.25,
         intro="Frequencies and margins: P10, P50 and P90 of the samples and the probability that "
         "each margin is kept, with 95 % intervals.",
     ),

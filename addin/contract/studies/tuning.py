@@ -445,7 +445,6 @@ _SHEETS: tuple[Sheet, ...] = (
         freeze="D10",
         header_rows=9,
         printed="J",
-        side=0.25,
         intro="torsionbook tune FILE: every combination of sheet Tuning as a full start, ranked. "
         "The order and its reasons: docs/tuning.md. All combinations are in the JSON.",
     ),

@@ -92,7 +92,7 @@ def _frequency_problems(case: CaseData, rows: Sequence[MeasuredFrequencyRow]) ->
         if not 1 <= row.mode <= n_elastic:
             words = (
                 f"found {row.mode}; it must be from 1 to {n_elastic}, as the train has {n_elastic} "
-                "elastic modes, or blank. See sheet Frequencies."
+                "elastic modes, or blank. See sheet Results."
             )
             yield cells.problem("Mode", row.mode, f"from 1 to {n_elastic}, or blank", words)
         elif row.mode in first:

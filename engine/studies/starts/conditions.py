@@ -107,7 +107,7 @@ def _problems(case: CaseData, rows: Sequence[StartConditionRow]) -> Iterator[Pro
     if not has_start(case):
         words = (
             "the case has no rows in table MotorTorque, so there is no start whose voltage, load or "
-            "trip speed could be changed. Give the motor's torque curve on sheet Torque."
+            "trip speed could be changed. Give the motor's torque curve on sheet Torque and motor."
         )
         yield Cells(TABLE).problem("", None, "a case with a motor torque curve", words)
         return
@@ -118,7 +118,7 @@ def _problems(case: CaseData, rows: Sequence[StartConditionRow]) -> Iterator[Pro
         if row.load not in (None, 1.0) and not case.load_torque:
             words = (
                 f"found {row.load:.6g}, but table LoadTorque is empty. Clear the cell, or give the "
-                "load curve on sheet Torque."
+                "load curve on sheet Torque and motor."
             )
             yield cells.problem("Load", row.load, "blank", words)
         if row.event:
@@ -148,7 +148,7 @@ def _event(case: CaseData, cells: Cells, row: StartConditionRow) -> Iterator[Pro
                     column,
                     value,
                     "blank where the event has Per life",
-                    f"event '{row.event}' would be counted twice: its Per life is given on sheet Excitation. Clear one of "
+                    f"event '{row.event}' would be counted twice: its Per life is given on sheet Torque and motor. Clear one of "
                     "the two cells.",
                 )
 

@@ -619,7 +619,7 @@ def test_run_length_forced_on_goes_on_after_pull_in_where_a_time_is_given():
 
 
 def test_modes_of_a_start_with_events_are_those_that_it_keeps():
-    """The linear start leaves modes out, the one with clearances none: sheet Effects tells the latter."""
+    """The linear start leaves modes out, the one with clearances none: sheet Effects and accuracy tells the latter."""
     results = run(with_clearance(sample_case("proposed")))
     assert results.start is not None
     decision = results.plans[-1].decision("fast modes")

@@ -142,7 +142,7 @@ def test_what_fewer_modes_leave_out_is_static_and_found_by_comparison():
 
 
 def test_the_start_as_calculated_has_an_error_of_starts(study):
-    """As sheet Starts states it, with what is left out."""
+    """As sheet Fatigue states it, with what is left out."""
     (chosen,) = of(study, "chosen")
     results = run(sample_case("modified"))
     errors = dict(results.starts_error)

@@ -1,0 +1,105 @@
+"""What of a sheet is printed: the parts of it that have something to show, each on pages of its own."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+
+from addin.contract.charts import CHARTS
+from addin.contract.sheet import ALWAYS, NEVER, ROW_HEIGHT, Sheet, column_letters, column_number
+from addin.contract.tables import EVERY_INPUT, table
+
+#: First and last row, first and last column of an area, counted from 1.
+Area = tuple[int, int, int, int]
+
+
+@dataclass(frozen=True)
+class Standing:
+    """What stands on the sheets of a workbook."""
+
+    #: Name of a table → its header row and its last row; None where it is not in the columns of its part.
+    rows: Callable[[str], tuple[int, int] | None]
+    has_content: Callable[[str], bool]  #: Whether a table holds something.
+
+
+def printed_areas(part: Sheet, standing: Standing) -> list[Area] | None:
+    """The areas of a part that are printed, from left to right.
+
+    Parameters
+    ----------
+    part : Sheet
+        The part of a sheet, or a sheet of one part.
+    standing : Standing
+        What stands there.
+
+    Returns
+    -------
+    list of tuple of int, or None
+        No area where there is nothing to show; None where a table of the part was moved away, so that nobody but
+        the engineer knows what belongs together.
+    """
+    rows = {name: standing.rows(name) for name in part.tables}
+    if None in rows.values():
+        return None
+    charts = [at for at in part.charts if any(map(standing.has_content, _drawn(at.name)))]
+    filled = [name for name in part.tables if standing.has_content(name)]
+    if part.printed_for == NEVER:
+        return []
+    if part.printed_for != ALWAYS:
+        wanted = part.printed_for or (
+            *part.tables,
+            *(t for at in part.charts for t in _drawn(at.name)),
+        )
+        if not any(map(standing.has_content, wanted)):
+            return []
+    inserted = max((_inserted(part, name, at[0]) for name, at in rows.items() if at), default=0)
+    ends = [part.print_to + inserted]
+    for name, at in rows.items():
+        if at is not None and (name in filled or table(name) in EVERY_INPUT):
+            ends.append(at[1])
+    ends += [
+        _row(at.cell) + math.ceil(at.height / (ROW_HEIGHT * 4.0 / 3.0)) + inserted for at in charts
+    ]
+    if not max(ends):
+        return []
+    return [(part.print_from, first, max(ends), last) for first, last in page_columns(part)]
+
+
+def page_columns(part: Sheet) -> list[tuple[int, int]]:
+    """First and last column of each page of a part, counted from 1. [count]"""
+    edges = [1, *(column_number(letters) for letters in part.breaks)]
+    lasts = [*(edge - 1 for edge in edges[1:]), column_number(part.last)]
+    return [
+        (part.shift + first, part.shift + last) for first, last in zip(edges, lasts, strict=True)
+    ]
+
+
+def print_area_text(sheet: str, areas: Sequence[Area]) -> str:
+    """The print area of a sheet, as its defined name holds it; an empty cell where nothing is printed."""
+    quoted = "'" + sheet.replace("'", "''") + "'"
+    corners = [
+        f"{quoted}!${column_letters(left)}${top}:${column_letters(right)}${bottom}"
+        for top, left, bottom, right in areas
+    ]
+    return ",".join(corners) or f"{quoted}!$A$1"
+
+
+def holds_data(rows: Iterable[Sequence[object]]) -> bool:
+    """Whether the data of a chart hold a number."""
+    return any(isinstance(value, int | float) for row in rows for value in row)
+
+
+def _drawn(chart: str) -> set[str]:
+    """Tables that a chart draws."""
+    return {series.table for series in CHARTS[chart].series}
+
+
+def _row(cell: str) -> int:
+    return int(cell.lstrip("ABCDEFGHIJKLMNOPQRSTUVWXYZ"))
+
+
+def _inserted(part: Sheet, name: str, header: int) -> int:
+    """Rows that the engineer has inserted above a table. [count]"""
+    units = any(field.has_unit for field in table(name).workbook_columns)
+    return header - _row(part.tables[name]) - (2 if units else 1)

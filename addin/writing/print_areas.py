@@ -1,0 +1,92 @@
+"""What a calculated workbook prints: the parts of its sheets that have something to show."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from addin.contract.chart_tables import CHART_TABLES
+from addin.contract.print_areas import (
+    Standing,
+    holds_data,
+    page_columns,
+    print_area_text,
+    printed_areas,
+)
+from addin.contract.sheets import SHEETS
+from addin.xlsx import Workbook
+from addin.xlsx.references import Rect, parse_range, split_areas, split_sheet
+
+_CHART_TABLES = frozenset(table.name for table in CHART_TABLES)
+_NAME = "_xlnm.Print_Area"
+#: The area of a sheet of which nothing is printed.
+_NOTHING = Rect(1, 1, 1, 1)
+
+
+def renew_print_areas(workbook: Workbook, printed: Mapping[str, int], only: str = "") -> None:
+    """Let the sheets print what they show now, where nobody has chosen other print areas.
+
+    Parameters
+    ----------
+    workbook : Workbook
+        With its results written. A sheet whose print area is not one that torsionbook has made, or whose tables
+        the engineer has moved apart, prints as before.
+    printed : mapping of str to int
+        Tables of which only so many of the first rows are printed. [count]
+    only : str
+        The sheet, as it is shipped, that is looked at; empty = each. [name]
+    """
+    for name in dict.fromkeys(part.worksheet for part in SHEETS if only in ("", part.worksheet)):
+        parts = [part for part in SHEETS if part.worksheet == name]
+        here = {
+            workbook.tables[table].sheet
+            for part in parts
+            for table in part.tables
+            if table in workbook.tables
+        }
+        if len(here) != 1:
+            continue
+        [sheet] = here
+        ours = {columns for part in parts for columns in page_columns(part)}
+        if not _is_ours(workbook, sheet, ours):
+            continue
+        found = [printed_areas(part, _standing(workbook, part.columns, printed)) for part in parts]
+        if None not in found:
+            areas = [area for areas in found for area in areas or ()]
+            workbook.set_print_area(sheet, print_area_text(sheet, areas))
+
+
+def _is_ours(workbook: Workbook, sheet: str, ours: set[tuple[int, int]]) -> bool:
+    """Whether torsionbook has chosen what a sheet prints."""
+    named = workbook.local_names.get((sheet, _NAME))
+    if named is None:
+        return False
+    for area in split_areas(named.text):
+        try:
+            rect = parse_range(split_sheet(area)[1])
+        except ValueError:
+            return False
+        if rect != _NOTHING and (rect.left, rect.right) not in ours:
+            return False
+    return True
+
+
+def _standing(workbook: Workbook, columns: tuple[int, int], printed: Mapping[str, int]) -> Standing:
+    """What stands in a workbook, as far as it is about a part in some columns."""
+
+    def rows(name: str) -> tuple[int, int] | None:
+        table = workbook.tables.get(name)
+        if table is None or not columns[0] <= table.ref.left <= columns[1]:
+            return None
+        count = printed.get(name) or table.data.height
+        return table.ref.top, min(table.ref.bottom, table.ref.top + count)
+
+    def has_content(name: str) -> bool:
+        table = workbook.tables.get(name)
+        if table is None:
+            return False
+        part = workbook.sheet_part(table.sheet)
+        if name in _CHART_TABLES:
+            return holds_data([part.constants(table.data)])
+        return any(at not in part.formulas for at in part.filled_cells(table.data))
+
+    return Standing(rows, has_content)

@@ -1,0 +1,70 @@
+"""What a workbook prints: few pages, each with something on it, at a scale that can be read."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import openpyxl
+import pytest
+from PIL import Image
+
+from addin.contract.shipped import template_path
+from addin.writing.recalculate import recalculate
+
+pytestmark = pytest.mark.slow
+
+#: Most pages of a calculated example, and of a template that nobody has filled. [count]
+CALCULATED, BLANK = 12, 8
+#: Least scale of a sheet, and least height of its letters at full size. [%, point]
+SCALE, LETTERS = 70, 8.0
+
+
+def sheets_of_pages(pdf: Path) -> list[str]:
+    """The sheet named at the foot of each page."""
+    if shutil.which("pdftotext") is None:
+        pytest.skip("poppler's pdftotext is not installed")
+    done = subprocess.run(
+        ["pdftotext", "-layout", str(pdf), "-"], capture_output=True, check=True, text=True
+    )
+    foot = re.compile(r"^ *\S+\.xlsx? +(.+?) +Page \d+ of \d+ *$", re.MULTILINE)
+    return foot.findall(done.stdout)
+
+
+def printed_at_a_readable_size(path: Path) -> None:
+    book = openpyxl.load_workbook(path)
+    for sheet in book.worksheets:
+        if sheet.sheet_state == "visible" and sheet.title not in ("Audit", "Notes"):
+            assert SCALE <= sheet.page_setup.scale <= 100, sheet.title
+            sizes = {cell.font.size for row in sheet.iter_rows() for cell in row if cell.value}
+            assert min(sizes) >= LETTERS, sheet.title
+
+
+@pytest.mark.parametrize("design", ["proposed", "backlash"])
+def test_a_calculated_example(soffice, tmp_path: Path, design: str) -> None:
+    source = shutil.copyfile(template_path(f"example_{design}.xlsx"), tmp_path / "train.xlsx")
+    (written, *_) = recalculate(source, destination=tmp_path / "out.xlsx").written
+    printed_at_a_readable_size(written)
+    pdf = soffice.convert(written, "pdf")
+    pages = sheets_of_pages(pdf)
+    assert 0 < len(pages) <= CALCULATED
+    book = openpyxl.load_workbook(written)
+    assert set(pages) == {
+        sheet.title for sheet in book.worksheets if sheet.sheet_state == "visible"
+    } - {"Audit", "Notes"}
+    for number, page in enumerate(soffice.pages(pdf, dpi=50), 1):
+        picture = np.asarray(Image.open(page).convert("L"))
+        body = picture[int(0.2 * picture.shape[0]) : int(0.93 * picture.shape[0])]
+        assert float(np.mean(body < 200)) > 0.01, f"page {number} is nearly blank"
+
+
+@pytest.mark.parametrize("system", ["us", "si"])
+def test_a_blank_template(soffice, tmp_path: Path, system: str) -> None:
+    path = template_path(f"blank_{system}.xlsx")
+    printed_at_a_readable_size(path)
+    pages = sheets_of_pages(soffice.convert(path, "pdf"))
+    assert 0 < len(pages) <= BLANK
+    assert not {"Results", "Start", "Effects and accuracy", "Audit", "Notes"} & set(pages)
