@@ -6,7 +6,17 @@ from addin.contract import number_formats as shown
 from addin.contract.banner import NOTES
 from addin.contract.chart_tables import HISTORIES
 from addin.contract.result_tables import CROSSING_ROWS
-from addin.contract.sheet import ALWAYS, NEVER, ROW_HEIGHT, ChartAt, KeyNumber, Sheet, side_by_side
+from addin.contract.sheet import (
+    ALWAYS,
+    NEVER,
+    ROW_HEIGHT,
+    ChartAt,
+    KeyNumber,
+    Sheet,
+    column_letters,
+    column_number,
+    side_by_side,
+)
 from addin.contract.tables import table
 from addin.contract.texts import EFFECT_NOTES
 
@@ -382,6 +392,18 @@ EARLIER_SHEETS = frozenset({part.name for part in SHEETS if part.on} | {"Starts"
 def part_named(name: str) -> Sheet:
     """A sheet, or the part of one, by its name."""
     return next(sheet for sheet in SHEETS if sheet.name == name)
+
+
+def range_of(name: str) -> str:
+    """Where an input table stands in a blank workbook, with its headers and the units above them; as a formula names it."""
+    part = next(sheet for sheet in SHEETS if name in sheet.tables)
+    spec, place = table(name), part.at(part.tables[name])
+    letters = place.rstrip("0123456789")
+    caption, columns = int(place[len(letters) :]), spec.workbook_columns
+    header = caption + (2 if any(field.has_unit for field in columns) else 1)
+    right = column_letters(column_number(letters) + len(columns) - 1)
+    sheet = part.worksheet if part.worksheet.isalnum() else f"'{part.worksheet}'"
+    return f"{sheet}!{letters}{caption + 1}:{right}{header + spec.rows}"
 
 
 TAB_COLOURS = {

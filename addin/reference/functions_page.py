@@ -5,6 +5,8 @@ from __future__ import annotations
 import inspect
 from collections.abc import Mapping, Sequence
 
+from addin.contract.sheets import range_of
+from addin.worksheet.functions.model import CASE
 from addin.worksheet.registry import FUNCTIONS, Argument, Function
 
 KINDS = {
@@ -19,8 +21,8 @@ KINDS = {
 
 #: What follows an example.
 MORE = {
-    "TV_MODEL": """Without the start, which modes and margins do not need, the call for the same workbook is shorter:
-`=TV_MODEL(Train!B6:G22, Train!B26:U42, Case!B5:J43, , , , , , Fatigue!B6:G12)`. It includes Materials
+    "TV_MODEL": f"""Without the start, which modes and margins do not need, the call for the same workbook is shorter:
+`=TV_MODEL({range_of("Stations")}, {range_of("Elements")}, {CASE}, , , , , , {range_of("Materials")})`. It includes Materials
 because a shaft refers to one.""",
 }
 

@@ -12,7 +12,7 @@ from addin.worksheet.registry import FUNCTIONS, call
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 PAGES = ("functions.md", "calc.md", "server.md", "excel-smoke-test.md")
 #: A range of Excel or of Calc: sheet, cells.
-RANGE = re.compile(r"\$?(\w+)[!.]([A-Z]+\d+:[A-Z]+\d+)")
+RANGE = re.compile(r"\$?(?:'(?P<quoted>[^']+)'|(?P<bare>\w+))[!.](?P<cells>[A-Z]+\d+:[A-Z]+\d+)")
 MODELS = re.compile(r"=TV[._]MODEL\(([^()]*![^()]*|[^()]*\$[^()]*)\)")
 
 
@@ -29,8 +29,9 @@ def value(text, handle):
     if found is None:
         return float(text)
     book = workbook("example_proposed")
-    book = book if found[1] in book.sheetnames else workbook("example_studies")
-    return [[cell.value for cell in row] for row in book[found[1]][found[2]]]
+    sheet = found["quoted"] or found["bare"]
+    book = book if sheet in book.sheetnames else workbook("example_studies")
+    return [[cell.value for cell in row] for row in book[sheet][found["cells"]]]
 
 
 def arguments(text, handle=None):

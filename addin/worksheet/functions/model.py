@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from addin.contract import tables as fields
+from addin.contract.sheets import range_of
 from addin.worksheet.blocks import case_of, problems_in_words
 from addin.worksheet.models import MODELS
 from addin.worksheet.registry import Argument, Block, FunctionError, registered
@@ -19,6 +20,10 @@ TABLES = (
 )  # fmt: skip
 
 
+#: Scalars of a blank workbook, as a formula names them.
+CASE = "Case!B5:J31"
+
+
 @registered(
     "TV_MODEL",
     Argument("Stations", "block", "Table Stations with headers and the row of units above."),
@@ -29,11 +34,8 @@ TABLES = (
         for name in TABLES[2:]
     ),
     scalar=True,
-    example="=TV_MODEL(Train!B6:G22, Train!B26:U42, Case!B5:J43, Train!B46:R51, Train!I6:J17, "
-    "Torque!B6:G37, Torque!I6:K47, Torque!M6:O27, Fatigue!B6:G12, Fatigue!I6:K19, "
-    "Excitation!B6:G21, Case!B33:C43, Excitation!B25:H46, Motor!B6:AG11, "
-    "Motor!B16:Q21, Excitation!B50:H63, Motor!N47:P58, Motor!R47:Z52, "
-    "Sections!B21:L52, Sections!B56:E61)",
+    example=f"=TV_MODEL({range_of('Stations')}, {range_of('Elements')}, {CASE}, "
+    f"{', '.join(map(range_of, TABLES[2:]))})",
 )
 def tv_model(stations: Block, elements: Block, case: Block | None, *others: Block | None) -> str:
     """Check a case and give its handle, which the other functions take.

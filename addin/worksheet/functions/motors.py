@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from addin.contract.sheets import range_of
 from addin.contract.tables import input_table
 from addin.worksheet.answers import Rows
 from addin.worksheet.blocks import case_of_motors, problems_in_words
@@ -66,7 +67,7 @@ def _motors(
     FREQUENCY,
     CIRCUIT,
     columns=len(CIRCUIT_COLUMNS),
-    example="=TV_MOTOR_CIRCUIT(Motor!B6:AG11, 60)",
+    example=f"=TV_MOTOR_CIRCUIT({range_of('MotorData')}, 60)",
 )
 def tv_motor_circuit(data: Block, frequency: float | None, circuit: Block | None) -> Rows:
     """Circuit of each motor from its data sheet, per unit, as table MotorCircuit has it.
@@ -87,7 +88,7 @@ def tv_motor_circuit(data: Block, frequency: float | None, circuit: Block | None
     FREQUENCY,
     CIRCUIT,
     columns=len(CURVES),
-    example="=TV_MOTOR_CURVES(Motor!B6:AG11, , 60)",
+    example=f"=TV_MOTOR_CURVES({range_of('MotorData')}, , 60)",
 )
 def tv_motor_curves(
     data: Block, slips: Rows | None, frequency: float | None, circuit: Block | None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from addin.contract.sheets import range_of
 from addin.contract.tables import table
 from addin.worksheet.answers import Rows, si_unit, system_for, table_cells
 from addin.worksheet.blocks import case_of_sections, problems_in_words
@@ -62,7 +63,7 @@ def tv_stiffness(
         "Units", "text", "SI (mm, N*m/rad, kg*m^2; default) or US (in, lbf*in/rad, lb*ft^2).", True
     ),
     columns=len(table("SectionResults").columns),
-    example="=TV_SECTIONS(Sections!B21:L52, Sections!B56:E61)",
+    example=f"=TV_SECTIONS({range_of('Sections')}, {range_of('SectionMaterials')})",
 )
 def tv_sections(sections: Block, materials: Block | None, units: str | None) -> Rows:
     """Effective length, stiffness and inertia of each section, and of each element as a whole.
