@@ -141,7 +141,7 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
         {"A": 1.5, "B": 24, "C": 10, "D": 7, "E:F": 10, "G": 1.5, "H": 20, "I:J": 9.5, "K": 13,
          "L": 32, "M": 14, "N": 20},
         {"Verdicts": "H11"},
-        (ChartAt("train", "B12", 452, 270),),
+        (ChartAt("train", "B12", 452, 236),),
         freeze="",
         header_rows=2,
         printed_for=ALWAYS,

@@ -97,6 +97,7 @@ class Frames:
             title = "Torsional start-up analysis of a synchronous-motor train"
             page.write_string(0, 1, title, self.style("banner"))
             page.write_string(0, last, "torsionbook", self.style("banner_right"))
+            page.merge_range(1, 1, 1, last, "", self.style("strip"))
             page.write_formula(1, 1, STRIP, self.style("strip"), self._strip())
             return
         page.write_string(0, begin, sheet.name, self.style("banner"))
