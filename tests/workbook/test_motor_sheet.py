@@ -129,16 +129,57 @@ def test_typed_curves_win_with_a_note(folder: Path) -> None:
     assert not [note for note in plain.results.warnings if "data sheet" in note]
 
 
-def test_ohm_and_per_unit_have_one_digest(folder: Path) -> None:
-    base = 13200.0**2 / 12e6
-    reactances = [name for name in MOTOR if name.startswith("X")]
-    in_ohm = MOTOR | {name: MOTOR[name] * base for name in reactances}
-    units = IN_MS | {("MotorData", name): "ohm" for name in reactances}
-    cases = [
-        read_workbook(built(folder / f"{k}.xlsx", *motor)).case()
-        for k, motor in enumerate(((MOTOR, IN_MS), (in_ohm, units)))
-    ]
-    assert case_digest(cases[0]) == case_digest(cases[1])
+NAME_PLATE = {"Station": "Motor", "Apparent power": 12000.0, "Voltage": 13200.0}
+IN_PER_UNIT = {
+    "data sheet": {
+        "MotorData": {name: MOTOR[name] for name in MOTOR if name.startswith("X")} | {"Ra": 0.0123},
+    },
+    "induction": {
+        "MotorData": {"R1": 0.011, "X1": 0.09, "Xm": 3.7, "R2": 0.013, "X2": 0.11, "R3": 0.07, "X3": 0.05},
+    },
+    "circuit": {
+        "MotorCircuit": {
+            "Rs": 0.011, "Xl": 0.12, "Xmd": 1.13, "Xmq": 0.67, "Rf": 0.0023, "Xlf": 0.17, "Rkd": 0.035, "Xlkd": 0.11,
+            "Rkq": 0.045, "Xlkq": 0.13, "Rkd2": 0.12, "Xlkd2": 0.19, "Rkq2": 0.17, "Xlkq2": 0.21, "Xc": 0.031,
+        },
+    },
+}  # fmt: skip
+BESIDE = {
+    "data sheet": {name: MOTOR[name] for name in MOTOR if name[:2] in ("Td", "Tq")},
+    "induction": {"Kind": "induction"},
+    "circuit": {},
+}
+
+
+@pytest.mark.parametrize("motor", IN_PER_UNIT)
+def test_per_unit_per_cent_and_ohm_are_one_motor(folder: Path, motor: str) -> None:
+    """One digest and one start, whichever unit stands above the columns."""
+    cases = []
+    for unit, size in (("pu", 1.0), ("%", 100.0), ("ohm", 13200.0**2 / 12e6)):
+        tables: dict[str, dict[str, object]] = {"MotorData": NAME_PLATE | BESIDE[motor]}
+        units = dict(IN_MS)
+        for table, row in IN_PER_UNIT[motor].items():
+            tables[table] = {"Station": "Motor"} | tables.get(table, {})
+            tables[table] |= {name: value * size for name, value in row.items()}
+            units |= {(table, name): unit for name in row}
+        example = EXAMPLES["proposed"]
+        rows = {name: [row] for name, row in tables.items()}
+        example = replace(
+            example, tables=example.tables | rows | {"MotorTorque": []}, units=example.units | units
+        )
+        path = template.build_template(folder / f"{motor} {size:g}.xlsx", "us", example)
+        cases.append(read_workbook(path).case())
+    assert len({case_digest(case) for case in cases}) == 1
+    results = [calculate(case).results for case in cases]
+    for other in results[1:]:
+        for ours, theirs in zip(results[0].start.peaks, other.start.peaks, strict=True):
+            assert (ours.maximum, ours.minimum) == pytest.approx(
+                (theirs.maximum, theirs.minimum), rel=1e-10
+            )
+    changed = replace(
+        cases[0], motor_data=(replace(cases[0].motor_data[0], apparent_power=12.1e6),)
+    )
+    assert case_digest(changed) != case_digest(cases[0])
 
 
 def test_problems_name_the_cell(folder: Path) -> None:
