@@ -20,9 +20,11 @@ from addin.writing.recalculate import recalculate
 from addin.writing.workbook import write_results
 from addin.xlsx import open_workbook
 from engine.case.data import EffectChoiceRow, case_digest
+from engine.case.plausibility import implausible
 from engine.motor.curves import slip_curves
 from engine.motor.from_case import motors_from_data
 from tests.opened import rows_of
+from tests.typed_cells import typed as typed_into
 
 MOTOR = {
     "Station": "Motor", "Apparent power": 12000.0, "Voltage": 13200.0, "Xd": 1.3, "Xq": 0.9,
@@ -45,6 +47,11 @@ def built(path: Path, motor=MOTOR, units=IN_MS, typed: bool = True) -> Path:
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("motor")
+
+
+@pytest.fixture(scope="module")
+def example(folder: Path) -> Path:
+    return template.build_template(folder / "example.xlsx", "us", "motor")
 
 
 @pytest.fixture(scope="module")
@@ -199,6 +206,47 @@ def test_problems_name_the_cell(folder: Path) -> None:
         "it is in ohm, but the rated voltage or apparent power of the motor is unknown"
         in problem.message
     )
+
+
+@pytest.mark.parametrize(
+    ("typed_in", "cell", "words"),
+    [
+        ({"MotorData/1/Discharge resistance": "0.5 ohm"}, "Discharge resistance", "by that of the field winding"),
+        ({"Poles": 5}, "Poles", "an even number, 2 or more. Poles are counted, not pole pairs"),
+        ({"MotorEvents/1/Station": "Motr"}, "Station", "Did you mean 'Motor'?"),
+        ({"MotorEvents/1/Station": "Bull gear"}, "Station", "type its row in table MotorData"),
+        ({"EventTorque/1/Base": "MVA"}, "Base", "one of rated torque, apparent power"),
+        ({"MotorEvents/1/Clears after": -0.1}, "Clears after", "nothing clears before it begins"),
+        ({"MotorEvents/1/Begins": -1.0}, "Begins", "It counts from the closing of the breaker"),
+    ],
+)  # fmt: skip
+def test_a_slip_of_typing_has_its_cell_and_its_remedy(
+    folder: Path, example: Path, typed_in: dict[str, object], cell: str, words: str
+) -> None:
+    (problem,) = read_workbook(typed_into(example, folder / "slip.xlsx", typed_in)).problems
+    assert problem.column == cell
+    assert problem.cell is not None
+    assert words in problem.message
+
+
+@pytest.mark.parametrize(
+    ("typed_in", "words"),
+    [
+        ({"MotorData/1/Discharge resistance": 0.5}, "MotorData, Discharge resistance of 'Motor': 0.5 times"),
+        ({"MotorData/1/Voltage": 3810.0}, "3810 V is 6600 V divided by √3. Type the voltage from line to line"),
+        ({"EventTorque/1/Amplitude": -30.0}, "Check that it is a share of RatedTorque: not of the apparent power"),
+    ],
+)  # fmt: skip
+def test_a_doubtful_number_has_a_note(
+    folder: Path, example: Path, typed_in: dict[str, object], words: str
+) -> None:
+    """It may be meant: it is read, and what makes it doubtful and what to do stand beside the results."""
+    plain, doubtful = (
+        [*implausible(read_workbook(path).case())]
+        for path in (example, typed_into(example, folder / "doubtful.xlsx", typed_in))
+    )
+    assert [note for note in doubtful if words in note]
+    assert not [note for note in plain if words in note]
 
 
 def test_a_workbook_of_an_earlier_version_lacks_the_sheet(folder: Path) -> None:
