@@ -190,7 +190,7 @@ def _torque_dip(results: Results, start: Start) -> Iterator[str]:
     if len(carried):
         yield (
             f"The start hangs in a dip of the average torque: from {100.0 * float(carried[0]) / synchronous:.3g} % speed on it is "
-            "above the load again. A rotor with unlike axes makes one just above half speed (Goerges): check the dampers of both "
+            "above the load again. A rotor with unlike axes makes one just above half speed (Görges): check the dampers of both "
             "axes in tables MotorData and MotorCircuit, and Discharge resistance. Elsewhere check MotorTorque and LoadTorque; or "
             "start with less load."
         )
