@@ -585,7 +585,8 @@ def start_reference(
         state = solution.y[:, -1].copy()
         if currents is of_rotor:
             state[2 * n :] = x @ of_rotor @ state[2 * n :]
-        if first < since:
+        if first < since:  # the event begins with the torque before it, which an open stator ends
+            found[AIR_GAP].append(torque_of(s[2 * n :, -1:], currents))
             continue
         for i, element in enumerate(case.elements):
             torque, rate = k[i] * s[1 + i], k[i] * (s[n + i] - s[n + i + 1])
