@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
+from scipy.linalg import block_diag
 
 from engine.backlash.operating_events import operating_events
 from engine.case.case import Case
@@ -62,7 +63,7 @@ def random_case(seed: int) -> Case:
     xmq = xmd * rng.uniform(0.45, 1.0)
     xlf = inner * rng.uniform(1.5, 4.0)
     xlkd = 1.0 / (1.0 / inner - 1.0 / xmd - 1.0 / xlf)
-    xlkq = xlkd * rng.uniform(0.7, 2.0)
+    xlkq = min(xlkd * rng.uniform(0.7, 2.0), 2.0)  # what a data sheet may have
     circuit = MotorCircuitRow(
         "M0", rng.uniform(0.002, 0.03), leakage, xmd, xmq, 10.0 ** rng.uniform(-3.4, -2.5), xlf,
         10.0 ** rng.uniform(-2.0, -1.0), xlkd, 10.0 ** rng.uniform(-2.0, -1.0), xlkq,
@@ -87,6 +88,33 @@ def random_case(seed: int) -> Case:
         ),
         motor_data=(MotorDataRow("M0", apparent_power=power, power_factor=rng.uniform(0.8, 1.0)),),
         motor_circuit=(circuit,), motor_events=(event,),
+    )  # fmt: skip
+
+
+def varied_case(seed: int) -> Case:
+    """The same with one of four rotors: laminated or solid poles, with or without a field.
+
+    Solid poles are a second damper of each axis, every other one with a leakage that field and dampers have in common.
+    Xd'' is that of `random_case`.
+    """
+    case, rng = random_case(seed), np.random.default_rng(50_000 + seed)
+    c = case.motor_circuit[0]
+    solid, field = seed % 2 == 1, seed % 4 < 2
+    beside = 1.0 / (1.0 / c.xlf + 1.0 / c.xlkd)  # field and dampers together
+    xc = rng.uniform(0.1, 0.4) * beside if solid and seed % 8 > 3 else 0.0
+    shares = rng.uniform(0.5, 1.0, field + 1 + solid)
+    xlf, xlkd, xlkd_2 = (*([None] * (not field)), *((beside - xc) * shares.sum() / shares), None)[
+        :3
+    ]
+    second = rng.uniform(0.5, 1.0) if solid else None
+    return replace(
+        case, motor_events=case.motor_events if field else (),  # without one it is never in step
+        motor_circuit=(replace(
+            c, rf=c.rf if field else None, xlf=xlf, xlkd=xlkd, xlkd_2=xlkd_2, xc=xc or None,
+            rkd_2=c.rkd * rng.uniform(2.0, 10.0) if solid else None,
+            rkq_2=c.rkq * rng.uniform(2.0, 10.0) if solid else None,
+            xlkq_2=c.xlkq * second if second else None,
+        ),),
     )  # fmt: skip
 
 
@@ -131,6 +159,26 @@ def gaps(case: Case) -> np.ndarray:
     return gap
 
 
+def windings_of(c: MotorCircuitRow, discharge: float = 0.0) -> tuple[np.ndarray, np.ndarray, int]:
+    """Reactances and resistances of all windings, and which is the stator's of axis q: stator, field, dampers of axis d, then q."""
+    field = (None if c.rf is None else (1.0 + discharge) * c.rf, c.xlf)
+    axes = (
+        (c.xmd, c.xc or 0.0, (field, (c.rkd, c.xlkd), (c.rkd_2, c.xlkd_2))),
+        (c.xmq, 0.0, ((c.rkq, c.xlkq), (c.rkq_2, c.xlkq_2))),
+    )
+    blocks, resistances = [], []
+    for magnetising, common, pairs in axes:
+        r, leakages = zip(
+            (c.rs, c.xl), *(pair for pair in pairs if pair[0] is not None), strict=True
+        )
+        x = np.diag(leakages) + magnetising
+        x[1:, 1:] += common
+        blocks.append(x)
+        resistances.append(r)
+    x = block_diag(*blocks)
+    return x, np.concatenate(resistances), len(resistances[0])
+
+
 def voltage_of(row: MotorEventRow, omega: float, t: float, cleared: Collection[int]) -> complex:
     """Voltage of the line in the stator's axes, of phases and not of sequences; `cleared`: phases that are whole."""
     phase = row.phase or 0.0
@@ -159,20 +207,17 @@ def reference(case: Case, rtol: float = 1e-11) -> tuple[dict[str, tuple[float, f
     k = np.array([e.stiffness for e in case.elements])
     d = np.array([e.damping for e in case.elements])
     n, load = len(j), case.stations[-1].running_load
-    x = np.zeros((5, 5))  # d, field, damper d; q, damper q
-    x[:3, :3] = c.xmd + np.diag([c.xl, c.xlf, c.xlkd])
-    x[3:, 3:] = c.xmq + np.diag([c.xl, c.xlkq])
-    y = np.linalg.inv(x)
-    r = np.array([c.rs, c.rf, c.rkd, c.rs, c.rkq])
+    x, r, q = windings_of(c)
+    y, m = np.linalg.inv(x), len(r)
 
     def torque_of(flux: np.ndarray) -> np.ndarray:
         i = y @ flux
-        return base * (flux[0] * i[3] - flux[3] * i[0])
+        return base * (flux[0] * i[q] - flux[q] * i[0])
 
     off = row.kind == Kind.THREE_PHASE_FAULT and row.residual_voltage is not None
     if off or row.kind == Kind.OUT_OF_PHASE_CLOSING:
         i_f, axis = row.residual_voltage / c.xmd, (row.angle or 0.0) - 0.5 * math.pi
-        flux = x @ np.array([0.0, i_f, 0.0, 0.0, 0.0])
+        flux = x[:, 1] * i_f
         accelerations = np.full(n, -load / j.sum())
         inertial = np.cumsum((j * accelerations)[:-1])  # what the discs before an element give up
         twist = -inertial / k
@@ -183,7 +228,7 @@ def reference(case: Case, rtol: float = 1e-11) -> tuple[dict[str, tuple[float, f
         axis = float(np.angle(1.0 - (c.rs + 1j * (c.xl + c.xmq)) * i)) - 0.5 * math.pi
         i, u = i * np.exp(-1j * axis), np.exp(-1j * axis)
         i_f = (u.imag - c.rs * i.imag - (c.xl + c.xmd) * i.real) / c.xmd
-        flux = x @ np.array([i.real, i_f, 0.0, i.imag, 0.0])
+        flux = x[:, 0] * i.real + x[:, 1] * i_f + x[:, q] * i.imag
         twist = load / k
     e_f = c.rf * i_f
     theta = -np.concatenate([[0.0], np.cumsum(twist)])
@@ -202,13 +247,13 @@ def reference(case: Case, rtol: float = 1e-11) -> tuple[dict[str, tuple[float, f
         u = voltage_of(row, omega, t, cleared) * np.exp(-1j * angle)
         w = 1.0 + pairs * v[0] / omega
         out = -r * (y @ psi)
-        out[0] += u.real + w * psi[3]
-        out[3] += u.imag - w * psi[0]
+        out[0] += u.real + w * psi[q]
+        out[q] += u.imag - w * psi[0]
         out[1] += e_f
         return np.concatenate([v, force / j, omega * out])
 
     state = np.concatenate([theta, np.zeros(n), flux])
-    scale = np.concatenate([np.full(n, 1e-3), np.full(n, 0.1), np.full(5, 1.0)])
+    scale = np.concatenate([np.full(n, 1e-3), np.full(n, 0.1), np.ones(m)])
     found: dict[str, list[np.ndarray]] = {e.element: [] for e in case.elements}
     air_gap: list[float] = []
 
@@ -216,7 +261,7 @@ def reference(case: Case, rtol: float = 1e-11) -> tuple[dict[str, tuple[float, f
         """Of the three phases."""
         i = y @ s[2 * n :]
         angle = axis + omega * t + pairs * s[0]
-        turned = complex(i[0], i[3]) * np.exp(1j * (angle + (row.phase or 0.0)))
+        turned = complex(i[0], i[q]) * np.exp(1j * (angle + (row.phase or 0.0)))
         return np.real(turned * np.exp(-2j * math.pi / 3.0 * np.arange(3)))
 
     def zero_of(waiting: tuple[int, ...]) -> Any:
@@ -268,7 +313,7 @@ def reference(case: Case, rtol: float = 1e-11) -> tuple[dict[str, tuple[float, f
             found[element.element].append(values)  # of the spring, as reported
         psi, dpsi = s[2 * n :], slopes[2 * n :]
         i, di = y @ psi, y @ dpsi
-        rate = base * (dpsi[0] * i[3] + psi[0] * di[3] - dpsi[3] * i[0] - psi[3] * di[0])
+        rate = base * (dpsi[0] * i[q] + psi[0] * di[q] - dpsi[q] * i[0] - psi[q] * di[0])
         torque = torque_of(psi)
         values = np.concatenate([turning_points(t, torque, rate)[1], torque[[0, -1]]])
         air_gap.append(float(np.max(np.abs(values))))
@@ -296,9 +341,8 @@ def network_reference(
     k = np.array([e.stiffness for e in case.elements])
     d = np.array([e.damping for e in case.elements])
     n, load, gap = len(j), case.stations[-1].running_load, gaps(case)
-    x = np.zeros((5, 5))  # d, field, damper d; q, damper q
-    x[:3, :3] = c.xmd + np.diag([c.xl, c.xlf, c.xlkd])
-    x[3:, 3:] = c.xmq + np.diag([c.xl, c.xlkq])
+    x, r, q = windings_of(c)
+    rotor = [k for k in range(len(r)) if k not in (0, q)]
     line = 0.0j
     if case.supply:
         impedance = sheet.apparent_power / case.supply[0].short_circuit_power
@@ -306,7 +350,7 @@ def network_reference(
     off = row.kind == Kind.LINE_TO_LINE_FAULT and row.residual_voltage is not None
     if off:
         size, i_f, axis = 0.0, row.residual_voltage / c.xmd, -0.5 * math.pi
-        first = np.array([0.0, i_f, 0.0, 0.0, 0.0])
+        first = i_f * np.eye(len(r))[1]
         through = -np.cumsum((j * np.full(n, -load / j.sum()))[:-1])
     else:
         p, pf = load / base, sheet.power_factor
@@ -316,7 +360,8 @@ def network_reference(
         source = 1.0 + line * i
         i, u = i * np.exp(-1j * axis), np.exp(-1j * axis)
         i_f = (u.imag - c.rs * i.imag - (c.xl + c.xmd) * i.real) / c.xmd
-        first = np.array([i.real, i_f, 0.0, i.imag, 0.0])
+        first = np.zeros(len(r))
+        first[[0, 1, q]] = i.real, i_f, i.imag
         size, axis = abs(source), axis - float(np.angle(source))
         through = np.full(n - 1, load)
 
@@ -344,11 +389,11 @@ def network_reference(
     def windings(angle: float, loops: Any) -> tuple[np.ndarray, np.ndarray]:
         """Currents of all windings per current of loops and rotor, and what these link."""
         m = len(loops)
-        of = np.zeros((5, m + 3))
+        of = np.zeros((len(r), m + len(rotor)))
         for col, (along, _, _) in enumerate(loops):
-            of[[0, 3], col] = math.cos(along - angle), math.sin(along - angle)
-        of[[1, 2, 4], [m, m + 1, m + 2]] = 1.0
-        own = np.zeros(m + 3)
+            of[[0, q], col] = math.cos(along - angle), math.sin(along - angle)
+        of[rotor, range(m, m + len(rotor))] = 1.0
+        own = np.zeros(m + len(rotor))
         own[:m] = [z.imag for _, z, _ in loops]
         return of, of.T @ x @ of + np.diag(own)
 
@@ -359,7 +404,7 @@ def network_reference(
 
     def torque_of(i: np.ndarray) -> float:
         psi = x @ i
-        return float(base * (psi[0] * i[3] - psi[3] * i[0]))
+        return float(base * (psi[0] * i[q] - psi[q] * i[0]))
 
     def rates(t: float, s: np.ndarray, loops: Any) -> np.ndarray:
         th, v, angle, m = s[:n], s[n : 2 * n], angle_of(t, s), len(loops)
@@ -370,10 +415,11 @@ def network_reference(
         force[-1] -= load
         force[:-1] -= pushed
         force[1:] += pushed
-        change = np.empty(m + 3)
+        change = np.empty(len(i))
         for col, (along, z, e) in enumerate(loops):
             change[col] = (e(t) * np.exp(-1j * along)).real - (c.rs + z.real) * i[col]
-        change[m:] = [c.rf * (i_f - i[m]), -c.rkd * i[m + 1], -c.rkq * i[m + 2]]
+        change[m:] = -r[rotor] * i[m:]
+        change[m] += c.rf * i_f
         return np.concatenate([v, force / j, omega * change])
 
     theta = -np.concatenate([[0.0], np.cumsum(through / k)])
@@ -383,7 +429,9 @@ def network_reference(
     for begin, end, loops in spans:
         of, links = windings(angle_of(begin, motion), loops)
         state = np.concatenate([motion, links @ (np.linalg.pinv(of) @ now)])
-        scale = np.concatenate([np.full(n, 1e-3), np.full(n, 0.1), np.full(len(loops) + 3, 1.0)])
+        scale = np.concatenate(
+            [np.full(n, 1e-3), np.full(n, 0.1), np.ones(len(loops) + len(rotor))]
+        )
         t = np.linspace(begin, end, int((end - begin) * omega / 0.03))
         s = solve_ivp(
             rates, (begin, end), state, "DOP853", t, args=(loops,), rtol=rtol, atol=rtol * scale
@@ -404,11 +452,15 @@ def network_reference(
     return {e: (float(v.max()), float(v.min())) for e, v in found.items()}, max(air_gap)
 
 
-def start_case(seed: int, tolerance: float = 1e-3) -> Case:
-    """The machine and train of `random_case` from rest, without a load."""
-    case, rng = random_case(seed), np.random.default_rng(20_000 + seed)
+def start_case(
+    seed: int, tolerance: float = 1e-3, make: Callable[[int], Case] = random_case
+) -> Case:
+    """A machine and its train from rest, without a load."""
+    case, rng = make(seed), np.random.default_rng(20_000 + seed)
     synchronous = 4.0 * math.pi * case.line_frequency / case.poles
-    sheet = replace(case.motor_data[0], discharge_resistance=float(rng.choice([0.0, 5.0, 10.0])))
+    discharge = float(rng.choice([0.0, 5.0, 10.0]))
+    has_field = case.motor_circuit[0].rf is not None
+    sheet = replace(case.motor_data[0], discharge_resistance=discharge if has_field else None)
     return replace(
         case, motor_events=(), motor_data=(sheet,), maximum_time=None, end_speed=0.85 * synchronous,
         tolerance_peak=tolerance, pulsation_phase=float(rng.uniform(-3.0, 3.0)),
@@ -420,9 +472,9 @@ def start_case(seed: int, tolerance: float = 1e-3) -> Case:
 IN_START = (*(kind for kind in KINDS if kind != Kind.OUT_OF_PHASE_CLOSING), Kind.RECLOSING)
 
 
-def event_in_start(seed: int) -> Case:
+def event_in_start(seed: int, make: Callable[[int], Case] = random_case) -> Case:
     """A start with an event at some time before its end, as it would be without one."""
-    case, rng = start_case(seed), np.random.default_rng(30_000 + seed)
+    case, rng = start_case(seed, make=make), np.random.default_rng(30_000 + seed)
     kind = IN_START[seed % len(IN_START)]
     row = MotorEventRow(
         "event", "M0", kind,
@@ -447,18 +499,15 @@ def start_reference(
     k = np.array([e.stiffness for e in case.elements])
     d = np.array([e.damping for e in case.elements])
     n = len(j)
-    x = np.zeros((5, 5))  # d, field, damper d; q, damper q
-    x[:3, :3] = c.xmd + np.diag([c.xl, c.xlf, c.xlkd])
-    x[3:, 3:] = c.xmq + np.diag([c.xl, c.xlkq])
-    y = np.linalg.inv(x)
-    rotor = [1, 2, 4]
-    of_rotor = np.zeros((5, 5))  # currents with an open stator
+    x, r, q = windings_of(c, sheet.discharge_resistance or 0.0)
+    y, m = np.linalg.inv(x), len(r)
+    rotor = [k for k in range(m) if k not in (0, q)]
+    of_rotor = np.zeros((m, m))  # currents with an open stator
     of_rotor[np.ix_(rotor, rotor)] = np.linalg.inv(x[np.ix_(rotor, rotor)])
-    r = np.array([c.rs, (1.0 + sheet.discharge_resistance) * c.rf, c.rkd, c.rs, c.rkq])
 
     def torque_of(flux: np.ndarray, currents: np.ndarray) -> np.ndarray:
         i = currents @ flux
-        return base * (flux[0] * i[3] - flux[3] * i[0])
+        return base * (flux[0] * i[q] - flux[q] * i[0])
 
     def rates(
         t: float, s: np.ndarray, line: Callable[[float], complex], currents: np.ndarray
@@ -472,10 +521,10 @@ def start_reference(
         force[1:] += through
         u, w = line(t) * np.exp(1j * (angle - pairs * s[0])), pairs * v[0] / omega
         out = -r * (currents @ psi)
-        out[0] += u.real + w * psi[3]
-        out[3] += u.imag - w * psi[0]
+        out[0] += u.real + w * psi[q]
+        out[q] += u.imag - w * psi[0]
         if currents is of_rotor:
-            out[[0, 3]] = 0.0
+            out[[0, q]] = 0.0
         return np.concatenate([v[:1], v[:-1] - v[1:], force / j, omega * out])
 
     def whole(t: float) -> complex:
@@ -509,14 +558,14 @@ def start_reference(
             i = y @ s[2 * n :]
             turned = pairs * s[0] - angle - omega * since + (row.phase or 0.0)
             thirds = 2.0 * math.pi / 3.0 * np.arange(3)
-            of_phases = np.real(complex(i[0], i[3]) * np.exp(1j * (turned - thirds)))
+            of_phases = np.real(complex(i[0], i[q]) * np.exp(1j * (turned - thirds)))
             return float(of_phases[pole[0]] - (of_phases[pole[1]] if len(pole) > 1 else 0.0))
 
         passes.terminal = True  # type: ignore[attr-defined]
         return passes
 
-    state = np.zeros(2 * n + 5)
-    scale = np.concatenate([[1e-2], base / k, np.full(n, 1.0), np.full(5, 1.0)])
+    state = np.zeros(2 * n + m)
+    scale = np.concatenate([[1e-2], base / k, np.ones(n), np.ones(m)])
     found: dict[str, list[np.ndarray]] = {e.element: [] for e in case.elements} | {AIR_GAP: []}
     while spans:
         first, last, line, currents = spans.pop(0)
@@ -536,7 +585,8 @@ def start_reference(
         state = solution.y[:, -1].copy()
         if currents is of_rotor:
             state[2 * n :] = x @ of_rotor @ state[2 * n :]
-        if first < since:
+        if first < since:  # the event begins with the torque before it, which an open stator ends
+            found[AIR_GAP].append(torque_of(s[2 * n :, -1:], currents))
             continue
         for i, element in enumerate(case.elements):
             torque, rate = k[i] * s[1 + i], k[i] * (s[n + i] - s[n + i + 1])

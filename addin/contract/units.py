@@ -493,13 +493,19 @@ def _refused(text: str, dimension: str, what: str, hint: str = "") -> UnitError:
 
 
 def _hint(text: str, dimension: str) -> str:
-    """What the engineer meant when pounds or kilograms were taken for the other kind."""
+    """What the engineer meant when pounds or kilograms were taken for the other kind, or ohm for a multiple."""
     tidy = _tidy(text)
     for pattern, other, why in _SLIPS:
         swapped = re.sub(rf"(?<![A-Za-z])([kM]?){pattern}", rf"\g<1>{other}", tidy)
         unit = _pint_unit(swapped) if swapped != tidy else None
         if unit is not None and _factor(unit, dimension) is not None:
             return f"{why}: write {swapped}"
+    unit = _pint_unit(tidy)
+    if dimension == "ratio" and unit is not None and unit.is_compatible_with("ohm"):
+        return (
+            "divide it by the resistance of which it is a multiple (a discharge resistor: by that of the field winding) "
+            "and write the unit 1"
+        )
     return ""
 
 

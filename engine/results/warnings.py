@@ -181,6 +181,21 @@ def _low_frequency(results: Results) -> Iterator[str]:
         )
 
 
+def _torque_dip(results: Results, start: Start) -> Iterator[str]:
+    """Why a start hangs below a speed from which its motors would carry it on."""
+    runup, synchronous = start.runup, results.case.ratings.synchronous_speed
+    if start.outcome.outcome != Outcome.STALLED or runup is None or synchronous is None:
+        return
+    carried = runup.speed[(runup.speed > (runup.equilibrium or math.inf)) & (runup.net > 0.0)]
+    if len(carried):
+        yield (
+            f"The start hangs in a dip of the average torque: from {100.0 * float(carried[0]) / synchronous:.3g} % speed on it is "
+            "above the load again. A rotor with unlike axes makes one just above half speed (Görges): check the dampers of both "
+            "axes in tables MotorData and MotorCircuit, and Discharge resistance. Elsewhere check MotorTorque and LoadTorque; or "
+            "start with less load."
+        )
+
+
 def _start_warnings(results: Results) -> Iterator[str]:
     """About the plan, the start and its fatigue."""
     case, start, starts = results.case, results.start, results.starts
@@ -200,6 +215,7 @@ def _start_warnings(results: Results) -> Iterator[str]:
             f"The start takes {start.outcome.time:.0f} s; most take less than {LONG_START:.0f} s. "
             "Check inertias and torques."
         )
+    yield from _torque_dip(results, start)
     yield from _unstable_feedback(results)
     yield from _run_warnings(start)
     counted = {e.element for _, e in judged_shafts(case)}

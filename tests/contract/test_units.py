@@ -188,6 +188,12 @@ def test_relative_units(text, dimension, scale):
         ("", "torque", "no unit is given"),
         ("1/s", "speed", "does not state revolutions or radians"),
         ("deg", "fraction", "not a unit of a ratio"),
+        (
+            "mΩ",
+            "ratio",
+            "divide it by the resistance of which it is a multiple (a discharge resistor: by that of the field",
+        ),
+        ("V", "ratio", "not a unit of a ratio; write a unit such as 1"),
         ("dB", "fraction", "not a unit of a ratio"),
         ("degC", "length", "not a unit of length"),
         ("%", "length", "not a unit of length"),

@@ -16,6 +16,7 @@ from tests.machine_reference import (
     network_reference,
     random_case,
     reference,
+    varied_case,
     with_clearance,
 )
 
@@ -44,6 +45,19 @@ def test_stated_errors_hold(seeds):
 )
 def test_stated_errors_hold_with_teeth_apart(seeds):
     assert errors_hold(seeds, with_clearance) >= len(seeds) // 3
+
+
+@pytest.mark.parametrize(
+    "seeds",
+    [
+        range(1, 32, 4),
+        pytest.param(range(33, 200, 4), marks=pytest.mark.slow),
+        pytest.param(range(1, 2000, 4), marks=pytest.mark.long),
+    ],
+    ids=len,
+)
+def test_stated_errors_hold_with_solid_poles(seeds):
+    errors_hold(seeds, varied_case)
 
 
 @pytest.mark.parametrize("kind", [Kind.THREE_PHASE_FAULT, Kind.LINE_TO_LINE_FAULT])

@@ -35,7 +35,14 @@ from engine.run import run
 from engine.start.closing import STEP, closing_torque
 from engine.start.peaks import change_of_peaks
 from engine.stepping.linear_loop import turning_points
-from tests.machine_reference import AIR_GAP, event_in_start, start_case, start_reference
+from tests.machine_reference import (
+    AIR_GAP,
+    event_in_start,
+    random_case,
+    start_case,
+    start_reference,
+    varied_case,
+)
 from tests.trains import peaks
 from tests.validation.test_start_from_motor_data import case_from_data
 
@@ -279,9 +286,23 @@ def distinct_samples(t, y):
     ids=len,
 )  # fmt: skip
 def test_stated_errors_of_starts_hold(seeds):
+    starts_hold(seeds, random_case)
+
+
+@pytest.mark.parametrize(
+    "seeds",
+    [range(8), pytest.param(range(8, 48), marks=pytest.mark.slow), pytest.param(range(500), marks=pytest.mark.long)],
+    ids=len,
+)  # fmt: skip
+def test_stated_errors_of_starts_hold_with_any_rotor(seeds):
+    """With and without a field, laminated and solid poles."""
+    starts_hold(seeds, varied_case)
+
+
+def starts_hold(seeds, make):
     missed = {}
     for seed in seeds:
-        case = replace(start_case(seed), maximum_time=1.5)
+        case = replace(start_case(seed, make=make), maximum_time=1.5)
         (motor,) = motors_of(case, build_train(case))
         found = in_time(case, full_length=True, coupled_damping=True)
         exact = start_reference(case, 0.5 * (motor.phase + math.pi), found.outcome.time)
@@ -301,6 +322,15 @@ def test_stated_errors_of_starts_hold(seeds):
 def test_stated_errors_of_events_in_starts_hold(seeds):
     """Faults, dips, unbalance and reclosing while the motor starts."""
     hold_in_starts([event_in_start(seed) for seed in seeds])
+
+
+@pytest.mark.parametrize(
+    "seeds",
+    [range(8), pytest.param(range(8, 48), marks=pytest.mark.slow), pytest.param(range(500), marks=pytest.mark.long)],
+    ids=len,
+)  # fmt: skip
+def test_stated_errors_of_events_in_starts_hold_with_any_rotor(seeds):
+    hold_in_starts([event_in_start(seed, make=varied_case) for seed in seeds])
 
 
 @pytest.mark.parametrize("kind", [Kind.THREE_PHASE_FAULT, Kind.LINE_TO_LINE_FAULT])

@@ -20,9 +20,11 @@ from addin.writing.recalculate import recalculate
 from addin.writing.workbook import write_results
 from addin.xlsx import open_workbook
 from engine.case.data import EffectChoiceRow, case_digest
+from engine.case.plausibility import implausible
 from engine.motor.curves import slip_curves
 from engine.motor.from_case import motors_from_data
 from tests.opened import rows_of
+from tests.typed_cells import typed as typed_into
 
 MOTOR = {
     "Station": "Motor", "Apparent power": 12000.0, "Voltage": 13200.0, "Xd": 1.3, "Xq": 0.9,
@@ -45,6 +47,11 @@ def built(path: Path, motor=MOTOR, units=IN_MS, typed: bool = True) -> Path:
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("motor")
+
+
+@pytest.fixture(scope="module")
+def example(folder: Path) -> Path:
+    return template.build_template(folder / "example.xlsx", "us", "motor")
 
 
 @pytest.fixture(scope="module")
@@ -129,16 +136,57 @@ def test_typed_curves_win_with_a_note(folder: Path) -> None:
     assert not [note for note in plain.results.warnings if "data sheet" in note]
 
 
-def test_ohm_and_per_unit_have_one_digest(folder: Path) -> None:
-    base = 13200.0**2 / 12e6
-    reactances = [name for name in MOTOR if name.startswith("X")]
-    in_ohm = MOTOR | {name: MOTOR[name] * base for name in reactances}
-    units = IN_MS | {("MotorData", name): "ohm" for name in reactances}
-    cases = [
-        read_workbook(built(folder / f"{k}.xlsx", *motor)).case()
-        for k, motor in enumerate(((MOTOR, IN_MS), (in_ohm, units)))
-    ]
-    assert case_digest(cases[0]) == case_digest(cases[1])
+NAME_PLATE = {"Station": "Motor", "Apparent power": 12000.0, "Voltage": 13200.0}
+IN_PER_UNIT = {
+    "data sheet": {
+        "MotorData": {name: MOTOR[name] for name in MOTOR if name.startswith("X")} | {"Ra": 0.0123},
+    },
+    "induction": {
+        "MotorData": {"R1": 0.011, "X1": 0.09, "Xm": 3.7, "R2": 0.013, "X2": 0.11, "R3": 0.07, "X3": 0.05},
+    },
+    "circuit": {
+        "MotorCircuit": {
+            "Rs": 0.011, "Xl": 0.12, "Xmd": 1.13, "Xmq": 0.67, "Rf": 0.0023, "Xlf": 0.17, "Rkd": 0.035, "Xlkd": 0.11,
+            "Rkq": 0.045, "Xlkq": 0.13, "Rkd2": 0.12, "Xlkd2": 0.19, "Rkq2": 0.17, "Xlkq2": 0.21, "Xc": 0.031,
+        },
+    },
+}  # fmt: skip
+BESIDE = {
+    "data sheet": {name: MOTOR[name] for name in MOTOR if name[:2] in ("Td", "Tq")},
+    "induction": {"Kind": "induction"},
+    "circuit": {},
+}
+
+
+@pytest.mark.parametrize("motor", IN_PER_UNIT)
+def test_per_unit_per_cent_and_ohm_are_one_motor(folder: Path, motor: str) -> None:
+    """One digest and one start, whichever unit stands above the columns."""
+    cases = []
+    for unit, size in (("pu", 1.0), ("%", 100.0), ("ohm", 13200.0**2 / 12e6)):
+        tables: dict[str, dict[str, object]] = {"MotorData": NAME_PLATE | BESIDE[motor]}
+        units = dict(IN_MS)
+        for table, row in IN_PER_UNIT[motor].items():
+            tables[table] = {"Station": "Motor"} | tables.get(table, {})
+            tables[table] |= {name: value * size for name, value in row.items()}
+            units |= {(table, name): unit for name in row}
+        example = EXAMPLES["proposed"]
+        rows = {name: [row] for name, row in tables.items()}
+        example = replace(
+            example, tables=example.tables | rows | {"MotorTorque": []}, units=example.units | units
+        )
+        path = template.build_template(folder / f"{motor} {size:g}.xlsx", "us", example)
+        cases.append(read_workbook(path).case())
+    assert len({case_digest(case) for case in cases}) == 1
+    results = [calculate(case).results for case in cases]
+    for other in results[1:]:
+        for ours, theirs in zip(results[0].start.peaks, other.start.peaks, strict=True):
+            assert (ours.maximum, ours.minimum) == pytest.approx(
+                (theirs.maximum, theirs.minimum), rel=1e-10
+            )
+    changed = replace(
+        cases[0], motor_data=(replace(cases[0].motor_data[0], apparent_power=12.1e6),)
+    )
+    assert case_digest(changed) != case_digest(cases[0])
 
 
 def test_problems_name_the_cell(folder: Path) -> None:
@@ -158,6 +206,47 @@ def test_problems_name_the_cell(folder: Path) -> None:
         "it is in ohm, but the rated voltage or apparent power of the motor is unknown"
         in problem.message
     )
+
+
+@pytest.mark.parametrize(
+    ("typed_in", "cell", "words"),
+    [
+        ({"MotorData/1/Discharge resistance": "0.5 ohm"}, "Discharge resistance", "by that of the field winding"),
+        ({"Poles": 5}, "Poles", "an even number, 2 or more. Poles are counted, not pole pairs"),
+        ({"MotorEvents/1/Station": "Motr"}, "Station", "Did you mean 'Motor'?"),
+        ({"MotorEvents/1/Station": "Bull gear"}, "Station", "type its row in table MotorData"),
+        ({"EventTorque/1/Base": "MVA"}, "Base", "one of rated torque, apparent power"),
+        ({"MotorEvents/1/Clears after": -0.1}, "Clears after", "nothing clears before it begins"),
+        ({"MotorEvents/1/Begins": -1.0}, "Begins", "It counts from the closing of the breaker"),
+    ],
+)  # fmt: skip
+def test_a_slip_of_typing_has_its_cell_and_its_remedy(
+    folder: Path, example: Path, typed_in: dict[str, object], cell: str, words: str
+) -> None:
+    (problem,) = read_workbook(typed_into(example, folder / "slip.xlsx", typed_in)).problems
+    assert problem.column == cell
+    assert problem.cell is not None
+    assert words in problem.message
+
+
+@pytest.mark.parametrize(
+    ("typed_in", "words"),
+    [
+        ({"MotorData/1/Discharge resistance": 0.5}, "MotorData, Discharge resistance of 'Motor': 0.5 times"),
+        ({"MotorData/1/Voltage": 3810.0}, "3810 V is 6600 V divided by √3. Type the voltage from line to line"),
+        ({"EventTorque/1/Amplitude": -30.0}, "Check that it is a share of RatedTorque: not of the apparent power"),
+    ],
+)  # fmt: skip
+def test_a_doubtful_number_has_a_note(
+    folder: Path, example: Path, typed_in: dict[str, object], words: str
+) -> None:
+    """It may be meant: it is read, and what makes it doubtful and what to do stand beside the results."""
+    plain, doubtful = (
+        [*implausible(read_workbook(path).case())]
+        for path in (example, typed_into(example, folder / "doubtful.xlsx", typed_in))
+    )
+    assert [note for note in doubtful if words in note]
+    assert not [note for note in plain if words in note]
 
 
 def test_a_workbook_of_an_earlier_version_lacks_the_sheet(folder: Path) -> None:
