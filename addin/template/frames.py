@@ -76,7 +76,8 @@ class Frames:
         if sheet.hidden:
             page.hide()
         page.set_tab_color(TAB_COLOURS[sheet.kind])
-        page.set_default_row(ROW_HEIGHT)
+        if any(part.worksheet == sheet.worksheet for part in self.parts):
+            page.set_default_row(ROW_HEIGHT)  # charts of studies are placed among rows of the usual height
         page.set_row(0, 28)
         page.set_row(1, 18)
         if sheet.freeze:

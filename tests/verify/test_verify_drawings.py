@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 from tampered_package import Package
 
+from addin.contract.sheet import column_letters
 from addin.verify.chart_sources import compare_copies, compare_drawings
 from addin.verify.file import verify_file
 from addin.verify.findings import Finding
@@ -75,11 +76,13 @@ def test_the_end_of_a_history_cannot_be_cut_off(train):
     workbook = open_workbook(train, ignore_lock=True)
     history = workbook.table("ChartHistory")
     end, cut = f"${history.data.bottom}<", f"${history.data.bottom - 400}<"
+    time, torque, _ = columns_of_the_history(train)
     for part, drawn in charts(train).items():
-        if "ChartData!$CB$5" in drawn:
+        if f"ChartData!${torque}$5" in drawn:
             said = edited(train, part, lambda text: text.replace(end, cut))
             assert said[0].sheet == "Start"
-            assert f"not ChartData!CB5:CB{history.data.bottom}" in said[0].sentence
+            rows = f"{torque}5:{torque}{history.data.bottom}"
+            assert f"not ChartData!{rows} over ChartData!{time}5" in said[0].sentence
 
 
 def test_a_series_that_bears_the_name_of_another_is_told(train):
@@ -101,29 +104,32 @@ def test_a_series_that_bears_the_name_of_another_is_told(train):
 
 def test_the_whole_verification_tells_chart_and_cell(train, tmp_path):
     package = Package(train)
-    part = next(p for p, drawn in charts(train).items() if "ChartData!$CB$5" in drawn)
-    package.change(part, lambda text: text.replace("$CB$", "$CD$"))
+    _, torque, other = columns_of_the_history(train)
+    part = next(p for p, drawn in charts(train).items() if f"ChartData!${torque}$5" in drawn)
+    package.change(part, lambda text: text.replace(f"${torque}$", f"${other}$"))
     told = verify_file(package.store(tmp_path / "tampered.xlsx"))
     assert told.outcome == "does not follow"
     draws, carries = (f for f in told.findings if f.fails)
-    assert "draws ChartData!CD5:CD" in draws.sentence
+    assert f"draws ChartData!{other}5:{other}" in draws.sentence
     assert " shows " in carries.sentence
     assert {(f.kind, f.sheet, bool(f.cell)) for f in (draws, carries)} == {("chart", "Start", True)}  # fmt: skip
 
 
 def test_a_copy_of_a_value_inside_a_chart_is_told_with_its_cell(train):
     workbook = open_workbook(train, ignore_lock=True)
-    part = next(p for p, drawn in charts(train).items() if "ChartData!$CB$5" in drawn)
+    _, torque, _ = columns_of_the_history(train)
+    part = next(p for p, drawn in charts(train).items() if f"ChartData!${torque}$5" in drawn)
     point = re.compile(r'(<c:yVal>.*?<c:pt idx="7"><c:v>)([^<]*)(</c:v>)', re.DOTALL)
     [said] = edited(train, part, lambda text: point.sub(r"\g<1>1.5\3", text, count=1))
     assert (said.kind, said.sheet) == ("chart", "Start")
-    assert "shows 1.5 for ChartData!CB12" in said.sentence
-    assert said.expected == workbook.shown_value("ChartData", "CB12")
+    assert f"shows 1.5 for ChartData!{torque}12" in said.sentence
+    assert said.expected == workbook.shown_value("ChartData", f"{torque}12")
     assert said.fails
 
 
 def test_words_inside_a_chart_are_compared_too(train):
-    part = next(p for p, drawn in charts(train).items() if "ChartData!$CB$5" in drawn)
+    _, torque, _ = columns_of_the_history(train)
+    part = next(p for p, drawn in charts(train).items() if f"ChartData!${torque}$5" in drawn)
     said = edited(
         train, part, lambda text: re.sub(r"(<c:strCache>.*?<c:v>)[^<]*", r"\g<1>Harmless", text)
     )
@@ -166,13 +172,20 @@ def test_charts_stay_clean_and_known_after_another_program(train, soffice, tmp_p
     saved = soffice.convert(train, "xlsx", tmp_path / "saved")
     assert found(saved) == []
     package = Package(saved)
-    part = next(p for p, drawn in charts(saved).items() if "$CB$5" in drawn)
-    package.change(part, lambda text: text.replace("$CB$", "$CD$"))
+    _, torque, other = columns_of_the_history(train)
+    part = next(p for p, drawn in charts(saved).items() if f"${torque}$5" in drawn)
+    package.change(part, lambda text: text.replace(f"${torque}$", f"${other}$"))
     said = found(package.store(tmp_path / "tampered.xlsx"))
     assert [one.sheet for one in said if "draws" in one.sentence] == ["Start"]
 
 
 # --- units ----------------------------------------------------------------------------------------
+
+
+def columns_of_the_history(train: Path) -> list[str]:
+    """Letters of the first columns behind the histories: time, torques of two elements."""
+    left = open_workbook(train, ignore_lock=True).table("ChartHistory").data.left
+    return [column_letters(left + k) for k in range(3)]
 
 
 def unit_cells(workbook: Workbook) -> dict[str, tuple[str, str]]:
@@ -183,7 +196,7 @@ def unit_cells(workbook: Workbook) -> dict[str, tuple[str, str]]:
         for row in range(1, 60):
             words, shown = part.constant(row, label), part.constant(row, unit)
             if isinstance(words, str) and isinstance(shown, str) and len(shown) < 9:
-                found[words] = (sheet, f"{'DS'[sheet == 'Starts']}{row}")
+                found[words] = (sheet, f"{column_letters(unit)}{row}")
     return found
 
 
