@@ -9,8 +9,8 @@ import posixpath
 import re
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
+from html import escape
 from urllib.parse import unquote
-from xml.sax.saxutils import escape
 
 from addin.xlsx.container import Container, shown_name
 from addin.xlsx.errors import WorkbookRefused, damaged
@@ -175,7 +175,7 @@ class WorkbookPart:
             local = _LOCAL_SHEET.search(found[1])
             text = numbers.get(local[1].decode()) if local else None
             if text is not None:
-                kept += data[position : found.start(2)] + escape(text).encode()
+                kept += data[position : found.start(2)] + escape(text, quote=False).encode()
                 position = found.end(2)
         return bytes(kept) + data[position:]
 

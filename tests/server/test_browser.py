@@ -402,9 +402,11 @@ def test_wrong_cells_are_listed(tab, tmp_path):
     import openpyxl
 
     book = openpyxl.load_workbook(TEMPLATES / "example_proposed.xlsx")
-    for column in ("Inertia", "Stiffness"):
-        found = next(c for row in book["Train"].iter_rows() for c in row if c.value == column)
-        book["Train"].cell(found.row + 1, found.column).value = -5
+    train = book["Train"]
+    for name, column in (("Stations", "Inertia"), ("Elements", "Stiffness")):
+        header = next(iter(train[train.tables[name].ref]))
+        found = next(cell for cell in header if cell.value == column)
+        train.cell(found.row + 1, found.column).value = -5
     book.save(tmp_path / "wrong.xlsx")
     tab.goto("/")
     opened(tab, tmp_path / "wrong.xlsx")
