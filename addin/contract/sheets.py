@@ -41,8 +41,9 @@ HISTORY_CHARTS = tuple(
 #: First row of the cells in which the engineer may name the element of each history chart.
 CHOICES_BEGIN = 7
 
-#: First row below the room of `TorqueReversals`.
-_BELOW_REVERSALS = 8 + table("TorqueReversals").room + 2
+#: First row below the room of `TorqueReversals`; that of the charts leaves the row of the captions free.
+_BELOW_REVERSALS = table("TorqueReversals").below(5)
+_REVERSAL_CHARTS = _BELOW_REVERSALS + 1
 #: First row below the room of `Effects`.
 _BELOW_EFFECTS = 8 + table("Effects").room + 1
 EFFECT_NOTES_AT = f"B{_BELOW_EFFECTS}"
@@ -331,9 +332,9 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
         {"A": 1.5, "B": 15, "C": 9.6, "D:K": 7.5, "L": 9, "M:N": 7.5, "O": 8, "P:R": 7.5, "S": 20, "T:U": 8.5},
         {"TorqueReversals": "B5", "BearingForces": f"S{_BELOW_REVERSALS}"},
         (
-            ChartAt("reversal", f"B{_BELOW_REVERSALS}", 344, 280),
-            ChartAt("blow", f"G{_BELOW_REVERSALS}", 340, 280),
-            ChartAt("forces", f"M{_BELOW_REVERSALS}", 340, 280),
+            ChartAt("reversal", f"B{_REVERSAL_CHARTS}", 344, 280),
+            ChartAt("blow", f"G{_REVERSAL_CHARTS}", 340, 280),
+            ChartAt("forces", f"M{_REVERSAL_CHARTS}", 340, 280),
         ),
         on="Start",
         intro="Gear teeth that unload or separate during the start. A reversal is one passage of "

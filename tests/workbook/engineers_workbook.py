@@ -22,7 +22,7 @@ import xlsxwriter
 from office_objects import pivot_sheet, pivot_tables, rich_cells, rich_values, slicers
 from office_package import added, edited, part_of_sheet, related
 
-from addin.contract.sheets import CASE_HALVES, SHEETS
+from addin.contract.sheets import CASE_HALVES, SHEETS, part_named
 from addin.template import build as template
 from addin.template import front_sheets
 from addin.template.examples import EXAMPLES
@@ -47,6 +47,8 @@ MOVED = {
     "EffectChoices": "C44",
     "Audit": "B9",
 }  # fmt: skip
+#: On sheet `Results`, where `MOVED` has `SteadyState`: its column `Torque` and the row of its first results.
+TORQUE_COLUMN, FIRST_RESULT = part_named("Steady state").at("I"), 14
 _REL = "http://schemas.openxmlformats.org/officeDocument/2006/relationships"
 _MS = "http://schemas.microsoft.com/office"
 
@@ -96,7 +98,7 @@ def _own_sheet(book: Any) -> Any:
     own.write_formula("B1", "=MAX(StartupPeaks[Maximum torque])", None, 1.0)
     own.write_formula("B2", "=B1/RatedTorque", None, 1.0)
     own.write_formula("B3", "=INDEX(SteadyState[Torque],3)", None, 1.0)
-    own.write_formula("B4", "=Results!$AO$14*2", None, 1.0)
+    own.write_formula("B4", f"=Results!${TORQUE_COLUMN}${FIRST_RESULT}*2", None, 1.0)
     own.write_formula("B5", '=COUNTIF(SeparationMargins[Verdict],"fail*")', None, 99)
     own.write_formula("B6", '="Verdict: "&OverallVerdict', None, "Verdict: old")
     own.write_formula("B7", "=TODAY()", None, 40000)
@@ -118,8 +120,9 @@ def _own_sheet(book: Any) -> Any:
 def _ornaments(book: Any, sheets: Mapping[str, Any], own: Any) -> None:
     """Everything XlsxWriter knows of what people put into workbooks."""
     steady, peaks, summary = sheets["Results"], sheets["Start"], sheets["Summary"]
+    torques = f"${TORQUE_COLUMN}${FIRST_RESULT}:${TORQUE_COLUMN}${FIRST_RESULT}"
     chart = book.add_chart({"type": "column"})
-    chart.add_series({"name": "torque", "values": "=Results!$AO$14:$AO$14"})
+    chart.add_series({"name": "torque", "values": f"=Results!{torques}"})
     chart.add_series({"values": "=Start!$C$20:$C$20", "y2_axis": True})
     chart.set_title({"name": "Our own chart"})
     own.insert_chart("K2", chart)
@@ -129,7 +132,7 @@ def _ornaments(book: Any, sheets: Mapping[str, Any], own: Any) -> None:
          "trendline": {"type": "linear"}, "y_error_bars": {"type": "percentage", "value": 5}}
     )  # fmt: skip
     own.insert_chart("K20", scatter)
-    own.add_sparkline("H1", {"range": "Results!AO14:AO14"})
+    own.add_sparkline("H1", {"range": f"Results!{torques.replace('$', '')}"})
     own.add_sparkline("H2", {"range": "'Our summary'!B1:B3"})
     own.conditional_format(
         "B1:B5", {"type": "data_bar", "data_bar_2010": True, "bar_no_border": True}
@@ -139,12 +142,13 @@ def _ornaments(book: Any, sheets: Mapping[str, Any], own: Any) -> None:
     own.write_url("A14", "https://example.org/procedure", string="our procedure")
     own.write_rich_string("A15", "2 × ", book.add_format({"bold": True}), "slip")
     own.set_background(io.BytesIO(_png()))
-    steady.write_comment("AI12", "as agreed with the vendor", {"x_scale": 2, "visible": True})
+    response = part_named("Steady state")
+    steady.write_comment(response.at("C12"), "as agreed with the vendor", {"x_scale": 2, "visible": True})
     peaks.set_header("&L&G", {"image_left": "logo.png", "image_data_left": io.BytesIO(_png())})
     summary.insert_image(
         "M1", "logo.png", {"image_data": io.BytesIO(_png()), "description": "logo"}
     )
-    steady.set_column("AK:AK", None, None, {"hidden": True})
+    steady.set_column(response.at("E:E"), None, None, {"hidden": True})
     sheets["Audit"].set_column("B:B", None, None, {"level": 1})
     sheets["Train"].set_column("E:E", None, None, {"hidden": True})
     sheets["Train"].protect("secret", {"format_cells": True})

@@ -13,6 +13,8 @@ from typing import Any
 import openpyxl
 import pytest
 from engineers_workbook import (
+    FIRST_RESULT,
+    TORQUE_COLUMN,
     VBA,
     engineers_workbook,
     parts_of,
@@ -22,6 +24,7 @@ from lxml import etree
 from office_package import part_of_sheet
 
 from addin.contract.input_copy import COPY_TABLES
+from addin.contract.sheets import part_named
 from addin.contract.shipped import template_path
 from addin.contract.tables import RESULT_TABLES, WORKBOOK_TABLES
 from addin.reading.workbook import read_workbook
@@ -326,7 +329,7 @@ def test_every_result_stands_where_its_table_stands_now(returned):
     table = sheet.tables["SteadyState"]
     rows = list(sheet[table.ref])
     headers = [cell.value for cell in rows[0]]
-    assert rows[0][0].coordinate == "AI13"
+    assert rows[0][0].coordinate == part_named("Steady state").at("C13")
     assert len(rows) - 1 == len(results["steady_state"])
     at = headers.index("Frequency")
     for row, expected in zip(rows[1:], results["steady_state"], strict=True):
@@ -348,13 +351,15 @@ def test_charts_and_sparklines_of_the_engineer_follow_the_tables(returned):
     assert len(charts) == 1
     book = openpyxl.load_workbook(once)
     for sheet, table, column in (
-        ("Forced response (2026)", "SteadyState", "AO"), ("Owner's start", "StartupPeaks", "C")
+        ("Forced response (2026)", "SteadyState", TORQUE_COLUMN), ("Owner's start", "StartupPeaks", "C")
     ):  # fmt: skip
         top, bottom = (int(n) for n in re.findall(r"\d+", book[sheet].tables[table].ref))
         quoted = sheet.replace("'", "''")
         assert f"'{quoted}'!${column}${top + 1}:${column}${bottom}" in charts[0]
     own = parts[part_of_sheet(parts, "Our summary")].decode()
-    assert re.search(r"<xm:f>'Forced response \(2026\)'!\$?AO\$?14:\$?AO\$?\d{2,}</xm:f>", own)
+    first = rf"\$?{TORQUE_COLUMN}\$?{FIRST_RESULT}"
+    last = rf"\$?{TORQUE_COLUMN}\$?\d{{2,}}"
+    assert re.search(rf"<xm:f>'Forced response \(2026\)'!{first}:{last}</xm:f>", own)
 
 
 def more_points(example: Example) -> Example:
