@@ -76,8 +76,10 @@ class Frames:
         if sheet.hidden:
             page.hide()
         page.set_tab_color(TAB_COLOURS[sheet.kind])
-        if any(part.worksheet == sheet.worksheet for part in self.parts):
-            page.set_default_row(ROW_HEIGHT)  # charts of studies are placed among rows of the usual height
+        if self.has_parts(sheet):
+            page.set_default_row(
+                ROW_HEIGHT
+            )  # charts of studies are placed among rows of the usual height
         page.set_row(0, 28)
         page.set_row(1, 18)
         if sheet.freeze:
@@ -122,6 +124,10 @@ class Frames:
                 1, begin, 1, end,
                 {"type": "formula", "criteria": rule, "format": self.style(style)},
             )  # fmt: skip
+
+    def has_parts(self, sheet: Sheet) -> bool:
+        """Whether it is a sheet of a case, whose tables stand beside each other."""
+        return any(part.worksheet == sheet.worksheet for part in self.parts)
 
     def _strip(self) -> str:
         """What the strip shows, for its cached value."""

@@ -39,7 +39,8 @@ class Tables(Frames):
             sheet.worksheet, first, last, {field.name: left + k for k, field in enumerate(columns)}
         )
         # A row among those of a table beside it stays low where its words allow that.
-        if row == _FIRST_ROW or max(len(field.name) for field in columns) > _SHORT_HEADER:
+        long = max(len(field.name) for field in columns) > _SHORT_HEADER
+        if row == _FIRST_ROW or long or not self.has_parts(sheet):
             page.set_row(header, 38 if has_units else 24)
         page.add_table(
             header,

@@ -324,7 +324,9 @@ def test_a_mistake_typed_into_a_blank_template_is_named(
     plain = torsionbook("check", typed(blank, tmp_path / "plain.xlsx", cells), cwd=tmp_path)
     assert "note:" not in plain.stdout
     assert "4 poles at 60 Hz; Motor 1,800 rpm, Pinion 10,080 rpm; total ratio 5.6; " in plain.stdout
-    assert "LoadTorque 25 % of rated; Running load 100 % of rated; " in plain.stdout  # taken: it is blank
+    assert (
+        "LoadTorque 25 % of rated; Running load 100 % of rated; " in plain.stdout
+    )  # taken: it is blank
     assert "inertia constant H 2.46 s (motor 0.744 s)." in plain.stdout
     done = torsionbook(
         "check", typed(blank, tmp_path / "wrong.xlsx", cells | mistake(cells)), cwd=tmp_path

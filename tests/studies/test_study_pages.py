@@ -21,14 +21,11 @@ from addin.contract.studies.registry import with_studies
 TEXT = 9.0
 #: Smallest text on paper, the widths of columns being a little different in each program. [pt]
 LEAST = 6.8
-#: Sheets with numbers behind charts alone, which nobody prints, are hidden.
+#: Sheets with numbers behind charts alone, which nobody prints, are hidden. Those of a case: tests/libreoffice/test_printed_pages.py.
 OWN = [
-    "Frequencies",
-    *(
-        sheet.name
-        for sheet in with_studies(SHEETS)
-        if sheet not in SHEETS and sheet.kind == "result" and not sheet.hidden
-    ),
+    sheet.name
+    for sheet in with_studies(SHEETS)
+    if sheet not in SHEETS and sheet.kind == "result" and not sheet.hidden
 ]
 
 

@@ -143,7 +143,9 @@ def _ornaments(book: Any, sheets: Mapping[str, Any], own: Any) -> None:
     own.write_rich_string("A15", "2 × ", book.add_format({"bold": True}), "slip")
     own.set_background(io.BytesIO(_png()))
     response = part_named("Steady state")
-    steady.write_comment(response.at("C12"), "as agreed with the vendor", {"x_scale": 2, "visible": True})
+    steady.write_comment(
+        response.at("C12"), "as agreed with the vendor", {"x_scale": 2, "visible": True}
+    )
     peaks.set_header("&L&G", {"image_left": "logo.png", "image_data_left": io.BytesIO(_png())})
     summary.insert_image(
         "M1", "logo.png", {"image_data": io.BytesIO(_png()), "description": "logo"}
