@@ -100,7 +100,7 @@ def test_a_wrong_number_is_named_with_its_cell_and_nothing_is_written(tmp_path):
         tmp_path / "bad.xlsx",
         Train__Stations__2__Inertia=-5,
         Train__Elements__3__To="Bull gaer",
-        Torque__MotorTorque__4__Speed="12,5",
+        Torque_and_motor__MotorTorque__4__Speed="12,5",
     )
     done = torsionbook("recalc", "bad.xlsx", "--json", "bad.json", cwd=tmp_path)
     assert done.returncode == 1
@@ -111,7 +111,7 @@ def test_a_wrong_number_is_named_with_its_cell_and_nothing_is_written(tmp_path):
     places = {(e["sheet"], e["table"], e["row"], e["column"]) for e in errors}
     assert ("Train", "Stations", 2, "Inertia") in places
     assert ("Train", "Elements", 3, "To") in places
-    assert ("Torque", "MotorTorque", 4, "Speed") in places
+    assert ("Torque and motor", "MotorTorque", 4, "Speed") in places
 
 
 @pytest.mark.slow
