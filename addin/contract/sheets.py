@@ -307,7 +307,7 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
         {"A": 1.5, "B": 16, "C:D": 9.6, "E": 8, "F": 9.6, "G": 8, "H": 9.6, "I:J": 7.5, "K": 13, "L": 8.5,
          "M:N": 9.6, "O:P": 7.5, "Q": 38},
         {"StartupCrossings": "B5", "StartupPeaks": f"B{9 + CROSSING_ROWS}"},
-        (ChartAt("speed-time", f"P{10 + CROSSING_ROWS}", 320, 230),),
+        (ChartAt("speed-time", f"Q{10 + CROSSING_ROWS}", 268, 230),),
         on="Start",
         intro="The start from rest to EndSpeed, or to the end of pull-in or coast-down. Torques "
         "are at each element's own speed; a mesh's on its From side. Stresses here are nominal, without "
