@@ -318,6 +318,16 @@ def test_results_are_those_of_the_shipped_workbook_bit_for_bit(returned, tmp_pat
                 assert found[key] == shipped[key], key
 
 
+def printed_first(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Responses in the order of the workbook: the largest of each element and those over a limit, then the others."""
+    by_element: dict[str, list[dict[str, Any]]] = {}
+    for row in rows:
+        by_element.setdefault(row["element"], []).append(row)
+    first = {id(max(one, key=lambda row: row["torque"])) for one in by_element.values()}
+    first |= {id(row) for row in rows if row["verdict"] not in ("pass", "not judged")}
+    return sorted(rows, key=lambda row: id(row) not in first)
+
+
 @pytest.mark.slow
 @ONE_KIND
 def test_every_result_stands_where_its_table_stands_now(returned):
@@ -332,7 +342,7 @@ def test_every_result_stands_where_its_table_stands_now(returned):
     assert rows[0][0].coordinate == part_named("Steady state").at("C13")
     assert len(rows) - 1 == len(results["steady_state"])
     at = headers.index("Frequency")
-    for row, expected in zip(rows[1:], results["steady_state"], strict=True):
+    for row, expected in zip(rows[1:], printed_first(results["steady_state"]), strict=True):
         assert row[0].value == expected["element"]
         assert row[at].value == pytest.approx(expected["frequency"], rel=1e-12)
     # the engineer hid columns: a reader does not see those numbers
@@ -410,13 +420,14 @@ def test_formulas_of_the_engineer_are_fresh_or_blank(returned):
     results = json.loads(once.with_suffix(".json").read_text(encoding="utf-8"))
     foot = 0.3048 * 4.4482216152605
     largest = max(row["maximum_torque"] for row in results["startup_peaks"]) / foot
-    third = results["steady_state"][2]["torque"] / foot
+    steady = printed_first(results["steady_state"])
+    third = steady[2]["torque"] / foot
     values = own_values(once)
     assert values["largest"] == pytest.approx(largest, rel=1e-12)
     assert values["third torque"] == pytest.approx(third, rel=1e-12)
     assert values["on each other"] == pytest.approx(largest + third, rel=1e-12)
     assert values["by cell"] == pytest.approx(
-        2 * results["steady_state"][0]["torque"] / foot, rel=1e-12
+        2 * steady[0]["torque"] / foot, rel=1e-12
     )
     fails = sum(row["verdict"].startswith("fail") for row in results["separation_margins"])
     assert values["fails"] == fails
