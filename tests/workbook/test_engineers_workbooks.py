@@ -426,9 +426,7 @@ def test_formulas_of_the_engineer_are_fresh_or_blank(returned):
     assert values["largest"] == pytest.approx(largest, rel=1e-12)
     assert values["third torque"] == pytest.approx(third, rel=1e-12)
     assert values["on each other"] == pytest.approx(largest + third, rel=1e-12)
-    assert values["by cell"] == pytest.approx(
-        2 * steady[0]["torque"] / foot, rel=1e-12
-    )
+    assert values["by cell"] == pytest.approx(2 * steady[0]["torque"] / foot, rel=1e-12)
     fails = sum(row["verdict"].startswith("fail") for row in results["separation_margins"])
     assert values["fails"] == fails
     assert values["words"].startswith("Verdict: FAIL")
