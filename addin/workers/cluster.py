@@ -9,7 +9,7 @@ from __future__ import annotations
 import contextlib
 import threading
 import uuid
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 from addin.workers.pool import Answered, Crashed, Task, Workers
@@ -96,36 +96,44 @@ class Cluster(Workers):
     @property
     def threads(self) -> int:
         """Tasks that the cluster does at a time. [count]"""
-        return max(1, sum(self._client.nthreads().values()))
+        with self._unless_lost():
+            return max(1, sum(self._client.nthreads().values()))
 
     def _begun(self, task: Task) -> Any:
         payload = self.prepare(task)
         if isinstance(payload, Answered):
             return payload
         key = f"torsionbook-{uuid.uuid4().hex}"
-        return self._client.submit(_alone, task.do, payload, key=key, pure=False)
+        with self._unless_lost():
+            return self._client.submit(_alone, task.do, payload, key=key, pure=False)
 
     def prepare(self, task: Task) -> Any:
         """What is sent for a task; `Answered` where no worker is needed."""
         return task.payload
 
     def _answer(self, future: Any) -> Any:
-        from distributed import CancelledError, KilledWorker
+        from distributed import KilledWorker
 
         if future.status == "error":
             problem = future.exception()
             if isinstance(problem, KilledWorker):
                 return Crashed("workers stopped during the calculation")
             return Crashed(f"the cluster returned the error {problem!r}")
-        try:
+        with self._unless_lost():
             return future.result(timeout=PATIENCE * 30)
-        except (CancelledError, OSError, TimeoutError) as wrong:
-            raise self._lost() from wrong
 
-    def _lost(self) -> Stopped:
-        return Stopped(
-            f"Lost the connection to the Dask scheduler at {self.address}. {self._when_lost}"
-        )
+    @contextlib.contextmanager
+    def _unless_lost(self) -> Iterator[None]:
+        """Raise `Stopped` where the scheduler does not answer any more."""
+        from distributed import CancelledError
+        from distributed.client import ClosedClientError
+
+        try:
+            yield
+        except (CancelledError, ClosedClientError, OSError, TimeoutError) as wrong:
+            raise Stopped(
+                f"Lost the connection to the Dask scheduler at {self.address}. {self._when_lost}"
+            ) from wrong
 
     def close(self) -> None:
         """Give up what the cluster still has of this batch; the cluster goes on."""

@@ -279,8 +279,7 @@ def judge_run(
     with_impacts: bool = False,
     guard_share: float = 1.0,
     same_until: float = math.inf,
-    before: JudgedRun | None = None,
-    fall: float = 16.0,
+    least_change: Floats | None = None,
 ) -> JudgedRun:
     """Extremes of every element; the error is the change from h to h/2 plus the truncation.
 
@@ -307,10 +306,8 @@ def judge_run(
     same_until : float, optional
         Time from which the two runs went different ways; what comes later, and after the largest extreme, does not
         count for the error. Where the largest extreme comes later, all of that change is taken. [s]
-    before : JudgedRun, optional
-        The coarser run, judged by that at 2h. [SI]
-    fall : float, optional
-        How many times a change falls at a halving, by the order of the method; default fourth order. More is chance. [1]
+    least_change : ndarray, optional
+        What the order of the method makes of the change from 2h to h; a smaller one is chance. [1]
 
     Returns
     -------
@@ -339,7 +336,7 @@ def judge_run(
     )
     floor = np.maximum(size, NEGLIGIBLE * np.max(size, initial=0.0))
     change = change / np.where(floor > 0.0, floor, 1.0)
-    relative = change if before is None else np.maximum(change, before.change / fall)
+    relative = change if least_change is None else np.maximum(change, least_change)
     least = max(SHARED_ERROR * float(np.max(relative, initial=0.0)), LEAST_PEAK_ERROR)
     peaks = []
     for (element, i), own, scale, left_out in zip(judged, relative, floor, bound, strict=True):

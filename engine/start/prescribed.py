@@ -23,7 +23,7 @@ from engine.model.train import Train
 from engine.numerics.same_bits import product
 from engine.start.outcome import StartOutcome
 from engine.start.peaks import judge_run
-from engine.start.start import Start
+from engine.start.start import FALL, Start
 from engine.start.time_response import (
     PrescribedTorque,
     TimeResponse,
@@ -133,9 +133,10 @@ def follow(modal: ModalTrain, drive: Drive, end: float, tolerance: float, before
         return SingleRun.until(trajectory, end)
 
     coarse, fine = at(step), at(0.5 * step)
-    halvings, judged = 0, None
+    halvings, least_change = 0, None
     while True:
-        judged = judge_run(train, truncation, fine, coarse, before=judged)
+        judged = judge_run(train, truncation, fine, coarse, least_change=least_change)
+        least_change = judged.change / FALL[Method.EXPONENTIAL]
         error, bound = judged.estimated_error, judged.truncation_error
         # the present spacing is step / 2, the next one would be step / 4
         if error <= tolerance or error - bound <= 0.1 * bound or 4.0 * end / step > most:

@@ -407,12 +407,11 @@ def run_start(
     step = min(_first_step(settings, model.pulsation_omega), model.largest_step)
     prepared, coarse = prepared.to_its_end(step, histories=False)
     fine = prepared.at(0.5 * step)
-    halvings, judged = 0, None
+    fall = FALL[Method(settings.method)]
+    halvings, least_change = 0, None
     while True:
-        judged = judge_run(
-            modal.train, model.truncation, fine, coarse, before=judged,
-            fall=FALL[Method(settings.method)],
-        )  # fmt: skip
+        judged = judge_run(modal.train, model.truncation, fine, coarse, least_change=least_change)
+        least_change = judged.change / fall
         error, truncation = judged.estimated_error, judged.truncation_error
         met = error <= settings.tolerance_peak
         values = fine.trajectory.n_steps * len(model.truncation)

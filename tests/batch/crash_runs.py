@@ -27,13 +27,25 @@ from command_line import command, environment
 
 from addin.batch.folder import OWN
 from addin.batch.journal import read_journal
+from addin.contract.sheet import column_letters, column_number
+from addin.contract.sheets import SHEETS
+from addin.contract.tables import table
+
+
+def _times(*tables: str) -> tuple[str, re.Pattern[bytes]]:
+    """The sheet of tables with a column `Time`, and what its cells look like."""
+    parts = [next(part for part in SHEETS if name in part.tables) for name in tables]
+    columns = []
+    for name, part in zip(tables, parts, strict=True):
+        place = part.at(part.tables[name])
+        number = [field.name for field in table(name).workbook_columns].index("Time")
+        columns.append(column_letters(column_number(place.rstrip("0123456789")) + number))
+    cells = rf'<c r="(?:{"|".join(columns)})\d+"[^>]*><v>[^<]*</v>'
+    return parts[0].worksheet, re.compile(cells.encode())
+
 
 #: Sheets with times of the very run in them, and what they look like.
-TIMES = {
-    "Effects": re.compile(rb'<c r="H\d+"[^>]*><v>[^<]*</v>'),
-    "Accuracy": re.compile(rb'<c r="F\d+"[^>]*><v>[^<]*</v>'),
-    "Audit": re.compile(rb"[\d.]+ ms"),
-}
+TIMES = dict([_times("Effects", "AccuracyCost"), ("Audit", re.compile(rb"[\d.]+ ms"))])
 #: Columns of the summary that may differ: of twins either may come first.
 _FREE = ["Time [s]", "Same case as"]
 

@@ -165,7 +165,7 @@ def test_a_change_that_falls_faster_than_the_order_of_the_method_is_chance() -> 
         (9.9, 16, 0.1),
     ):
         third = a_run(0.0, other)
-        judged = judge_run(train, truncation, third, second, before=before, fall=fall)
+        judged = judge_run(train, truncation, third, second, least_change=before.change / fall)
         assert judged.peaks[0].error == pytest.approx(error, rel=1e-2)
         # the next finer run is judged by what was calculated, not by what was stated
         assert judged.change[0] == pytest.approx((10.0 - other) / other)

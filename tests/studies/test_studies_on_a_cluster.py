@@ -20,6 +20,8 @@ import pytest
 from addin.contract.shipped import template_path
 from addin.reading.case_json import case_to_json
 from addin.reading.workbook import read_workbook
+from addin.workers.cluster import Cluster
+from addin.workers.stop import Stopped
 from tests.dask_cluster import ROOT, Dask, wait_until
 
 pytestmark = pytest.mark.slow
@@ -181,4 +183,17 @@ def test_a_scheduler_that_is_lost_is_told_without_words_of_batches(
         assert "--resume" not in wrong
         assert not (tmp_path / "none.json").exists()
     finally:
+        own.stop()
+
+
+def test_whatever_is_asked_of_a_lost_scheduler_says_so(tmp_path: Path) -> None:
+    own = Dask(tmp_path / "cluster")
+    cluster = Cluster(own.address, lambda: "1")
+    try:
+        assert cluster.threads >= 1
+        own.stop()
+        with pytest.raises(Stopped, match="Lost the connection to the Dask scheduler"):
+            cluster.threads  # noqa: B018
+    finally:
+        cluster.close()
         own.stop()
