@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from addin.contract.tables import Field, TableSpec
 from addin.contract.units import RATED_TORQUE, parse_unit
@@ -16,8 +16,60 @@ from torsionbook.extras import extra
 if TYPE_CHECKING:
     import pandas as pd
 
+    from addin.reading.typed_case import CaseInput
+
 #: What a frame may be asked in: SI and radians, or the units of the two blank workbooks.
 UNITS = ("base", "us", "si")
+
+
+class Tables:
+    """What has tables, which can be had as records and as frames."""
+
+    _specs: ClassVar[Sequence[TableSpec]]  #: Its tables, in their order.
+    _kind: ClassVar[str]  #: What they are called in a message. [words]
+    _read: CaseInput  #: The case they are of. [SI]
+
+    def _records(self, spec: TableSpec) -> Iterable[Mapping[str, Any]]:
+        """Rows of a table as they are in the JSON. [SI]"""
+        raise NotImplementedError
+
+    @property
+    def tables(self) -> tuple[str, ...]:
+        """Tables that have rows. [names]"""
+        return tuple(spec.name for spec in self._specs if self._records(spec))
+
+    def rows(self, table: str) -> tuple[Mapping[str, Any], ...]:
+        """The rows of a table as records that cannot be written to.
+
+        Parameters
+        ----------
+        table : str
+            Its name, such as ``Elements`` or ``StartupPeaks``; ``docs/results.md`` lists those of results. [name]
+
+        Returns
+        -------
+        tuple of mapping
+            By JSON key; a blank has no key. [SI]
+        """
+        return frozen(self._records(table_called(table, self._specs, self._kind)))
+
+    def table(self, table: str, units: str = "base") -> pd.DataFrame:
+        """The rows of a table as a frame.
+
+        Parameters
+        ----------
+        table : str
+            Its name. [name]
+        units : str, optional
+            ``base`` (SI and radians), ``us`` or ``si`` (those of the blank workbooks). [word]
+
+        Returns
+        -------
+        pandas.DataFrame
+            A column a JSON key; ``attrs["units"]`` says the unit of each. [those units]
+        """
+        spec = table_called(table, self._specs, self._kind)
+        return frame_of(self.rows(table), spec, units, self._read.data.ratings.rated_torque)
 
 
 def table_called(word: str, tables: Sequence[TableSpec], what: str) -> TableSpec:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from os import PathLike
 from pathlib import Path
@@ -11,7 +11,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, TypeGuard
 
 from addin.contract.shipped import template_folder, template_path
-from addin.contract.tables import EVERY_INPUT, SCALARS, STUDY_INPUT_TABLES
+from addin.contract.tables import EVERY_INPUT, SCALARS, STUDY_INPUT_TABLES, TableSpec
 from addin.reading.case_json import case_to_json, read_case_json, typed_input, typed_rows
 from addin.reading.input_names import NamedInput, WrongName, entry_of, named_input
 from addin.reading.one_file import Unreadable, read_checked
@@ -19,11 +19,11 @@ from addin.reading.typed_case import CaseInput, Findings, Place, TypedCase
 from addin.studies.check_input import check_input
 from addin.template.filled import MixedUnits, example_of
 from addin.xlsx.whole_files import write_json, write_whole
-from torsionbook.frames import frame_of, frozen, plain, rows_of, table_called
+from torsionbook.frames import Tables, plain, rows_of, table_called
 from torsionbook.problems import InputError, Problem, records, refuse
 
 if TYPE_CHECKING:
-    import pandas as pd
+    pass
 
 #: A value of an input: a number in SI, a text with its unit such as ``"20 MN*m/rad"``, a word, None = blank.
 Value: TypeAlias = "float | int | str | None"
@@ -88,11 +88,14 @@ class Check:
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Input:
+class Input(Tables):
     """Everything that is stated of a train. It does not change: `change` gives a new one.
 
     Made by `read`.
     """
+
+    _specs = EVERY_INPUT
+    _kind = "input table"
 
     _read: CaseInput = field(repr=False)
 
@@ -103,6 +106,9 @@ class Input:
         return (
             f"<Input '{title}': {rows['Stations']} stations, {rows['Elements']} elements, {what}>"
         )
+
+    def _records(self, spec: TableSpec) -> Sequence[Mapping[str, Any]]:
+        return self.to_json().get(spec.key, ())  # type: ignore[no-any-return]
 
     # ---- looking -------------------------------------------------------------------------------
 
@@ -122,46 +128,6 @@ class Input:
         data = self._read.data
         values = {spec.name: getattr(data, spec.attribute) for spec in SCALARS}
         return MappingProxyType({name: v for name, v in values.items() if v is not None})
-
-    @property
-    def tables(self) -> tuple[str, ...]:
-        """Input tables that have rows. [names]"""
-        content = self.to_json()
-        return tuple(spec.name for spec in EVERY_INPUT if content.get(spec.key))
-
-    def rows(self, table: str) -> tuple[Mapping[str, Any], ...]:
-        """The rows of an input table as records.
-
-        Parameters
-        ----------
-        table : str
-            Its name, such as ``Elements``. [name]
-
-        Returns
-        -------
-        tuple of mapping
-            By JSON key, as in the case JSON; a blank has no key. [SI]
-        """
-        spec = table_called(table, EVERY_INPUT, "input table")
-        return frozen(self.to_json().get(spec.key, ()))
-
-    def table(self, table: str, units: str = "base") -> pd.DataFrame:
-        """The rows of an input table as a frame.
-
-        Parameters
-        ----------
-        table : str
-            Its name, such as ``Elements``. [name]
-        units : str, optional
-            ``base`` (SI and radians), ``us`` or ``si`` (those of the blank workbooks). [word]
-
-        Returns
-        -------
-        pandas.DataFrame
-            A column a JSON key; ``attrs["units"]`` says the unit of each. [those units]
-        """
-        spec = table_called(table, EVERY_INPUT, "input table")
-        return frame_of(self.rows(table), spec, units, self._read.data.ratings.rated_torque)
 
     def value(self, name: str) -> Value:
         """One input by its name.

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, cast
 
 from addin.calculation.calculation import Calculation
 from addin.charts.data import chart_blocks
 from addin.contract.charts import CHARTS
-from addin.contract.tables import RESULT_TABLES
+from addin.contract.tables import RESULT_TABLES, TableSpec
 from addin.contract.version import product_version
 from addin.reading.typed_case import CaseInput
 from addin.reading.workbook import WorkbookInput
@@ -18,7 +18,7 @@ from addin.writing.recalculate import recalculate_case
 from addin.writing.results_json import results_to_json, table_rows
 from addin.writing.workbook import chosen_elements
 from torsionbook.extras import extra
-from torsionbook.frames import frame_of, frozen, table_called
+from torsionbook.frames import Tables
 from torsionbook.inputs import Input, Source, read
 from torsionbook.problems import refuse
 
@@ -33,14 +33,20 @@ _DRAWN_APART = ("train", "shapes")
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Results:
+class Results(Tables):
     """Everything one run answers. Made by `run` and `recalculate`."""
+
+    _specs = RESULT_TABLES
+    _kind = "result table"
 
     _read: CaseInput = field(repr=False)
     _calculation: Calculation = field(repr=False)
 
     def __repr__(self) -> str:
         return f"<Results of '{self._read.data.title or ''}': {self.headline or self.outcome}>"
+
+    def _records(self, spec: TableSpec) -> Iterable[Mapping[str, Any]]:
+        return table_rows(spec.name, self._calculation.tables.get(spec.name, ()))
 
     @property
     def input(self) -> Input:
@@ -71,46 +77,6 @@ class Results:
     def warnings(self) -> tuple[str, ...]:
         """What a reader must know beside the numbers. [sentences]"""
         return self._calculation.warnings
-
-    @property
-    def tables(self) -> tuple[str, ...]:
-        """Result tables that have rows. [names]"""
-        tables = self._calculation.tables
-        return tuple(spec.name for spec in RESULT_TABLES if tables.get(spec.name))
-
-    def rows(self, table: str) -> tuple[Mapping[str, Any], ...]:
-        """The rows of a result table as records that cannot be written to.
-
-        Parameters
-        ----------
-        table : str
-            Its name, such as ``StartupPeaks``; ``docs/results.md`` lists all. [name]
-
-        Returns
-        -------
-        tuple of mapping
-            By JSON key, as in the results JSON; a blank has no key. [SI]
-        """
-        spec = table_called(table, RESULT_TABLES, "result table")
-        return frozen(table_rows(spec.name, self._calculation.tables.get(spec.name, ())))
-
-    def table(self, table: str, units: str = "base") -> pd.DataFrame:
-        """The rows of a result table as a frame.
-
-        Parameters
-        ----------
-        table : str
-            Its name, such as ``StartupPeaks``. [name]
-        units : str, optional
-            ``base`` (SI and radians), ``us`` or ``si`` (those of the blank workbooks). [word]
-
-        Returns
-        -------
-        pandas.DataFrame
-            A column a JSON key; ``attrs["units"]`` says the unit of each. [those units]
-        """
-        spec = table_called(table, RESULT_TABLES, "result table")
-        return frame_of(self.rows(table), spec, units, self._read.data.ratings.rated_torque)
 
     @property
     def histories(self) -> tuple[str, ...]:

@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from addin.contract.tables import RESULT_TABLES, STUDY_RESULT_TABLES, table
+from addin.contract.tables import RESULT_TABLES, STUDY_RESULT_TABLES, TableSpec, table
 from addin.contract.version import product_version
 from addin.reading.typed_case import CaseInput
 from addin.recorded.studies import RecordedStudy
@@ -18,20 +18,22 @@ from addin.studies.run_study import calculate_study, to_json
 from addin.studies.study import Study, StudyResult, wrong_setting
 from addin.workers.opened_map import open_parallel_map
 from torsionbook.extras import extra
-from torsionbook.frames import frame_of, frozen, table_called
+from torsionbook.frames import Tables
 from torsionbook.inputs import Source, read
 from torsionbook.problems import refuse
 
 if TYPE_CHECKING:
-    import pandas as pd
     from matplotlib.figure import Figure
 
 _TABLES = (*STUDY_RESULT_TABLES, *RESULT_TABLES)
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class StudyResults:
+class StudyResults(Tables):
     """What a study showed. Made by `study`."""
+
+    _specs = _TABLES
+    _kind = "result table"
 
     _study: Study = field(repr=False)
     _read: CaseInput = field(repr=False)
@@ -40,6 +42,9 @@ class StudyResults:
 
     def __repr__(self) -> str:
         return f"<Results of study {self._study.command}: {self.sentence}>"
+
+    def _records(self, spec: TableSpec) -> Sequence[Mapping[str, Any]]:
+        return self.to_json().get(spec.key, ())  # type: ignore[no-any-return]
 
     @property
     def sentence(self) -> str:
@@ -50,46 +55,6 @@ class StudyResults:
     def warnings(self) -> tuple[str, ...]:
         """What the engineer should know. [sentences]"""
         return self._warnings
-
-    @property
-    def tables(self) -> tuple[str, ...]:
-        """Result tables that have rows. [names]"""
-        content = self.to_json()
-        return tuple(spec.name for spec in _TABLES if content.get(spec.key))
-
-    def rows(self, table: str) -> tuple[Mapping[str, Any], ...]:
-        """The rows of a result table as records that cannot be written to.
-
-        Parameters
-        ----------
-        table : str
-            Its name, such as ``TuningResults``. [name]
-
-        Returns
-        -------
-        tuple of mapping
-            By JSON key, as in the JSON of the study; a blank has no key. [SI]
-        """
-        spec = table_called(table, _TABLES, "result table")
-        return frozen(self.to_json().get(spec.key, ()))
-
-    def table(self, table: str, units: str = "base") -> pd.DataFrame:
-        """The rows of a result table as a frame.
-
-        Parameters
-        ----------
-        table : str
-            Its name, such as ``TuningResults``. [name]
-        units : str, optional
-            ``base`` (SI and radians), ``us`` or ``si`` (those of the blank workbooks). [word]
-
-        Returns
-        -------
-        pandas.DataFrame
-            A column a JSON key; ``attrs["units"]`` says the unit of each. [those units]
-        """
-        spec = table_called(table, _TABLES, "result table")
-        return frame_of(self.rows(table), spec, units, self._read.data.ratings.rated_torque)
 
     @property
     def plots(self) -> tuple[str, ...]:

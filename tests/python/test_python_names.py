@@ -43,7 +43,7 @@ def test_every_public_method_is_annotated_and_described(name):
     if inspect.isclass(thing):
         members += [
             m.fget if isinstance(m, property) else m
-            for key, m in vars(thing).items()
+            for key, m in inspect.getmembers_static(thing)
             if not key.startswith("_") and (inspect.isfunction(m) or isinstance(m, property))
         ]
     for member in members:
