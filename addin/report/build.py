@@ -1,4 +1,4 @@
-"""Results → document: all sections in order, numbered."""
+"""Results → document: chapters for whoever decides, appendices for whoever checks the calculation."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from addin.report.document import Document, numbered
 from addin.report.figures import Charts, Pictures
 from addin.report.layout import fitted
 from addin.report.numbers import clean
+from addin.report.reader_words import for_readers
 from addin.report.subject import Subject
 from addin.report.units import document_units
 from addin.writing.workbook import chosen_elements
@@ -72,7 +73,9 @@ def build_document(
         blocks = {**blocks, "ChartAccuracy": accuracy_block(study.rows)}
     pictures = Pictures(Charts.of(blocks), vectors, pixels)
     alerts = (*alerts, *(clean(note) for note in shown.notes))
-    subject = Subject(name, calculation, read, shown, pictures, alerts, show_times, study, against)
+    subject = Subject(
+        name, calculation, read, shown, pictures, alerts, show_times, study, recorded, against
+    )
     sections = (
         opening.summary(subject),
         opening.scope(subject),
@@ -86,6 +89,8 @@ def build_document(
         starting.fatigue(subject),
         *((operation.events(subject),) if calculation.results.events else ()),
         *((studies.studies(subject, recorded),) if recorded else ()),
+    )
+    appendices = (
         closing.effects(subject),
         closing.accuracy(subject),
         closing.equations(subject),
@@ -95,7 +100,7 @@ def build_document(
     cover = opening.cover_of(subject)
     return Document(
         cover=cover,
-        sections=numbered(fitted(sections)),
+        sections=numbered(fitted([*map(for_readers, sections)]), fitted(appendices)),
         name=shortened(subject.words("document"), 40),
         revision=shortened(subject.words("revision"), 12),
         short_title=shortened(cover.title, _HEAD),

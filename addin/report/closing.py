@@ -12,7 +12,6 @@ from addin.contract.sources import REFERENCES
 from addin.report.document import Column, Facts, Listing, Paragraph, Section, Table, section
 from addin.report.equations import EQUATIONS, METHODS, by
 from addin.report.numbers import clean, scientific
-from addin.report.opening import signatures
 from addin.report.subject import Subject
 from addin.report.tables import without_blanks
 from engine.case.result_words import NoNumber
@@ -156,7 +155,7 @@ def equations(subject: Subject) -> Section:
 
 
 def checks(subject: Subject) -> Section:
-    """Arithmetic done twice, and room for the checker."""
+    """Arithmetic done twice, and what the checker looks at."""
     kinds = {"Check": "sentence", "Values": "number", "Largest difference": "number",
              "Result": "verdict"}  # fmt: skip
     columns = tuple(Column(header, "", kind) for header, kind in kinds.items())
@@ -179,16 +178,13 @@ def checks(subject: Subject) -> Section:
         "Check that damping, SCF and S-N data are justified.",
         "Check that the effects left out are acceptable for this train.",
         "Check that verdicts marked not judged or incomplete have been resolved.",
-        "Check that the digest on the cover equals that of the file: torsionbook verify FILE.",
+        "Check that the digest in the audit equals that of the file: torsionbook verify FILE.",
     )
     return section(
-        "Checks and signatures",
+        "Check calculations",
         Paragraph(sentence),
         Table("Check calculations", columns, tuple(rows)) if rows else None,
-        parts=(
-            section("To be checked by hand", Listing(by_hand, "☐")),
-            section("Signatures", signatures(subject)),
-        ),
+        parts=(section("To be checked by hand", Listing(by_hand, "☐")),),
     )
 
 

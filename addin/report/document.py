@@ -5,6 +5,8 @@ Text is plain text: both writers show it as it is, whatever signs it holds.
 
 from __future__ import annotations
 
+import itertools
+import string
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -127,7 +129,17 @@ class Section:
     title: str  #: Heading.
     blocks: tuple[Block, ...] = ()  #: Content before the subsections.
     parts: tuple[Section, ...] = ()  #: Subsections.
-    number: str = ""  #: Such as ``3`` or ``3.2``.
+    number: str = ""  #: Such as ``3`` or ``3.2``; of an appendix ``A`` or ``A.2``.
+
+    @property
+    def is_appendix(self) -> bool:
+        """Whether it is one, not a part of one."""
+        return self.number in [*string.ascii_uppercase]
+
+    @property
+    def is_first_appendix(self) -> bool:
+        """Whether the appendices begin with it, on a page of their own."""
+        return self.number == string.ascii_uppercase[0]
 
 
 def section(title: str, *blocks: Block | None, parts: Iterable[Section] = ()) -> Section:
@@ -155,7 +167,7 @@ class Document:
     """A whole report."""
 
     cover: Cover  #: First page.
-    sections: tuple[Section, ...]  #: The others.
+    sections: tuple[Section, ...]  #: The chapters, then the appendices, numbered by letters.
     name: str  #: Document number and revision, on every page.
     revision: str  #: Likewise.
     short_title: str  #: Title for the head of each page.
@@ -175,8 +187,10 @@ class Document:
         return dict(self.cover.signatures.rows).get("Prepared by", "")
 
 
-def numbered(sections: Sequence[Section]) -> tuple[Section, ...]:
-    """Sections with their numbers, and their tables, figures and equations counted through."""
+def numbered(
+    sections: Sequence[Section], appendices: Sequence[Section] = ()
+) -> tuple[Section, ...]:
+    """Chapters and appendices with their numbers, and their tables, figures and equations counted through."""
     counts = {Table: 0, Figure: 0, Equation: 0}
 
     def counted(block: Block) -> Block:
@@ -185,12 +199,15 @@ def numbered(sections: Sequence[Section]) -> tuple[Section, ...]:
             return replace(block, number=counts[type(block)])
         return block
 
-    def with_numbers(sections: Sequence[Section], head: str) -> tuple[Section, ...]:
+    def with_numbers(sections: Sequence[Section], numbers: Iterable[str]) -> tuple[Section, ...]:
         made = []
-        for k, section in enumerate(sections, start=1):
+        for section, number in zip(sections, numbers, strict=False):
             blocks = tuple(map(counted, section.blocks))
-            parts = with_numbers(section.parts, f"{head}{k}.")
-            made.append(replace(section, blocks=blocks, parts=parts, number=f"{head}{k}"))
+            parts = with_numbers(section.parts, (f"{number}.{k}" for k in itertools.count(1)))
+            made.append(replace(section, blocks=blocks, parts=parts, number=number))
         return tuple(made)
 
-    return with_numbers(sections, "")
+    return (
+        *with_numbers(sections, map(str, itertools.count(1))),
+        *with_numbers(appendices, string.ascii_uppercase),
+    )

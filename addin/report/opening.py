@@ -35,8 +35,7 @@ _NEAREST = 5
 _WARNINGS = 15
 #: What no calculation of this program covers, whatever the inputs.
 _NOT_COVERED = (
-    "Short circuits at the motor (three-phase, line-to-line) and fast reclosing of the line, unless "
-    "their torque is given in table TorqueTime.",
+    "Short circuits at the motor and fast reclosing of the line that are not among the inputs.",
     "Lateral and axial vibration, except lateral motion of gears with bearing data.",
     "Keys, keyways, interference fits and hub stresses beyond the SCF stated for an element.",
     "Measured behaviour: frequencies and damping are calculated or assumed; where a "
@@ -64,13 +63,12 @@ def cover_of(subject: Subject) -> Cover:
         ("Revision", subject.words("revision") or "not given"),
         ("Client", subject.words("client") or "not given"),
         ("Equipment tag", subject.words("tag") or "not given"),
-        ("Input file", clean(subject.name)),
         ("Calculated", f"{date:%Y-%m-%d %H:%M} UTC"),
         ("Software", calculation.stamp.software),
-        ("Inputs, SHA-256", digest),
+        ("Inputs", f"{short_digest(digest)} (SHA-256; the whole of it in the audit)"),
     )
     prepared, checked = subject.words("prepared_by"), subject.words("checked_by")
-    description = f"Inputs, SHA-256: {short_digest(digest)}"
+    description = f"Inputs {short_digest(digest)}"
     first = (subject.words("revision"), f"{date:%Y-%m-%d}", description, prepared, checked, "")
     earlier = [] if subject.against is None else _earlier(subject.against)
     blank = [("",) * len(first)] * _BLANK_REVISIONS
@@ -124,20 +122,42 @@ def summary(subject: Subject) -> Section:
     note = "A check needs a limit in the inputs; results without a limit are shown but not judged."
     warnings = [clean(warning) for warning in subject.calculation.warnings]
     if len(warnings) > _WARNINGS:
-        rest = f"And {len(warnings) - _WARNINGS} more; section Audit has them all."
+        rest = f"And {len(warnings) - _WARNINGS} more; the audit has them all."
         warnings = [*warnings[:_WARNINGS], rest]
     listed = Listing(tuple(warnings)) if warnings else Paragraph("There are no warnings.")
     remaining = Listing(tuple(conclusions(subject)))
     return section(
         "Summary",
         subject.table("Verdicts", note=note),
-        *([subject.table("StandardRequirements")] if subject.rows("StandardRequirements") else []),
         parts=(
+            *_standard(subject),
             section("Key figures", Facts(tuple(_key_figures(subject)))),
             section("Warnings of the calculation", listed),
             section("Conclusions and what remains to be done", remaining),
         ),
     )
+
+
+def _standard(subject: Subject) -> Iterator[Section]:
+    """What the standard asks for, where one is named."""
+    if subject.rows("StandardRequirements"):
+        yield section("Standard and requirements", subject.table("StandardRequirements"))
+
+
+def _from_studies(subject: Subject) -> Iterator[str]:
+    """What a study of these inputs found, as something to do."""
+    for study in subject.recorded:
+        rows = study.tables.get("TuningResults", ())
+        best = next((row for row in rows if row.get("Rank") == 1), None)
+        if study.outdated or best is None:
+            continue
+        if best.get("As is") is True:
+            yield f"None of the other {len(rows) - 1} combinations calculated is better than the train as it is."
+        else:
+            yield (
+                f"Best of {len(rows)} combinations calculated: {clean(str(best['Combination']))}. "
+                f"{clean(str(best['Reason']))}"
+            )
 
 
 def conclusions(subject: Subject) -> Iterator[str]:
@@ -164,8 +184,8 @@ def conclusions(subject: Subject) -> Iterator[str]:
             "" if start is None or is_counted(start) else f" The start is {start.outcome.outcome}."
         )
         yield (
-            f"Not judged, or only in part: {', '.join(open_checks)}. Table Verdicts names the elements; "
-            f"this report makes no statement on them.{ended}"
+            f"Not judged, or only in part: {', '.join(open_checks)}. The table of verdicts names the "
+            f"elements; this report makes no statement on them.{ended}"
         )
     near = _nearest_modes(subject)
     for mode in near:
@@ -184,11 +204,9 @@ def conclusions(subject: Subject) -> Iterator[str]:
             "Field test: not required by these margins; if made, measure torque during the start "
             "to confirm damping and peaks."
         )
+    yield from _from_studies(subject)
     if subject.against is None:
-        yield (
-            "No other design is compared here; to compare, use torsionbook report FILE --against "
-            "OTHER."
-        )
+        yield "No other design is compared here."
 
 
 def _nearest_modes(subject: Subject) -> list[int]:
@@ -279,21 +297,19 @@ def largest_peak(subject: Subject) -> str:
 
 def scope(subject: Subject) -> Section:
     """What was calculated, from what, by which conventions, and what was not."""
-    kind = "workbook" if subject.shown.is_workbook else "case file"
     stamp = subject.calculation.stamp
     basis = (
-        "This document reports the torsional vibration analysis of the train described in "
-        f"the {kind} {clean(subject.name)}. All results were calculated from that file by "
-        f"{stamp.software} when the document was made; none were copied from stored results. "
-        "The same inputs give the same digest (SHA-256 of the inputs in SI to twelve digits, "
-        "on the cover), which identifies the inputs of the results."
+        "This document reports the torsional vibration analysis of the train on the cover. All "
+        f"results were calculated by {stamp.software} from the inputs printed here when the document "
+        "was made; none were copied from stored results. The digest at the foot of each page "
+        "identifies these inputs."
     )
     covered = (
         "Natural frequencies, mode shapes and energies; separation margins against each continuous "
         "excitation; forced response.",
         "The start from rest, with the pulsation of the motor at twice slip frequency sweeping down "
         "through the modes; torque reversals; fatigue damage of one start and allowable starts.",
-        "Effects simulated, effects left out and why, with a bound where known.",
+        "Effects simulated, effects left out and why, with a bound where known (appendix A).",
     )
     limits = (term for term in NOTES["Limits of this version"] if term[0] != "Reference")
     return section(

@@ -82,6 +82,8 @@ def _section(section: Section) -> dict[str, Any]:
     return {
         "number": section.number,
         "title": clean(section.title),
+        "opens": section.is_first_appendix,
+        "appendix": section.is_appendix,
         "blocks": [{**_block(block), "held": k < held} for k, block in enumerate(section.blocks)],
         "parts": [_section(part) for part in section.parts],
     }

@@ -51,16 +51,11 @@ def start(subject: Subject) -> Section:
 
 
 def _not_drawn(subject: Subject) -> str:
-    """How many elements have no picture, and how to have one."""
+    """How many elements have no picture."""
     rows = len(subject.rows("StartupPeaks"))
     if rows <= HISTORIES:
         return ""
-    choose = (
-        "to draw others, name them above the charts of sheet Start."
-        if subject.shown.is_workbook
-        else "in a workbook the engineer chooses them."
-    )
-    return f" {HISTORIES} of {rows} elements are drawn; {choose}"
+    return f" {HISTORIES} of {rows} elements are drawn."
 
 
 def _conditions(subject: Subject) -> Section:

@@ -24,7 +24,7 @@ Row = Mapping[str, Any]
 
 #: Rows shown of long tables. [count]
 _BEST, _REASONS, _MOST = 10, 5, 12
-_ALL = "all rows are in the workbook"
+_ALL = "the complete list is kept with the calculation"
 
 
 def studies(subject: Subject, recorded: Sequence[RecordedStudy]) -> Section:
@@ -43,8 +43,8 @@ def studies(subject: Subject, recorded: Sequence[RecordedStudy]) -> Section:
         One part a study.
     """
     sentence = (
-        "Studies are calculated by separate commands and stored in the workbook. This "
-        "document prints those that belong to its inputs and does not recalculate them."
+        "Studies are many calculations, made before this document. Those of its inputs are "
+        "printed as recorded."
     )
     parts = [_part(_Study(subject.shown, subject.pictures, study)) for study in recorded]
     return section("Studies", Paragraph(sentence), parts=parts)
@@ -93,11 +93,7 @@ def _part(study: _Study) -> Section:
     recorded = study.recorded
     title, blocks = _PARTS.get(recorded.key) or (recorded.on_sheet.sheet, _every_table)
     if recorded.outdated:
-        command = recorded.on_sheet.command
-        sentence = (
-            f"Out of date and omitted: sheet {recorded.on_sheet.sheet} contains a study; "
-            f"{recorded.outdated}. Run torsionbook {command} FILE to update it."
-        )
+        sentence = f"Out of date and omitted: {recorded.outdated}."
         return section(title, Paragraph(clean(sentence), "alert"))
     return section(
         title,
@@ -152,7 +148,7 @@ def _tuning(study: _Study) -> Iterator[Block | None]:
     )  # fmt: skip
     yield study.table(
         "TuningResults", "Reasons for the ranking", ("Rank", "Reason"),
-        "Numbers in the text use the units typed in the workbook.", until(_REASONS),
+        "Numbers in the text are in the units typed.", until(_REASONS),
     )  # fmt: skip
     axes, lines = study.rows("TuningAxes"), study.rows("TuningLines")
     if not axes or len(lines) < 2:

@@ -11,6 +11,7 @@ from addin.contract.problems import shortened
 from addin.diff.changes import Differences
 from addin.reading.typed_case import CaseInput
 from addin.recorded.results import RecordedAccuracy
+from addin.recorded.studies import RecordedStudy
 from addin.report.document import Table
 from addin.report.figures import Pictures
 from addin.report.numbers import clean
@@ -33,6 +34,7 @@ class Subject:
     alerts: tuple[str, ...]  #: What must be known before anything is read.
     show_times: bool  #: Whether measured times are shown; they differ from run to run.
     study: RecordedAccuracy | None = None  #: The study of accuracy in the workbook. [SI]
+    recorded: Sequence[RecordedStudy] = ()  #: Other studies in the workbook. [SI]
     against: Differences | None = None  #: An earlier calculation and this one. [SI]
 
     def rows(self, table: str) -> Sequence[Mapping[str, Any]]:

@@ -224,7 +224,7 @@ def left_out(shown: int, total: int, what: str, why: str) -> str:
     """What a table does not show."""
     if shown == total:
         return ""
-    rest = "all rows are in the workbook and in the JSON"
+    rest = "the complete list is kept with the calculation"
     return f"{shown} of {total} {what} are shown, {why}; {rest}."
 
 

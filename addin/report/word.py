@@ -76,6 +76,11 @@ def docx_of(document: Document) -> bytes:
     return _undated(made.getvalue())
 
 
+def _heading(section: Section) -> str:
+    """Number and title. [text]"""
+    return f"{'Appendix ' if section.is_appendix else ''}{section.number}  {section.title}"
+
+
 def _undated(packed: bytes) -> bytes:
     """The same package with one fixed time on all its parts, so that equal content is equal bytes."""
     made = io.BytesIO()
@@ -205,7 +210,7 @@ class _Writer:
         shape.tab_stops.add_tab_stop(Mm(TEXT_WIDTH), WD_TAB_ALIGNMENT.RIGHT, 1)
         link = _element("w:hyperlink", anchor=_anchor(section), history="1")
         paragraph._p.append(link)
-        _run(paragraph, f"{section.number}  {section.title}\t", 10.0 if level == 1 else 9.5, _INK,
+        _run(paragraph, f"{_heading(section)}\t", 10.0 if level == 1 else 9.5, _INK,
              bold=level == 1, into=link)  # fmt: skip
         _field(paragraph, f"PAGEREF {_anchor(section)} \\h", "", 9.5, _INK, into=link)
 
@@ -217,7 +222,8 @@ class _Writer:
         self.bookmarks += 1
         start = _element("w:bookmarkStart", id=self.bookmarks, name=_anchor(section))
         heading._p.append(start)
-        heading.add_run(f"{section.number}  {section.title}")
+        heading.paragraph_format.page_break_before = section.is_first_appendix or None
+        heading.add_run(_heading(section))
         heading._p.append(_element("w:bookmarkEnd", id=self.bookmarks))
         held = held_paragraphs(section)
         for k, block in enumerate(section.blocks):
