@@ -18,6 +18,7 @@ from addin.cli.terminal import (
     stages_of,
     writing,
 )
+from addin.report.company import CompanyFileError, read_logo, read_word_template
 from addin.report.make import report as make
 from addin.xlsx.places import real_path
 
@@ -39,6 +40,20 @@ def report(
             show_default=False,
         ),
     ] = None,
+    logo: Annotated[
+        Path | None,
+        typer.Option(
+            help="Logo of your company for the cover: PNG, JPEG or SVG.", show_default=False
+        ),
+    ] = None,
+    word_template: Annotated[
+        Path | None,
+        typer.Option(
+            help="Word document (.docx, .dotx) whose styles, page set-up, heads and feet the Word "
+            "document takes.",
+            show_default=False,
+        ),
+    ] = None,
     force: ForceOption = False,
 ) -> None:
     """Write the calc sheet as a document: PDF, Word, or both.
@@ -48,6 +63,8 @@ def report(
     Example: `torsionbook report train.xlsx --pdf train.pdf --docx train.docx`
 
     Example: `torsionbook report rev1.xlsx --pdf rev1.pdf --against rev0.xlsx`
+
+    Example: `torsionbook report train.xlsx --docx train.docx --logo logo.png --word-template letter.dotx`
     """
     wanted = {name: path for name, path in (("pdf", pdf), ("docx", docx)) if path is not None}
     if not wanted:
@@ -62,8 +79,21 @@ def report(
     for name, path in wanted.items():
         _refuse(name, path, force)
 
+    if word_template is not None and docx is None:
+        raise typer.BadParameter(
+            "--word-template is for a Word document: name it with --docx OUT.docx."
+        )
+    try:
+        picture = None if logo is None else read_logo(logo, for_word=docx is not None)
+        template = None if word_template is None else read_word_template(word_template)
+    except CompanyFileError as wrong:
+        raise failed(str(wrong)) from None
+
     with writing(next(iter(wanted.values()))), progress() as tell:
-        done = make(file, pdf=pdf, docx=docx, against=against, on_stage=stages_of(file, tell))
+        done = make(
+            file, pdf=pdf, docx=docx, against=against, logo=picture, word_template=template,
+            on_stage=stages_of(file, tell),
+        )  # fmt: skip
     for sentence in done.notes:
         typer.echo(f"{file}: note: {sentence}", err=True)
     if done.problems:

@@ -7,7 +7,9 @@ a user typed is data for both writers, never markup.
 module       responsibility
 ===========  =====================================================================================
 `formula`    typeset formulas as plain data that either writer sets
+`company`    logo and Word template of a company
 `document`   the frozen model: sections, paragraphs, facts, tables, figures, equations
+`plain`      names of the program in words of a reader
 `equations`  the equations of the calculation and where they come from
 `layout`     what fits on a page: widths of columns, and blocks that stay together
 `numbers`    numbers and units as a reader sees them

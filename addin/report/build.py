@@ -16,7 +16,7 @@ from addin.report.document import Document, numbered
 from addin.report.figures import Charts, Pictures
 from addin.report.layout import fitted
 from addin.report.numbers import clean
-from addin.report.reader_words import for_readers
+from addin.report.plain import for_readers
 from addin.report.subject import Subject
 from addin.report.units import document_units
 from addin.writing.workbook import chosen_elements

@@ -11,6 +11,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from addin.report.company import Logo
 from addin.report.formula import Node
 from engine.case.result_words import Judgement
 
@@ -174,6 +175,7 @@ class Document:
     foot: str  #: Program and digest of the inputs, at the foot of each page.
     paper: str  #: ``a4`` or ``us-letter``.
     date: int  #: Seconds since 1970, UTC; the date written into the file. [s]
+    logo: Logo | None = None  #: Of the company, on the cover.
 
     @property
     def head(self) -> str:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import io
 import math
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -175,9 +175,15 @@ class Pictures:
         return self.panels(("speed-time",), f"Motor speed against time{where}")
 
     def panels(
-        self, names: Sequence[str], caption: str, *, titled: bool = False, same_x: bool = False
+        self,
+        names: Sequence[str],
+        caption: str,
+        *,
+        titled: bool = False,
+        same_x: bool = False,
+        more: Callable[[Sequence[Any]], None] | None = None,
     ) -> Figure | None:
-        """Charts below each other in one picture; None where none has anything to show."""
+        """Charts below each other in one picture, with `more` drawn on them; None where none has anything to show."""
         specs = [CHARTS[name] for name in names if self.has_curve(name)]
         if not specs:
             return None
@@ -191,6 +197,8 @@ class Pictures:
                     ax.set_title(_short(self._words(spec.title), 110))
                     ax.axhline(0.0, color="#808080", linewidth=0.6)
             axes[-1].set_xlabel(self._words(specs[-1].x.title))
+            if more is not None:
+                more(axes)
             return self._picture(drawing, caption)
 
     def has_curve(self, name: str) -> bool:
@@ -344,17 +352,61 @@ class Pictures:
 
     # ---- histories -----------------------------------------------------------------------------
 
-    def histories(self, together: int = 2) -> list[Figure]:
-        """Torque, stress or tooth load of the drawn elements, several below each other."""
+    def histories(self, synchronous: float | None, together: int = 2) -> list[Figure]:
+        """Torque, stress or tooth load of the drawn elements, several below each other, as the paper's Figures 7 and 8.
+
+        Parameters
+        ----------
+        synchronous : float or None
+            Synchronous speed, for the axis of per cent speed above. [rad/s]
+        together : int
+            Elements a picture. [count]
+        """
+
+        def more(axes: Sequence[Any]) -> None:
+            self._percent_speed(axes[0], synchronous)
+            for ax in axes:
+                self._crossed_modes(ax)
+
         drawn = [f"history {k}" for k in range(1, HISTORIES + 1) if self.has_curve(f"history {k}")]
         pictures = []
         for start in range(0, len(drawn), together):
             some = drawn[start : start + together]
             titles = "; ".join(self._words(CHARTS[name].title) for name in some)
             pictures.append(
-                self.panels(some, f"Start against time: {titles}", titled=True, same_x=True)
+                self.panels(
+                    some, f"Start against time: {titles}", titled=True, same_x=True, more=more
+                )
             )
         return [picture for picture in pictures if picture is not None]
+
+    def _percent_speed(self, ax: Any, synchronous: float | None) -> None:
+        """Per cent speed above a picture against time, where the speed first gets there."""
+        time, speed = self.charts.pair("ChartSpeedTime", "Time", "Speed")
+        if not synchronous or time.size < 2:
+            return
+        reached = np.maximum.accumulate(speed) / (synchronous * 30.0 / math.pi)
+        shares = np.arange(math.ceil(10.0 * reached[0]), math.floor(10.0 * reached[-1]) + 1) / 10.0
+        above = ax.secondary_xaxis("top")
+        above.set_xticks(
+            [float(time[np.searchsorted(reached, share)]) for share in shares],
+            [f"{100.0 * share:.0f}" for share in shares],
+            fontsize=6.5,
+        )
+        above.set_xlabel("Speed [%]", fontsize=7)
+
+    def _crossed_modes(self, ax: Any) -> None:
+        """Where 2 × slip frequency crosses a mode."""
+        columns = self.charts.columns["ChartCrossings"]
+        for k, time in enumerate(columns["Time"], start=1):
+            name = self.charts.labels.get(f"Crossing {k}", "")
+            if time is None or not name.strip():
+                continue
+            ax.axvline(time, color=PALETTE["rust"], linewidth=0.6, linestyle=":")
+            ax.annotate(
+                name.partition(":")[0], (time, 1.0), xycoords=("data", "axes fraction"), xytext=(-2, -2),
+                textcoords="offset points", ha="right", va="top", color=PALETTE["rust"], fontsize=6.5,
+            )  # fmt: skip
 
     def reversal(self) -> Figure | None:
         """Torque around the deepest reversal: all of it, closely, and the forces then."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
@@ -17,6 +17,7 @@ from addin.reading.typed_case import CaseInput
 from addin.reading.workbook import WorkbookInput
 from addin.recorded.results import recorded_fact
 from addin.report.build import build_document
+from addin.report.company import Logo
 from addin.report.pdf import pdf_of
 from addin.report.units import document_units
 from addin.report.word import docx_of
@@ -41,6 +42,8 @@ def report(
     pdf: Path | None = None,
     docx: Path | None = None,
     against: Path | None = None,
+    logo: Logo | None = None,
+    word_template: bytes | None = None,
     on_stage: Callable[[str], None] | None = None,
 ) -> Reported:
     """Calculate an input and write its report.
@@ -54,6 +57,10 @@ def report(
     against : Path, optional
         An earlier revision: a workbook, a case JSON or a result JSON. The report says what changed
         since. [path]
+    logo : Logo, optional
+        Of the company, for the cover.
+    word_template : bytes, optional
+        The .docx whose styles, page and heads the Word document takes.
     on_stage : callable, optional
         Called with a word on what is being done.
 
@@ -93,8 +100,10 @@ def report(
         show_times=not os.environ.get("SOURCE_DATE_EPOCH"),
         against=differences,
     )
+    document = replace(document, logo=logo)
     made: dict[Path, bytes] = {}
-    for form, path, content in (("PDF", pdf, pdf_of), ("DOCX", docx, docx_of)):
+    word = partial(docx_of, template=word_template)
+    for form, path, content in (("PDF", pdf, pdf_of), ("DOCX", docx, word)):
         if path is not None:
             tell(f"typesetting the {form}")
             made[path] = content(document)

@@ -63,6 +63,8 @@ def _document(document: Document) -> dict[str, Any]:
         "foot": document.foot,
         "cover": {
             "kind": cover.kind,
+            "logo": None if document.logo is None else [*document.logo.data],
+            "logo_form": "" if document.logo is None else document.logo.form,
             "title": soft(cover.title, _TITLE),
             "subtitle": soft(cover.subtitle, 2 * _TITLE),
             "verdict": cover.verdict,

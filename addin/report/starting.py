@@ -39,7 +39,7 @@ def start(subject: Subject) -> Section:
     field = startup.get("pull_in")
     if field:
         parts.append(_pull_in(subject, field))
-    histories = subject.pictures.histories()
+    histories = subject.pictures.histories(subject.calculation.case.ratings.synchronous_speed)
     if histories:
         note = (
             "Each point drawn is calculated; long histories are drawn as minimum and maximum of "

@@ -15,7 +15,6 @@ from typing import Any
 from addin.contract.palette import PALETTE
 from addin.report.document import (
     Block,
-    Cover,
     Document,
     Equation,
     Facts,
@@ -37,7 +36,10 @@ try:
     from docx.enum.text import WD_ALIGN_PARAGRAPH, WD_BREAK, WD_TAB_ALIGNMENT
     from docx.oxml import OxmlElement
     from docx.oxml.ns import qn
-    from docx.shared import Mm, Pt, RGBColor
+    from docx.shared import Emu, Mm, Pt, RGBColor
+
+    #: Width, left and right margin of a page whose template states none.
+    _USUAL = (Mm(210), Mm(20), Mm(20))
 except ImportError:  # `torsionbook report` says so before anything is calculated
     pass
 
@@ -64,10 +66,18 @@ _TONES = {
 }
 
 
-def docx_of(document: Document) -> bytes:
-    """The .docx of a document."""
-    writer = _Writer(document)
-    writer.cover(document.cover)
+def docx_of(document: Document, template: bytes | None = None) -> bytes:
+    """The .docx of a document.
+
+    Parameters
+    ----------
+    document : Document
+        What it says.
+    template : bytes, optional
+        A .docx whose styles, page, heads and feet it takes; what its pages say is left out.
+    """
+    writer = _Writer(document, template)
+    writer.cover(document)
     writer.contents(document.sections)
     for section in document.sections:
         writer.section(section, 1)
@@ -96,15 +106,25 @@ def _undated(packed: bytes) -> bytes:
 class _Writer:
     """One .docx under construction."""
 
-    def __init__(self, document: Document) -> None:
-        self.file = new_document()
+    def __init__(self, document: Document, template: bytes | None) -> None:
+        self.file = new_document(None if template is None else io.BytesIO(template))
+        self.is_own = template is None
         self.bookmarks = 0
         self.style_ids: dict[str, str] = {}
+        if template is not None:
+            self._empty()
         self._properties(document)
         self._styles()
         self._page(document)
 
     # ---- the whole -----------------------------------------------------------------------------
+
+    def _empty(self) -> None:
+        """Take out what the pages of a template say; its last section stays, and with it page, heads and feet."""
+        body = self.file.element.body
+        for part in list(body):
+            if part is not body.sectPr:
+                body.remove(part)
 
     def _properties(self, document: Document) -> None:
         about = self.file.core_properties
@@ -117,41 +137,61 @@ class _Writer:
 
     def _styles(self) -> None:
         normal = self.file.styles["Normal"]
-        _font(normal, _TEXT_FONT, 10.0)
-        normal.paragraph_format.space_after = Pt(5)
-        normal.paragraph_format.line_spacing = 1.08
+        if self.is_own:
+            _font(normal, _TEXT_FONT, 10.0)
+            normal.paragraph_format.space_after = Pt(5)
+            normal.paragraph_format.line_spacing = 1.08
         for level, size, before, after in ((1, 15.0, 22.0, 7.0), (2, 12.0, 14.0, 5.0)):
-            style = self.file.styles[f"Heading {level}"]
+            style = self._style(f"Heading {level}")
+            if style is None:
+                continue
             _font(style, _TABLE_FONT, size, _NAVY, bold=True)
             shape = style.paragraph_format
             shape.space_before, shape.space_after = Pt(before), Pt(after)
             shape.keep_with_next = True
-        _border(self.file.styles["Heading 1"].element.get_or_add_pPr(), "bottom", _NAVY, 8)
+            if level == 1:
+                _border(style.element.get_or_add_pPr(), "bottom", _NAVY, 8)
         for name, font, size, colour, after in (
             ("Report caption", _TEXT_FONT, 9.0, _INK, 4.0),
             ("Report note", _TEXT_FONT, 8.5, _GREY, 10.0),
             ("Report cell", _TABLE_FONT, 7.5, _INK, 0.0),
             ("Report fact", _TEXT_FONT, 9.5, _INK, 0.0),
         ):
-            style = self.file.styles.add_style(name, WD_STYLE_TYPE.PARAGRAPH)
+            style = self._style(name)
+            if style is None:
+                continue
             style.base_style = normal
-            _font(style, font, size, colour)
+            _font(style, font if self.is_own else normal.font.name or font, size, colour)
             style.paragraph_format.space_after = Pt(after)
             style.paragraph_format.line_spacing = 1.0
-        self.file.styles["Report caption"].paragraph_format.space_before = Pt(10)
+            if name == "Report caption":
+                style.paragraph_format.space_before = Pt(10)
+
+    def _style(self, name: str) -> Any:
+        """A style to be set; None where a template has set it."""
+        if name in self.file.styles:
+            return self.file.styles[name] if self.is_own else None
+        return self.file.styles.add_style(name, WD_STYLE_TYPE.PARAGRAPH)
 
     def _page(self, document: Document) -> None:
         page = self.file.sections[0]
-        width, height = _PAPERS[document.paper]
-        page.page_width, page.page_height = Mm(width), Mm(height)
-        page.left_margin = page.right_margin = Mm((width - TEXT_WIDTH) / 2.0)
-        page.top_margin, page.bottom_margin = Mm(25), Mm(22)
-        page.header_distance = page.footer_distance = Mm(11)
-        page.different_first_page_header_footer = True
-        head = page.header.paragraphs[0]
-        self._line(head, document.head, document.short_title)
-        _border(head._p.get_or_add_pPr(), "bottom", _RULE, 4)
+        if self.is_own:
+            width, height = _PAPERS[document.paper]
+            page.page_width, page.page_height = Mm(width), Mm(height)
+            page.left_margin = page.right_margin = Mm((width - TEXT_WIDTH) / 2.0)
+            page.top_margin, page.bottom_margin = Mm(25), Mm(22)
+            page.header_distance = page.footer_distance = Mm(11)
+            page.different_first_page_header_footer = True
+        sides = (page.page_width, page.left_margin, page.right_margin)
+        whole, left, right = (side or default for side, default in zip(sides, _USUAL, strict=True))
+        self.width = (whole - left - right) / Mm(1)
+        if not self._says_something(page.header):
+            head = page.header.paragraphs[0]
+            self._line(head, document.head, document.short_title)
+            _border(head._p.get_or_add_pPr(), "bottom", _RULE, 4)
         for footer in (page.footer, page.first_page_footer):
+            if self._says_something(footer):
+                continue
             foot = footer.paragraphs[0]
             self._line(foot, document.foot, "Page ")
             _field(foot, "PAGE", "1")
@@ -159,15 +199,31 @@ class _Writer:
             _field(foot, "NUMPAGES", "1")
             _border(foot._p.get_or_add_pPr(), "top", _RULE, 4)
 
+    def _says_something(self, margin: Any) -> bool:
+        """Whether a head or foot of a template holds more than a blank line."""
+        if self.is_own or margin.is_linked_to_previous:
+            return False
+        return bool(
+            len(margin._element) > 1 or len(margin._element.xpath(".//w:t|.//w:drawing|.//w:pict"))
+        )
+
     def _line(self, paragraph: Any, left: str, right: str) -> None:
         self._styled(paragraph, "Report cell")
-        paragraph.paragraph_format.tab_stops.add_tab_stop(Mm(TEXT_WIDTH), WD_TAB_ALIGNMENT.RIGHT)
+        paragraph.paragraph_format.tab_stops.add_tab_stop(Mm(self.width), WD_TAB_ALIGNMENT.RIGHT)
         _run(paragraph, f"{left}\t{right}", 8.0, _GREY)
 
     # ---- cover and contents --------------------------------------------------------------------
 
-    def cover(self, cover: Cover) -> None:
+    def cover(self, document: Document) -> None:
         """The first page."""
+        if document.logo is not None:
+            paragraph = self.file.add_paragraph()
+            paragraph.alignment = WD_ALIGN_PARAGRAPH.RIGHT
+            picture = paragraph.add_run().add_picture(io.BytesIO(document.logo.data), height=Mm(14))
+            if picture.width > Mm(60):
+                picture.height = Emu(round(picture.height * Mm(60) / picture.width))
+                picture.width = Mm(60)
+        cover = document.cover
         size = next(s for n, s in _TITLES if len(cover.title) > n)
         box = self._box(_NAVY, "", 7.0)
         _run(box, cover.kind.upper(), 10.0, "FFFFFF", font=_TABLE_FONT)
@@ -207,7 +263,7 @@ class _Writer:
         shape = paragraph.paragraph_format
         shape.left_indent = Mm(6.0 * (level - 1))
         shape.space_before = Pt(5.0 if level == 1 else 1.0)
-        shape.tab_stops.add_tab_stop(Mm(TEXT_WIDTH), WD_TAB_ALIGNMENT.RIGHT, 1)
+        shape.tab_stops.add_tab_stop(Mm(self.width), WD_TAB_ALIGNMENT.RIGHT, 1)
         link = _element("w:hyperlink", anchor=_anchor(section), history="1")
         paragraph._p.append(link)
         _run(paragraph, f"{_heading(section)}\t", 10.0 if level == 1 else 9.5, _INK,
@@ -289,7 +345,7 @@ class _Writer:
         """The cells of a table, its header repeated on each page."""
         together = stays_together(table)
         lines = [[column.header for column in table.columns], *table.rows]
-        rows = self._rows(len(lines), column_widths(table), "Report cell")
+        rows = self._rows(len(lines), column_widths(table, self.width), "Report cell")
         for k, ((row, cells), texts) in enumerate(zip(rows, lines, strict=True)):
             if not k:
                 _row_setting(row, "w:tblHeader")
@@ -346,7 +402,7 @@ class _Writer:
 
     def facts(self, rows: Sequence[tuple[str, str]], width: float) -> None:
         """Names and values."""
-        grid = self._rows(len(rows), (width, TEXT_WIDTH - width), "Report fact")
+        grid = self._rows(len(rows), (width, self.width - width), "Report fact")
         for k, ((_, cells), texts) in enumerate(zip(grid, rows, strict=True), start=1):
             for cell, text, colour in zip(cells, texts, (_NAVY, _INK), strict=True):
                 paragraph = cell.paragraphs[0]
@@ -360,7 +416,8 @@ class _Writer:
             ("", "Name", "Signature", "Date"),
             *((role, name, "", "") for role, name in box.rows),
         ]
-        rows = self._rows(len(lines), (26.0, 57.0, 57.0, 30.0), "Report cell")
+        share = self.width / TEXT_WIDTH
+        rows = self._rows(len(lines), [w * share for w in (26.0, 57.0, 57.0, 30.0)], "Report cell")
         for k, ((row, cells), texts) in enumerate(zip(rows, lines, strict=True)):
             if k:
                 row.height = Mm(height)
@@ -379,7 +436,7 @@ class _Writer:
         shape = paragraph.paragraph_format
         shape.keep_with_next = True
         shape.space_before, shape.space_after = Pt(6), Pt(2)
-        pixels, width = io.BytesIO(figure.png), Mm(figure.width - 1.0)
+        pixels, width = io.BytesIO(figure.png), Mm(min(figure.width, self.width) - 1.0)
         picture = paragraph.add_run().add_picture(pixels, width=width)
         picture._inline.docPr.set("descr", figure.caption)
         picture._inline.docPr.set("name", f"Figure {figure.number}")
@@ -392,8 +449,8 @@ class _Writer:
         line = self.file.add_paragraph()
         line.paragraph_format.keep_with_next = True
         stops = line.paragraph_format.tab_stops
-        stops.add_tab_stop(Mm(TEXT_WIDTH / 2.0), WD_TAB_ALIGNMENT.CENTER)
-        stops.add_tab_stop(Mm(TEXT_WIDTH), WD_TAB_ALIGNMENT.RIGHT)
+        stops.add_tab_stop(Mm(self.width / 2.0), WD_TAB_ALIGNMENT.CENTER)
+        stops.add_tab_stop(Mm(self.width), WD_TAB_ALIGNMENT.RIGHT)
         line.add_run("\t")
         line._p.append(_element("m:oMath", *_omml(equation.formula)))
         line.add_run(f"\t({equation.number})")
@@ -420,9 +477,9 @@ class _Writer:
 
     def _box(self, ground: str, edge: str, inset: float) -> Any:
         """The first paragraph of a coloured box as wide as the text."""
-        grid = self._grid(1, (TEXT_WIDTH,))
+        grid = self._grid(1, (self.width,))
         cell = grid.rows[0].cells[0]
-        cell.width = Mm(TEXT_WIDTH)
+        cell.width = Mm(self.width)
         _shade(cell, ground)
         sizes = (round(size * _TWENTIETHS) for size in (inset, 5.0))
         cell._tc.get_or_add_tcPr().append(_margins("w:tcMar", *sizes))

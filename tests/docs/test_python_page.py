@@ -46,7 +46,7 @@ def test_the_page_lists_every_name():
     ):
         listed = re.search(start + r"(.*) \|", table)[1]
         fields = [f.name for f in dataclasses.fields(described)]
-        members = {n for n in (*vars(described), *fields) if not n.startswith("_")}
+        members = {n for n in (*dir(described), *fields) if not n.startswith("_")}
         assert set(re.findall(r"`(\w+)(?:\(\))?`", listed)) == members
     results = text[text.index("## Results") : text.index("## Workbooks without Excel")]
     for name in vars(tb.Results):

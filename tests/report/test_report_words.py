@@ -12,7 +12,7 @@ from addin.contract.tables import EVERY_INPUT, RESULT_TABLES, SCALARS
 from addin.reading.one_file import read_checked
 from addin.report.build import build_document
 from addin.report.document import Document, Facts, Listing, Paragraph, Section, Table
-from addin.report.reader_words import plain
+from addin.report.plain import plain
 from addin.writing.recalculate import recalculate_case
 
 NAMES = [
