@@ -103,6 +103,8 @@ class SheetPart:
         self._index_rows()
         self._formula_before: dict[tuple[int, int], bool] = {}
         self._extent: Rect | None = None
+        # Styles of columns, by the first and the last of them.
+        self._known_styles: dict[tuple[int, int], tuple[str | None, ...]] = {}
         # Long blocks that still stand as they were written; they do not overlap.
         self._blocks: list[_Block] = []
 
@@ -643,11 +645,14 @@ class SheetPart:
 
     def _column_styles(self, rect: Rect) -> tuple[str | None, ...]:
         """Style of each column of a rectangle, as far as the sheet gives columns a style."""
-        styles: list[str | None] = [None] * rect.width
-        for first, last, style in self._styled_columns:
-            for column in range(max(first, rect.left), min(last, rect.right) + 1):
-                styles[column - rect.left] = style
-        return tuple(styles)
+        place = rect.left, rect.right
+        if place not in self._known_styles:
+            styles: list[str | None] = [None] * rect.width
+            for first, last, style in self._styled_columns:
+                for column in range(max(first, rect.left), min(last, rect.right) + 1):
+                    styles[column - rect.left] = style
+            self._known_styles[place] = tuple(styles)
+        return self._known_styles[place]
 
     def _default_styles(
         self, number: int, column_styles: tuple[str | None, ...]
