@@ -188,6 +188,14 @@ class SheetPart:
                 held[at + column] = self.constant(number, column)
         return held
 
+    def as_written(self, rect: Rect) -> Iterator[Sequence[CellValue]] | None:
+        """Values of a rectangle in a long block that stands as it was written, without blank rows below; else None."""
+        block = next((one for one in self._blocks if one.rect.covers(rect)), None)
+        if block is None:
+            return None
+        start, left = rect.top - block.rect.top, rect.left - block.rect.left
+        return (row[left : left + rect.width] for row in block.rows[start : start + rect.height])
+
     def style(self, row: int, column: int) -> str | None:
         """Style index that a cell has, or would have if it were written now."""
         return self.row_styles(Rect(row, column, row, column))[0]
