@@ -90,7 +90,9 @@ def _standing(workbook: Workbook, columns: tuple[int, int], printed: Mapping[str
             return holds_data(written or ()) or holds_data([part.constants(table.data)])
         if written is not None:
             return any(
-                not (value is None or isinstance(value, Formula)) for row in written for value in row
+                not (value is None or isinstance(value, Formula))
+                for row in written
+                for value in row
             )
         return any(at not in part.formulas for at in part.filled_cells(table.data))
 

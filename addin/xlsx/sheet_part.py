@@ -62,6 +62,9 @@ class _Block(NamedTuple):
 
     rect: Rect
     rows: Sequence[Sequence[CellValue]]
+    numbers: Sequence[
+        Sequence[str]
+    ]  #: Texts of the numbers of the first of these rows (`values.rows_xml`).
 
 
 class SheetPart:
@@ -187,6 +190,18 @@ class SheetPart:
             for column in range(rect.left, rect.right + 1):
                 held[at + column] = self.constant(number, column)
         return held
+
+    def number_texts(self, rect: Rect) -> list[str | None] | None:
+        """Texts of a column of numbers that stands as it was written, whole ones with ``.0``; else None."""
+        block = next((one for one in self._blocks if one.rect.covers(rect)), None)
+        if block is None or rect.width > 1:
+            return None
+        start, left = rect.top - block.rect.top, rect.left - block.rect.left
+        stop = min(start + rect.height, len(block.rows))
+        if stop > len(block.numbers):
+            return None
+        texts = [row[left] for row in block.numbers[start:stop]]
+        return texts + [None] * (rect.height - len(texts))
 
     def as_written(self, rect: Rect) -> Iterator[Sequence[CellValue]] | None:
         """Values of a rectangle in a long block that stands as it was written, without blank rows below; else None."""
@@ -336,7 +351,9 @@ class SheetPart:
             self._row_as_it_is(number) if number in self._rows else None
             for number in range(rect.top, rect.bottom + 1)
         ]
-        texts = rows_xml(rect.top, starts, self._styles(rect, there, styles), [*rows, *blank])
+        texts, numbers = rows_xml(
+            rect.top, starts, self._styles(rect, there, styles), [*rows, *blank]
+        )
         self._graft(rect, texts)
         for offset, text in enumerate(texts):
             for shift, value in enumerate(rows[offset]) if FORMULA_CUT in text else ():
@@ -344,7 +361,7 @@ class SheetPart:
                     self._note_formula(rect.top + offset, rect.left + shift, value.text)
         self._forget_blocks(rect)
         if len(rows) > 1:
-            self._blocks.append(_Block(rect, rows))
+            self._blocks.append(_Block(rect, rows, numbers))
         self._note_extent(rect)
         self._touch()
         return texts

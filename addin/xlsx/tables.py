@@ -182,7 +182,9 @@ def stored_table(data: bytes, sheet: str, part: str) -> Table:
     """The table of a part as stored."""
     if len(data) > _LONG_PART:
         return _parsed_table(parse_part(data, part), sheet, part)
-    return replace(_known_table(data, sheet, part))  # what it finds of itself ends with its workbook
+    return replace(
+        _known_table(data, sheet, part)
+    )  # what it finds of itself ends with its workbook
 
 
 @lru_cache(maxsize=_MOST_KEPT)
