@@ -8,6 +8,7 @@ The formulas are plain ones of Excel 2010: none is volatile, none an array formu
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
+from functools import lru_cache
 
 from addin.contract.field import Field, TableSpec
 from addin.contract.input_tables import INPUT_TABLES
@@ -114,6 +115,7 @@ def _unit_rows() -> Iterator[tuple[str, str, UnitScale]]:
 UNIT_ROWS: tuple[tuple[str, str, UnitScale], ...] = tuple(_unit_rows())
 
 
+@lru_cache(maxsize=256)
 def unit_rows(*quantities: str) -> tuple[int, int]:
     """First and last row of table `InputUnits` with units of some quantities, counted from 0."""
     rows = [k for k, row in enumerate(UNIT_ROWS) if row[0] in quantities]
@@ -123,6 +125,11 @@ def unit_rows(*quantities: str) -> tuple[int, int]:
 # --- formulas -------------------------------------------------------------------------------------
 
 
+# Workbooks of one template have the same formulas.
+_kept = lru_cache(maxsize=2048)
+
+
+@_kept
 def factor_now(
     unit: str, stored: str, factor: str, of_quantity: tuple[str, str], known: tuple[str, str]
 ) -> str:
@@ -150,6 +157,7 @@ def is_speed(unit: str, stored: str, was_speed: bool, speeds: str) -> str:
     return f"IF(EXACT({unit},{stored}),{int(was_speed)},SUMPRODUCT(1*({speeds}={unit})))"
 
 
+@_kept
 def changed_words(live: str, copy: str, renamed: str = "") -> str:
     """How many cells of a column, or whether a scalar, hold other words; `renamed` as of `changed_numbers`."""
     # EXACT tells capitals apart; where it takes no ranges, what differs otherwise is found still. In ranges it
@@ -171,6 +179,7 @@ def word_in_copy(words: Sequence[str], word: str) -> float:
     ) * 123456789012345.0  # all digits: programs write exponents in their own way
 
 
+@_kept
 def changed_numbers(
     live: str,
     copy: str,

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 from addin.contract.field import Field, TableSpec
@@ -131,6 +131,7 @@ class _Copy:
         entries: dict[int, Mapping[str, Entry]] = dict(
             zip(self.read.locations.rows[spec.name], self.read.typed.tables[spec.name], strict=True)
         )
+        fields, with_speed = compared_columns(spec), FULL_SPEED in copy_columns(spec)
         rows = []
         for k in range(1, table.data.height + 1):
             typed = entries.get(k, {})
@@ -140,9 +141,9 @@ class _Copy:
                 self._number(typed.get(field.name), of, field.choices)
                 if field.is_number
                 else self._words(spec.name, field, table.data.top + k - 1)
-                for field in compared_columns(spec)
+                for field in fields
             ]
-            rows.append([*row, self._full_speed(of)] if FULL_SPEED in copy_columns(spec) else row)
+            rows.append([*row, self._full_speed(of)] if with_speed else row)
         return rows
 
     def _number(
@@ -173,7 +174,7 @@ class _Copy:
     def _checks(self) -> Iterator[list[Any]]:
         """Rows of table `InputChecks`; an input that the workbook lacks is not compared."""
         row = self.read.workbook.tables[CHECKS].data.top
-        same = Formula(changed_words(self._digest_cell(), self._cell("Value", row)))
+        same = _formula(changed_words(self._digest_cell(), self._cell("Value", row)))
         yield [OF_THE_RESULTS, self.digest, None, None, None, same]
         row += 1
         for field in COMPARED_SCALARS:
@@ -231,7 +232,7 @@ class _Copy:
             changed = changed_numbers(one.live, copy, renamed=one.renamed)
         else:
             changed = changed_words(one.live, copy, one.renamed)
-        return [one.name, value, None, None, None, Formula(changed)]
+        return [one.name, value, None, None, None, _formula(changed)]
 
     def _with_unit(self, one: _Input, copy: str, unit_at: tuple[str, str]) -> Sequence[Any]:
         sheet, cell = unit_at
@@ -259,8 +260,8 @@ class _Copy:
         return [
             text or None,
             self._worth(scale),
-            Formula(factor_now(at, stored, factor, of_quantity, known)),
-            Formula(
+            _formula(factor_now(at, stored, factor, of_quantity, known)),
+            _formula(
                 changed_numbers(
                     one.live, copy, now, speed, full, one.renamed, words=one.field.choices
                 )
@@ -272,24 +273,35 @@ class _Copy:
     def _cell(self, column: str, row: int) -> str:
         """A cell of table `InputChecks`."""
         at = self._column(CHECKS, column)
-        return str(absolute_range(Rect(row, at, row, at)))
+        return _range(row, at, row, at)
 
     def _units(self, column: str, first: int = 0, last: int = len(UNIT_ROWS) - 1) -> str:
         """Cells of table `InputUnits`, of all rows or of some."""
         top, at = self.read.workbook.tables[UNITS].data.top, self._column(UNITS, column)
-        return str(absolute_range(Rect(top + first, at, top + last, at)))
+        return _range(top + first, at, top + last, at)
 
     def _cells(self, copy: str, column: str, table: str) -> str:
         """A column of a copy, with as many rows as the table has."""
         top, at = self.read.workbook.tables[copy].data.top, self._column(copy, column)
         rows = self.read.locations.tables[table].data.height
-        return str(absolute_range(Rect(top, at, top + rows - 1, at)))
+        return _range(top, at, top + rows - 1, at)
 
     def _column(self, table: str, name: str) -> int:
         held = self.read.workbook.tables[table]
         return held.ref.left + held.column_index(name)
 
 
+# Workbooks of one template have the same cells and formulas.
+_kept = lru_cache(maxsize=4096)
+_formula = _kept(Formula)
+
+
+@_kept
+def _range(top: int, left: int, bottom: int, right: int) -> str:
+    return absolute_range(Rect(top, left, bottom, right))
+
+
+@_kept
 def _reference(sheet: str, cell: str) -> str:
     """A cell as a formula of another sheet names it."""
     return f"{quoted_sheet(sheet)}!{absolute_range(Rect(*parse_cell(cell), *parse_cell(cell)))}"

@@ -13,7 +13,7 @@ from addin.contract.print_areas import (
     printed_areas,
 )
 from addin.contract.sheets import SHEETS
-from addin.xlsx import Workbook
+from addin.xlsx import Formula, Workbook
 from addin.xlsx.references import Rect, parse_range, split_areas, split_sheet
 
 _CHART_TABLES = frozenset(table.name for table in CHART_TABLES)
@@ -85,8 +85,15 @@ def _standing(workbook: Workbook, columns: tuple[int, int], printed: Mapping[str
         if table is None:
             return False
         part = workbook.sheet_part(table.sheet)
+        written = part.as_written(table.data)
         if name in _CHART_TABLES:
-            return holds_data([part.constants(table.data)])
+            return holds_data(written or ()) or holds_data([part.constants(table.data)])
+        if written is not None:
+            return any(
+                not (value is None or isinstance(value, Formula))
+                for row in written
+                for value in row
+            )
         return any(at not in part.formulas for at in part.filled_cells(table.data))
 
     return Standing(rows, has_content)

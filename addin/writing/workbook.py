@@ -399,9 +399,9 @@ def read_shown_units(
         table = workbook.tables.get(spec.name)
         if table is None or not table.header_row or table.header_row < 2:
             continue
-        for offset, header in enumerate(table.columns):
-            cell = cell_name(table.header_row - 1, table.ref.left + offset)
-            text = workbook.shown_value(table.sheet, cell)
+        above = table.ref._replace(top=table.header_row - 1, bottom=table.header_row - 1)
+        shown = workbook.sheet_part(table.sheet).constants(above)
+        for header, text in zip(table.columns, shown, strict=True):
             if isinstance(text, str):
                 names[spec.name, header] = text.strip()
     return shown_units(names, rated_torque)

@@ -10,6 +10,7 @@ from __future__ import annotations
 import re
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from html import escape, unescape
 from math import isclose, isfinite
@@ -28,7 +29,16 @@ from addin.xlsx.values import Constant, ErrorValue, are_plain_numbers
 from addin.xlsx.xml_part import CHART, Element, has_misleading_tags, is_utf8, parse_part, serialise
 
 Area = tuple[str, Rect]
-Shown = Callable[[str, Rect], Sequence[Constant]]
+
+
+@dataclass(frozen=True)
+class Shown:
+    """What the cells of a rectangle of a sheet show."""
+
+    values: Callable[[str, Rect], Sequence[Constant]]  #: Their values, row by row.
+    #: Texts of a column of numbers, whole ones with ``.0``; None where they are not at hand.
+    number_texts: Callable[[str, Rect], list[str | None] | None]
+
 
 _F, _PT_COUNT, _PT, _LEVEL = (f"{{{CHART}}}{tag}" for tag in ("f", "ptCount", "pt", "lvl"))
 _VALUES = frozenset([_PT_COUNT, _PT, _LEVEL])
@@ -125,8 +135,8 @@ class ChartPart:
         touched : tuple of callable
             Whether a rectangle of a sheet holds a changed cell; whether it holds one that may have changed: then a
             cache is renewed only if it does not carry the values.
-        shown : callable
-            Values that the cells of a rectangle of a sheet show, row by row.
+        shown : Shown
+            What cells show.
         known : dict
             Points that other charts of the workbook draw, too, by kind, prefix and areas; added to.
         """
@@ -242,7 +252,7 @@ def _is_old(kind: str, held: dict[str, str | None], areas: list[Area], shown: Sh
     """Whether a cache carries other values than its cells show; one with several levels is not judged."""
     if kind == _MULTI_LEVEL:
         return False
-    values = [value for sheet, rect in areas for value in shown(sheet, rect)]
+    values = [value for sheet, rect in areas for value in shown.values(sheet, rect)]
     expected = {
         str(index): text
         for index, value in enumerate(values)
@@ -266,12 +276,21 @@ def _cache_xml(kind: str, areas: list[Area], shown: Shown, prefix: str) -> str:
     """Count and points of a range."""
     if kind == _MULTI_LEVEL:
         return _levels_xml(areas, shown, prefix)
-    values = [value for sheet, rect in areas for value in shown(sheet, rect)]
+    if kind == _NUMBERS and len(areas) == 1:
+        texts = shown.number_texts(*areas[0])
+        if texts is not None:
+            return _numbers_xml(texts, prefix)
+    values = [value for sheet, rect in areas for value in shown.values(sheet, rect)]
     if kind != _NUMBERS:
         points = [_text_point(value) for value in values]
         return f'<{prefix}ptCount val="{len(points)}"/>{_points_xml(points, prefix)}'
     # Text and errors have none, as a spreadsheet program leaves them out too.
-    numbers = values if are_plain_numbers(values) else [_number_of(value) for value in values]
+    if are_plain_numbers(values):
+        return _numbers_xml(values, prefix)
+    return _numbers_xml([_number_of(value) for value in values], prefix)
+
+
+def _numbers_xml(numbers: Sequence[str | float | None], prefix: str) -> str:
     xml = f'<{prefix}ptCount val="{len(numbers)}"/>{_points_xml(numbers, prefix)}'
     # Whole numbers without a point, as `number_text` writes them.
     return xml.replace(f".0</{prefix}v>", f"</{prefix}v>")
@@ -292,7 +311,7 @@ def _levels_xml(areas: list[Area], shown: Shown, prefix: str) -> str:
             if by_columns
             else Rect(line, rect.left, line, rect.right)
         )
-        points = [_text_point(value) for value in shown(sheet, area)]
+        points = [_text_point(value) for value in shown.values(sheet, area)]
         levels.append(f"<{prefix}lvl>{_points_xml(points, prefix)}</{prefix}lvl>")
     return f'<{prefix}ptCount val="{count}"/>' + "".join(levels)
 

@@ -303,7 +303,7 @@ def _sheet(settings: Mapping[str, Setting], code_name: str) -> bytes:
     code = f"<sheetPr codeName={quoteattr(code_name)}/>" if code_name else ""
     starts, no_styles = ('<c r="A', '<c r="B'), (None, None)
     named = [(name, None if value == "" else value) for name, value in settings.items()]
-    texts = rows_xml(1, starts, [no_styles] * len(named), named)
+    texts, _ = rows_xml(1, starts, [no_styles] * len(named), named)
     rows = "".join(f'<row r="{i}">{text}</row>' for i, text in enumerate(texts, start=1))
     return (
         f'{_DECLARATION}<worksheet xmlns="{MAIN}">{code}'

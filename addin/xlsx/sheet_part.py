@@ -62,6 +62,9 @@ class _Block(NamedTuple):
 
     rect: Rect
     rows: Sequence[Sequence[CellValue]]
+    numbers: Sequence[
+        Sequence[str]
+    ]  #: Texts of the numbers of the first of these rows (`values.rows_xml`).
 
 
 class SheetPart:
@@ -103,6 +106,8 @@ class SheetPart:
         self._index_rows()
         self._formula_before: dict[tuple[int, int], bool] = {}
         self._extent: Rect | None = None
+        # Styles of columns, by the first and the last of them.
+        self._known_styles: dict[tuple[int, int], tuple[str | None, ...]] = {}
         # Long blocks that still stand as they were written; they do not overlap.
         self._blocks: list[_Block] = []
 
@@ -185,6 +190,26 @@ class SheetPart:
             for column in range(rect.left, rect.right + 1):
                 held[at + column] = self.constant(number, column)
         return held
+
+    def number_texts(self, rect: Rect) -> list[str | None] | None:
+        """Texts of a column of numbers that stands as it was written, whole ones with ``.0``; else None."""
+        block = next((one for one in self._blocks if one.rect.covers(rect)), None)
+        if block is None or rect.width > 1:
+            return None
+        start, left = rect.top - block.rect.top, rect.left - block.rect.left
+        stop = min(start + rect.height, len(block.rows))
+        if stop > len(block.numbers):
+            return None
+        texts = [row[left] for row in block.numbers[start:stop]]
+        return texts + [None] * (rect.height - len(texts))
+
+    def as_written(self, rect: Rect) -> Iterator[Sequence[CellValue]] | None:
+        """Values of a rectangle in a long block that stands as it was written, without blank rows below; else None."""
+        block = next((one for one in self._blocks if one.rect.covers(rect)), None)
+        if block is None:
+            return None
+        start, left = rect.top - block.rect.top, rect.left - block.rect.left
+        return (row[left : left + rect.width] for row in block.rows[start : start + rect.height])
 
     def style(self, row: int, column: int) -> str | None:
         """Style index that a cell has, or would have if it were written now."""
@@ -326,7 +351,9 @@ class SheetPart:
             self._row_as_it_is(number) if number in self._rows else None
             for number in range(rect.top, rect.bottom + 1)
         ]
-        texts = rows_xml(rect.top, starts, self._styles(rect, there, styles), [*rows, *blank])
+        texts, numbers = rows_xml(
+            rect.top, starts, self._styles(rect, there, styles), [*rows, *blank]
+        )
         self._graft(rect, texts)
         for offset, text in enumerate(texts):
             for shift, value in enumerate(rows[offset]) if FORMULA_CUT in text else ():
@@ -334,7 +361,7 @@ class SheetPart:
                     self._note_formula(rect.top + offset, rect.left + shift, value.text)
         self._forget_blocks(rect)
         if len(rows) > 1:
-            self._blocks.append(_Block(rect, rows))
+            self._blocks.append(_Block(rect, rows, numbers))
         self._note_extent(rect)
         self._touch()
         return texts
@@ -643,11 +670,14 @@ class SheetPart:
 
     def _column_styles(self, rect: Rect) -> tuple[str | None, ...]:
         """Style of each column of a rectangle, as far as the sheet gives columns a style."""
-        styles: list[str | None] = [None] * rect.width
-        for first, last, style in self._styled_columns:
-            for column in range(max(first, rect.left), min(last, rect.right) + 1):
-                styles[column - rect.left] = style
-        return tuple(styles)
+        place = rect.left, rect.right
+        if place not in self._known_styles:
+            styles: list[str | None] = [None] * rect.width
+            for first, last, style in self._styled_columns:
+                for column in range(max(first, rect.left), min(last, rect.right) + 1):
+                    styles[column - rect.left] = style
+            self._known_styles[place] = tuple(styles)
+        return self._known_styles[place]
 
     def _default_styles(
         self, number: int, column_styles: tuple[str | None, ...]

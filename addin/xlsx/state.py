@@ -9,8 +9,6 @@ from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import TypeVar
 
-from lxml import etree
-
 from addin.xlsx.charts import Area, ChartPart
 from addin.xlsx.container import Container, shown_name
 from addin.xlsx.dependents import ChangedCells
@@ -24,11 +22,10 @@ from addin.xlsx.references import (
 )
 from addin.xlsx.shared_texts import SharedTexts
 from addin.xlsx.sheet_part import SheetPart
-from addin.xlsx.tables import Table, apply_table, check_places, parse_table
+from addin.xlsx.tables import Table, check_places, stored_table, with_table
 from addin.xlsx.values import CellValue
 from addin.xlsx.workbook_part import DefinedName, WorkbookPart
 from addin.xlsx.written import Written
-from addin.xlsx.xml_part import Element, serialise
 
 _T = TypeVar("_T")
 
@@ -78,7 +75,6 @@ class WorkbookState:
         self.perhaps_changed = ChangedCells()
         self.written: dict[str, list[Written]] = {}
         self._sheets: dict[str, SheetPart] = {}
-        self._table_roots: dict[str, Element] = {}
         self._changed_tables: dict[str, bytes] = {}
         self.formulas_current = False
         self.charts_current = True
@@ -108,14 +104,13 @@ class WorkbookState:
             part = self.structure.worksheet_part(sheet)
             for related in self.structure.relationships(part) if part else ():
                 if related.kind == "table":
-                    root = self.container.tree(related.part)
-                    table = parse_table(root, sheet, related.part)
+                    data = self.container.charged(related.part)
+                    table = stored_table(data, sheet, related.part)
                     if table.name.casefold() in {name.casefold() for name in found}:
                         raise WorkbookRefused(
                             "damaged",
                             f"{self.path.name} has two tables named {shown_name(table.name)}. Rename one of them.",
                         )
-                    self._table_roots[related.part] = root
                     found[table.name] = table
         check_places(list(found.values()))
         return found
@@ -238,17 +233,17 @@ class WorkbookState:
 
     def update_table(self, table: Table, formulas: Mapping[str, str]) -> None:
         """Put the size and the calculated columns of a table into its part."""
-        root = self._table_roots[table.part]
-        before = etree.tostring(root)
-        if apply_table(root, table, formulas):
+        before = self._changed_tables.get(table.part) or self.container.read(table.part)
+        now, criteria_gone = with_table(before, table, formulas)
+        if criteria_gone:
             for row in self.sheet_part(table.sheet).show_rows(table.data.top, table.data.bottom):
                 self.shown_rows.add(table.sheet, Rect(row, 1, row, MAX_COLUMN))
             self.notes.append(
                 f"The filter of table {table.name} was cleared because its rows changed."
             )
-        if etree.tostring(root) != before:
-            self._changed_tables[table.part] = serialise(root, self.container.read(table.part))
-            self.tables[table.name] = parse_table(root, table.sheet, table.part)
+        if now is not before:
+            self._changed_tables[table.part] = now
+            self.tables[table.name] = stored_table(now, table.sheet, table.part)
 
     def retarget_chart_range(self, sheet: str, old: Rect, new: Rect) -> None:
         """Let ranges of charts and sparklines that covered exactly the rows of one block cover those of another.

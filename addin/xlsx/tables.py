@@ -9,15 +9,20 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
+
+from lxml import etree
 
 from addin.xlsx.errors import WorkbookMismatch, damaged
 from addin.xlsx.references import Rect
 from addin.xlsx.sheet_ranges import read_range
 from addin.xlsx.values import unescape
-from addin.xlsx.xml_part import Element, main
+from addin.xlsx.xml_part import Element, main, parse_part, serialise
 
+# What is kept of tables of earlier workbooks, which those of one template share: so many, none longer.
+_MOST_KEPT = 1024
+_LONG_PART = 2**14
 _QUOTED = re.compile(r"'(.)", re.DOTALL)
 _ALL, _DATA, _HEADERS, _TOTALS, _THIS_ROW = (
     frozenset([word]) for word in ("#all", "#data", "#headers", "#totals", "#this row")
@@ -173,8 +178,21 @@ def _as_list(inside: str) -> str:
     return f"[#This Row],{columns}" if columns else "[#This Row]"
 
 
-def parse_table(root: Element, sheet: str, part: str) -> Table:
-    """Read a table part."""
+def stored_table(data: bytes, sheet: str, part: str) -> Table:
+    """The table of a part as stored."""
+    if len(data) > _LONG_PART:
+        return _parsed_table(parse_part(data, part), sheet, part)
+    return replace(
+        _known_table(data, sheet, part)
+    )  # what it finds of itself ends with its workbook
+
+
+@lru_cache(maxsize=_MOST_KEPT)
+def _known_table(data: bytes, sheet: str, part: str) -> Table:
+    return _parsed_table(parse_part(data, part), sheet, part)
+
+
+def _parsed_table(root: Element, sheet: str, part: str) -> Table:
     columns = root.findall(f"{main('tableColumns')}/{main('tableColumn')}")
     formulas = [column.findtext(main("calculatedColumnFormula")) for column in columns]
     name, written = root.get("displayName") or root.get("name"), root.get("ref", "")
@@ -222,12 +240,29 @@ def check_places(tables: Sequence[Table]) -> None:
         above.append(table)
 
 
-def apply_table(root: Element, table: Table, formulas: Mapping[str, str]) -> bool:
-    """Put the size and the calculated columns of a table into its part.
+def with_table(data: bytes, table: Table, formulas: Mapping[str, str]) -> tuple[bytes, bool]:
+    """A part with the size and the calculated columns of its table, and whether filter criteria were taken out.
 
     The filter range follows the size. Filter criteria and sort order are taken out: they described the old rows, and a
-    stale filter would hide new ones.
+    stale filter would hide new ones. A part that says all this already is left as it is, to the byte.
     """
+    change = _with_table if len(data) > _LONG_PART else _known_change
+    return change(data, table, tuple(formulas.items()))
+
+
+def _with_table(
+    data: bytes, table: Table, formulas: tuple[tuple[str, str], ...]
+) -> tuple[bytes, bool]:
+    root = parse_part(data, table.part)
+    before = etree.tostring(root)
+    had_criteria = _apply_table(root, table, dict(formulas))
+    return (data if etree.tostring(root) == before else serialise(root, data)), had_criteria
+
+
+_known_change = lru_cache(maxsize=_MOST_KEPT)(_with_table)
+
+
+def _apply_table(root: Element, table: Table, formulas: Mapping[str, str]) -> bool:
     root.set("ref", str(table.ref))
     root.attrib.pop("insertRow", None)
     root.attrib.pop("insertRowShift", None)

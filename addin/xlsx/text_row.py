@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from bisect import bisect_left
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from functools import lru_cache
 from html import escape
@@ -25,18 +25,18 @@ _INSIDE = (
     rb'<v>%s</v>|<f>%s</f>(?:<v>%s</v>)?+|<is><t(?: xml:space="preserve")?>%s</t></is>|<is><t/></is>'
     % ((_TEXT,) * 4)
 )
+# Named after its row.
 _CELL = (
-    rb'<c r="[A-Z]{1,3}+[1-9][0-9]{0,6}+"(?: s="[0-9]{1,9}+")?+(?: t="[A-Za-z]{1,9}+")?+(?:/>|>(?:%s)</c>)'
+    rb'<c r="[A-Z]{1,3}+\2"(?: s="[0-9]{1,9}+")?+(?: t="[A-Za-z]{1,9}+")?+(?:/>|>(?:%s)</c>)'
     % _INSIDE
 )
-_ROW = re.compile(rb"(<row [^<>]*+>)((?:%s)++)(?=</row>)" % _CELL)
-_ROW_NUMBER = re.compile(rb' r="([1-9][0-9]{0,6})"')
+_ROW = re.compile(
+    rb"""(<row (?:[^<>']*? )?r="([1-9][0-9]{0,6})"[^<>']*+>)((?:%s)++)(?=</row>)""" % _CELL
+)
 _NO_CHARACTERS = ("\ufffe", "\uffff")
 _CELL_START = '<c r="'
-# Place and style of a cell in the shape of a row.
-_SHAPE = re.compile(
-    rf'{_CELL_START}([A-Z]+)#"(?: s="([0-9]+)")?(?: t="[A-Za-z]+")?(?:/|{FORMULA_CUT})?'
-)
+# Column and style of a cell.
+_COLUMN_AND_STYLE = re.compile(rf'{_CELL_START}([A-Z]+)[0-9]+"(?: s="([0-9]+)")?')
 
 
 def with_places(data: bytes, place: Callable[[bytes, int | None], bytes]) -> bytes:
@@ -51,11 +51,8 @@ def with_places(data: bytes, place: Callable[[bytes, int | None], bytes]) -> byt
     """
 
     def with_place(row: re.Match[bytes]) -> bytes:
-        tag, cells = row.groups()
-        if b"<f>" not in cells:
-            return tag + place(cells, None)
-        number = _ROW_NUMBER.search(tag)
-        return tag + place(cells, int(number[1])) if number else row[0]
+        tag, number, cells = row.groups()
+        return tag + place(cells, int(number) if b"<f>" in cells else None)
 
     start, end = data.find(b"<sheetData>"), data.rfind(b"</sheetData>")
     if not 0 <= start < end or has_misleading_tags(data) or not is_utf8(data) or not _is_text(data):
@@ -186,7 +183,7 @@ class TextRow:
         """Make what was written its cells."""
         self.stored = self._with_cuts()
         self.written, self.last_written, self._cut = [], 0, _cells_of(self.stored)
-        self.columns, self.styles = _columns_and_styles(_shape(self.number, self._cut))
+        self.columns, self.styles = _columns_and_styles(self.stored)
 
     def _cells(self) -> list[str]:
         """The cells it had, one by one."""
@@ -196,18 +193,18 @@ class TextRow:
 
 
 def text_row(number: int, cells: str) -> TextRow | None:
-    """A plain row as text; None where its cells are out of order or bear names of other rows."""
-    pieces, formulas = _cells_of(cells), {}
-    if "<f>" in cells:
-        for k, piece in enumerate(pieces):
-            if "<f>" in piece:
-                pieces[k], formulas[k] = _without_value(piece)
-        cells = "".join(pieces)
-    columns, styles = _columns_and_styles(_shape(number, pieces))
+    """A plain row as text; None where its cells are out of order."""
+    columns, styles = _columns_and_styles(cells)
     if not columns:
         return None
-    of_columns = {columns[k]: formula for k, formula in formulas.items()}
-    return TextRow(number, cells, columns, styles, formulas=of_columns, states_span=True)
+    row = TextRow(number, cells, columns, styles, states_span=True)
+    if "<f>" in cells:
+        pieces = _cells_of(cells)
+        for k, piece in enumerate(pieces):
+            if "<f>" in piece:
+                pieces[k], row.formulas[columns[k]] = _without_value(piece)
+        row.stored = "".join(pieces)
+    return row
 
 
 def _cells_of(text: str) -> list[str]:
@@ -223,18 +220,17 @@ def _without_value(cell: str) -> tuple[str, TextFormula]:
     return f"{tag}{FORMULA_CUT}><f>{text}</f>{FORMULA_CUT}</c>", formula
 
 
-def _shape(number: int, cells: Iterable[str]) -> str:
-    """Names, styles and types of the cells of a row, without its number."""
-    name_end = f'{number}"'
-    return "|".join([cell.partition(">")[0].replace(name_end, '#"', 1) for cell in cells])
+def _columns_and_styles(cells: str) -> tuple[tuple[int, ...], tuple[str | None, ...]]:
+    """Columns and styles of the cells of a row; none where they are out of order."""
+    return _in_order(tuple(_COLUMN_AND_STYLE.findall(cells)))
 
 
 @lru_cache(maxsize=1024)
-def _columns_and_styles(shape: str) -> tuple[tuple[int, ...], tuple[str | None, ...]]:
-    """Columns and styles of the cells of a row, in which rows of a table are alike; none where they are out of order."""
-    cells = [_SHAPE.fullmatch(cell) for cell in shape.split("|")]
-    columns = tuple(column_number(cell[1]) for cell in cells if cell is not None)
-    in_order = [*columns] == sorted(set(columns)) and len(columns) == len(cells)
-    if not in_order or columns[-1] > MAX_COLUMN:
+def _in_order(
+    cells: tuple[tuple[str, str], ...],
+) -> tuple[tuple[int, ...], tuple[str | None, ...]]:
+    """The same, of letters and styles, in which rows of a table are alike."""
+    columns = tuple(column_number(letters) for letters, _ in cells)
+    if [*columns] != sorted(set(columns)) or max(columns, default=0) > MAX_COLUMN:
         return (), ()
-    return columns, tuple(cell[2] for cell in cells if cell is not None)
+    return columns, tuple(style or None for _, style in cells)

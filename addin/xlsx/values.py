@@ -149,8 +149,11 @@ def rows_xml(
     starts: tuple[str, ...],
     styles: Sequence[tuple[str | None, ...]],
     rows: Sequence[Sequence[CellValue]],
-) -> list[str]:
+) -> tuple[list[str], list[tuple[str, ...]]]:
     """The ``<c>`` elements of each row in the default namespace; nothing for blank cells without a style.
+
+    Beside them stand the texts of its numbers, as long as all rows so far hold nothing but numbers; whole ones end
+    in ``.0``.
 
     Parameters
     ----------
@@ -163,25 +166,31 @@ def rows_xml(
     rows : sequence of sequence of CellValue
         Their values.
     """
-    texts = []
+    texts, numbers = [], []
     alike = None
     form: list[str] = []
-    are_numbers = True
+    are_numbers = all_numbers = True
     for number, (style, row) in enumerate(zip(styles, rows, strict=True), top):
         kinds = tuple(map(type, row))
         if alike != (style, kinds):
             alike = style, kinds
             form = _row_form(starts, style, kinds).split("#")
             are_numbers = _NUMBERS.issuperset(kinds)
-        if not are_numbers:
-            row = [
-                value if type(value) is float else _rest_of_cell(value)
+            all_numbers = all_numbers and are_numbers
+        shown = tuple(
+            map(repr, row)
+            if are_numbers
+            else [
+                repr(value) if type(value) is float else _rest_of_cell(value)
                 for value in row
                 if value is not None
             ]
+        )
+        if all_numbers:
+            numbers.append(shown)
         # Numbers as `number_text` writes them.
-        texts.append((str(number).join(form) % tuple(row)).replace(".0</v>", "</v>"))
-    return texts
+        texts.append((str(number).join(form) % shown).replace(".0</v>", "</v>"))
+    return texts, numbers
 
 
 @lru_cache(maxsize=1024)
@@ -193,7 +202,7 @@ def _row_form(
     for start, style, kind in zip(starts, styles, kinds, strict=True):
         named = f'{start}#"{_style_xml(style)}'
         if kind is float:
-            texts.append(f"{named}><v>%r</v></c>")
+            texts.append(f"{named}><v>%s</v></c>")
         elif kind is not type(None):
             texts.append(f"{named}%s")
         elif style:

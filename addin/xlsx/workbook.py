@@ -12,7 +12,7 @@ from typing import Any
 
 from addin.xlsx.cell_looks import CellLooks
 from addin.xlsx.chart_titles import TitleLink
-from addin.xlsx.charts import Area
+from addin.xlsx.charts import Area, Shown
 from addin.xlsx.container import DEFAULT_LIMITS, Container, Limits
 from addin.xlsx.errors import Obstacle, ObstaclesFound, WorkbookMismatch, WorkbookRefused
 from addin.xlsx.formulas import CacheReport, refresh_formula_caches
@@ -240,9 +240,10 @@ class Workbook(WorkbookState):
         """
         self.charts_current = True
         known: dict[tuple[str, str, tuple[Area, ...]], bytes] = {}
+        shown = Shown(self._shown, lambda sheet, rect: self.sheet_part(sheet).number_texts(rect))
         for chart in self.charts if self.changed or self.perhaps_changed else ():
             chart.refresh(
-                self.chart_areas, (self._is_new, self.perhaps_changed.touch), self._shown, known
+                self.chart_areas, (self._is_new, self.perhaps_changed.touch), shown, known
             )
 
     def refresh_formula_caches(self) -> CacheReport:

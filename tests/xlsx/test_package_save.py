@@ -98,7 +98,7 @@ def test_a_workbook_opened_for_reading_is_saved_after_the_checks(train: Path) ->
 def test_written_rows_are_found_again(change: Callable[[bytes], bytes], stands: bool) -> None:
     grid = [[7.0, "a", Formula("A1*2")], [8.0, None, Formula("A1*2")]]
     starts = ('<c r="A', '<c r="B', '<c r="C')
-    texts = rows_xml(1, starts, [(None,) * 3] * len(grid), grid)
+    texts, _ = rows_xml(1, starts, [(None,) * 3] * len(grid), grid)
     sheet = "<sheetData>" + "".join(f"<row>{text}</row>" for text in texts) + "</sheetData>"
     sheet = sheet.replace(FORMULA_CUT, "")
     written = Written(Rect(1, 1, 2, 3), grid, texts)

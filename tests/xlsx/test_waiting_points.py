@@ -6,11 +6,10 @@ Expected: the same bytes, the same judgement of old values and the same refusals
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
 
 import pytest
 
-from addin.xlsx.charts import Area, ChartPart
+from addin.xlsx.charts import Area, ChartPart, Shown
 from addin.xlsx.errors import WorkbookRefused
 from addin.xlsx.references import Rect
 from addin.xlsx.values import Constant
@@ -57,8 +56,8 @@ def _areas(text: str) -> list[Area]:
     return [("S", Rect(1, 1 if "A" in text else 2, 20, 1 if "A" in text else 2))]
 
 
-def _shown(numbers: list[Constant]) -> Callable[[str, Rect], list[Constant]]:
-    return lambda sheet, rect: WORDS if rect.left == 1 else numbers
+def _shown(numbers: list[Constant]) -> Shown:
+    return Shown(lambda sheet, rect: WORDS if rect.left == 1 else numbers, lambda *_: None)
 
 
 def _refreshed(chart: ChartPart, numbers: list[Constant], *, sure: bool) -> bool:
