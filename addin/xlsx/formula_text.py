@@ -31,6 +31,10 @@ _TOKEN = re.compile(
 )
 _QUOTED_TEXT = re.compile(r'"[^"]*"')
 _CELL_PARTS = re.compile(r"(\$?)([A-Za-z]{1,3})(\$?)([0-9]+)")
+_FAR_COLUMN = re.compile(r"[A-Za-z]{3}")
+_COLON = ("rest", ":", "")
+# What opens or closes in a structured reference; an apostrophe escapes the next character.
+_BRACKETS = re.compile(r"'.|[\[\]]", re.DOTALL)
 
 # Functions whose value depends on cells that no reference of the formula names.
 READS_ANYTHING = frozenset(
@@ -117,13 +121,14 @@ def parse_formula(text: str) -> Parsed:
     at = 0
     while at < len(tokens):
         kind, first, second = tokens[at]
-        span = _span(tokens[at : at + 5])
-        if span is not None:
-            references.append(span)
-            functions.add("INDEX")
-            at += 4
-            continue
         at += 1
+        if kind == "cells" and tokens[at] == _COLON:
+            span = _span(tokens[at - 1 : at + 4])
+            if span is not None:
+                references.append(span)
+                functions.add("INDEX")
+                at += 3
+                continue
         if kind in _KINDS:
             references.append(_KINDS[kind](first, second))
         elif kind == "function":
@@ -146,11 +151,11 @@ def is_readable(text: str) -> bool:
 
 
 def _span(tokens: Sequence[tuple[str, str, str]]) -> Span | None:
-    """A range that ends in INDEX, if the next tokens are one: cells ``:`` INDEX( reference ``,``."""
+    """A range that ends in INDEX, if cells and a colon begin one: cells ``:`` INDEX( reference ``,``."""
     if len(tokens) < 5:
         return None
-    start, colon, function, within, after = tokens
-    if start[0] != "cells" or colon != ("rest", ":", "") or function != ("function", "INDEX", ""):
+    start, _, function, within, after = tokens
+    if function != ("function", "INDEX", ""):
         return None
     # Anything but a comma behind it makes the argument an expression.
     if after[0] != "rest" or not after[1].lstrip().startswith(","):
@@ -191,7 +196,9 @@ def _tokens(text: str) -> Iterator[tuple[str, str, str]]:
 
 def _cell_token(match: re.Match[str]) -> Iterator[tuple[str, str, str]]:
     sheet, text = match["sheet"] or "", match["ref"]
-    for part in _CELL_PARTS.finditer(text):
+    # Every cell has a column of at most two letters, or is looked at.
+    parts = _CELL_PARTS.finditer(text) if _FAR_COLUMN.search(text) else ()
+    for part in parts:
         if column_number(part[2]) > MAX_COLUMN:
             # XFE1 and beyond are not cells: names may look like that.
             yield "name", sheet, text
@@ -199,6 +206,7 @@ def _cell_token(match: re.Match[str]) -> Iterator[tuple[str, str, str]]:
     yield "cells", sheet, text
 
 
+@lru_cache(maxsize=4_096)
 def bare_function(name: str) -> str:
     """Name of a function in capitals, without what files of newer functions put before it."""
     bare = name.upper()
@@ -209,18 +217,11 @@ def bare_function(name: str) -> str:
 
 def _bracketed(text: str, position: int) -> tuple[str | None, int]:
     """Text up to the bracket that closes the one before ``position``; an apostrophe escapes the next character."""
-    depth, at = 1, position
-    while at < len(text):
-        mark = text[at]
-        if mark == "'":
-            at += 1
-        elif mark == "[":
-            depth += 1
-        elif mark == "]":
-            depth -= 1
-            if depth == 0:
-                return text[position:at], at + 1
-        at += 1
+    depth = 1
+    for mark in _BRACKETS.finditer(text, position):
+        depth += {"[": 1, "]": -1}.get(mark[0], 0)
+        if depth == 0:
+            return text[position : mark.start()], mark.end()
     return None, position
 
 
