@@ -5,6 +5,7 @@ A command's module is imported when the command is called, so that --help and ve
 
 from __future__ import annotations
 
+import gc
 import importlib
 import keyword
 import os
@@ -75,7 +76,10 @@ class LazyCommands(TyperGroup):
         """A command, of which only now the module is imported; None if there is none."""
         if cmd_name not in COMMANDS:
             return None
+        gc.disable()  # what modules define stays: nothing to look for, neither now nor later
         module = importlib.import_module(module_of(cmd_name))
+        gc.freeze()
+        gc.enable()
         if cmd_name in STUDY_COMMANDS:
             command = module.study_command(cmd_name)
         else:
