@@ -301,6 +301,11 @@ def test_stated_errors_of_starts_hold_with_any_rotor(seeds):
     starts_hold(seeds, varied_case)
 
 
+def test_the_error_holds_where_the_coarser_run_has_as_short_steps():
+    """Ringing has it follow with steps of the finer one most of the time, so that both have the same error."""
+    starts_hold([217], varied_case)
+
+
 def starts_hold(seeds, make):
     missed = {}
     for seed in seeds:
