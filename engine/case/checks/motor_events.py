@@ -256,7 +256,7 @@ def _begins(case: CaseData, cells: Cells, row: MotorEventRow) -> Iterator[Proble
     elif case.looks_for_worst_phase:
         yield cells.wrong(
             "Begins", row.begins, "blank or running where PulsationPhase is worst",
-            "It begins in one start: type a number as PulsationPhase, or clear the cell.",
+            "It begins in one start: type a number as PulsationPhase, for example Worst phase of table StartupPeaks, or clear the cell.",
         )  # fmt: skip
     elif case.maximum_time is not None and row.in_start >= case.maximum_time:
         yield cells.wrong(
