@@ -326,130 +326,259 @@ def reference(case: Case, rtol: float = 1e-11) -> tuple[dict[str, tuple[float, f
     return {e: (float(v.max()), float(v.min())) for e, v in peaks.items()}, max(air_gap)
 
 
+#: A loop of stator and line: its axis in the stator, impedance of the line in it, and voltage.
+Loop = tuple[float, complex, Callable[[float], complex]]
+
+
+class Network:
+    """A motor behind a line, in fluxes of the loops that stator and line make, and of the rotor's windings."""
+
+    def __init__(self, case: Case, discharge: float = 0.0, size: float = 1.0) -> None:
+        sheet, c = case.motor_data[0], case.motor_circuit[0]
+        self.omega, self.pairs = 2.0 * math.pi * case.line_frequency, case.poles / 2.0
+        self.base = sheet.apparent_power * self.pairs / self.omega
+        self.x, self.r, self.q = windings_of(c, discharge)
+        self.rotor = [k for k in range(len(self.r)) if k not in (0, self.q)]
+        self.line, self.size = 0.0j, size
+        if case.supply:
+            impedance = sheet.apparent_power / case.supply[0].short_circuit_power
+            along = complex(1.0, case.supply[0].x_r)
+            self.line = impedance * along / abs(along)
+
+    def whole(self, t: float) -> complex:
+        return complex(self.size * np.exp(1j * self.omega * t))
+
+    def healthy(self) -> list[Loop]:
+        return [(0.0, self.line, self.whole), (0.5 * math.pi, self.line, self.whole)]
+
+    def loops(self, row: MotorEventRow, since: float = 0.0) -> list[Loop]:
+        """Of an event that begins at some time."""
+        quarter, turned = 0.5 * math.pi, self.omega * since - (row.phase or 0.0)
+        if row.kind == Kind.THREE_PHASE_FAULT:
+            return [(0.0, 0.0j, lambda t: 0.0j), (quarter, 0.0j, lambda t: 0.0j)]
+        if row.kind == Kind.LINE_TO_LINE_FAULT:
+            off = row.residual_voltage is not None
+            shorted = (turned + quarter, 0.0j, lambda t: 0.0j)
+            return [shorted] if off else [(turned, self.line, self.whole), shorted]
+        start = complex(self.size * np.exp(1j * self.omega * since))
+
+        def changed(t: float) -> complex:
+            return start * voltage_of(row, self.omega, t - since, ())
+
+        return [(0.0, self.line, changed), (quarter, self.line, changed)]
+
+    def phases(self, row: MotorEventRow, since: float = 0.0) -> np.ndarray:
+        """Axes of the phases in the stator."""
+        first = self.omega * since - (row.phase or 0.0)
+        return first + 2.0 * math.pi / 3.0 * np.arange(3)
+
+    def partly(self, axes: np.ndarray, cleared: Collection[int]) -> list[Loop]:
+        """Phases behind the line where they have cleared, and shorted at the terminals where not; no current in the neutral."""
+        of = np.array([[math.cos(axes[k]), math.sin(axes[k])] for k in cleared])
+        shares, directions = np.linalg.eigh(2.0 / 3.0 * of.T @ of)
+        return [
+            (math.atan2(way[1], way[0]), share * self.line, lambda t, m=share: m * self.whole(t))
+            for share, way in zip(shares.tolist(), directions.T, strict=True)
+        ]
+
+    def windings(self, angle: float, loops: list[Loop]) -> tuple[np.ndarray, np.ndarray]:
+        """Currents of all windings per current of loops and rotor, and what these link."""
+        m = len(loops)
+        of = np.zeros((len(self.r), m + len(self.rotor)))
+        for col, (along, _, _) in enumerate(loops):
+            of[[0, self.q], col] = math.cos(along - angle), math.sin(along - angle)
+        of[self.rotor, range(m, m + len(self.rotor))] = 1.0
+        own = np.zeros(m + len(self.rotor))
+        own[:m] = [z.imag for _, z, _ in loops]
+        return of, of.T @ self.x @ of + np.diag(own)
+
+    def currents(
+        self, angle: float, linked: np.ndarray, loops: list[Loop]
+    ) -> tuple[np.ndarray, np.ndarray]:
+        of, links = self.windings(angle, loops)
+        i = np.linalg.solve(links, linked)
+        return of @ i, i
+
+    def linked(self, angle: float, i: np.ndarray, loops: list[Loop]) -> np.ndarray:
+        """Fluxes from currents of all windings."""
+        of, links = self.windings(angle, loops)
+        return links @ (np.linalg.pinv(of) @ i)
+
+    def torque(self, i: np.ndarray) -> float:
+        psi = self.x @ i
+        return float(self.base * (psi[0] * i[self.q] - psi[self.q] * i[0]))
+
+    def change(self, t: float, i: np.ndarray, loops: list[Loop], excited: float) -> np.ndarray:
+        """Rates of the fluxes; the field's voltage is the first of the rotor's."""
+        m, out = len(loops), np.empty(len(i))
+        for col, (along, z, e) in enumerate(loops):
+            out[col] = (e(t) * np.exp(-1j * along)).real - (self.r[0] + z.real) * i[col]
+        out[m:] = -self.r[self.rotor] * i[m:]
+        out[m] += excited
+        return self.omega * out
+
+
 def network_reference(
     case: Case, rtol: float = 1e-11
 ) -> tuple[dict[str, tuple[float, float]], float]:
-    """As `reference`, of a motor behind a line, or of a line-to-line fault off it.
-
-    Fluxes of the loops that stator and line make, each along an axis of the stator, and of the rotor. The currents of the
-    motor do not jump.
-    """
+    """As `reference`, of a motor behind a line, or of a line-to-line fault off it; the currents of the motor do not jump."""
     row, sheet, c = case.motor_events[0], case.motor_data[0], case.motor_circuit[0]
-    omega, pairs = 2.0 * math.pi * case.line_frequency, case.poles / 2.0
-    base = sheet.apparent_power * pairs / omega
+    net = Network(case)
+    omega, pairs, base, q = net.omega, net.pairs, net.base, net.q
     j = np.array([s.inertia for s in case.stations])
     k = np.array([e.stiffness for e in case.elements])
     d = np.array([e.damping for e in case.elements])
     n, load, gap = len(j), case.stations[-1].running_load, gaps(case)
-    x, r, q = windings_of(c)
-    rotor = [k for k in range(len(r)) if k not in (0, q)]
-    line = 0.0j
-    if case.supply:
-        impedance = sheet.apparent_power / case.supply[0].short_circuit_power
-        line = impedance * complex(1.0, case.supply[0].x_r) / abs(complex(1.0, case.supply[0].x_r))
-    off = row.kind == Kind.LINE_TO_LINE_FAULT and row.residual_voltage is not None
-    if off:
-        size, i_f, axis = 0.0, row.residual_voltage / c.xmd, -0.5 * math.pi
-        first = i_f * np.eye(len(r))[1]
+    if row.kind == Kind.LINE_TO_LINE_FAULT and row.residual_voltage is not None:
+        i_f, axis = row.residual_voltage / c.xmd, -0.5 * math.pi
+        first = i_f * np.eye(len(net.r))[1]
         through = -np.cumsum((j * np.full(n, -load / j.sum()))[:-1])
     else:
         p, pf = load / base, sheet.power_factor
         active = (pf - math.sqrt(pf * pf - 4.0 * c.rs * p)) / (2.0 * c.rs) * pf
         i = active * complex(1.0, math.sqrt(1.0 - pf * pf) / pf)
         axis = float(np.angle(1.0 - (c.rs + 1j * (c.xl + c.xmq)) * i)) - 0.5 * math.pi
-        source = 1.0 + line * i
+        source = 1.0 + net.line * i
         i, u = i * np.exp(-1j * axis), np.exp(-1j * axis)
         i_f = (u.imag - c.rs * i.imag - (c.xl + c.xmd) * i.real) / c.xmd
-        first = np.zeros(len(r))
+        first = np.zeros(len(net.r))
         first[[0, 1, q]] = i.real, i_f, i.imag
-        size, axis = abs(source), axis - float(np.angle(source))
+        net.size, axis = abs(source), axis - float(np.angle(source))
         through = np.full(n - 1, load)
-
-    def whole(t: float) -> complex:
-        return complex(size * np.exp(1j * omega * t))
-
-    def changed(t: float) -> complex:
-        return size * voltage_of(row, omega, t, ())
-
-    quarter, phase = 0.5 * math.pi, row.phase or 0.0
-    # axis of each loop, impedance of the line in it, voltage
-    on_line = [(0.0, line, whole), (quarter, line, whole)]
-    shorted = (quarter - phase, 0.0j, lambda t: 0.0j)
-    loops: list[Any] = [(0.0, line, changed), (quarter, line, changed)]
-    if row.kind == Kind.THREE_PHASE_FAULT:
-        loops = [(0.0, *shorted[1:]), (quarter, *shorted[1:])]
-    elif row.kind == Kind.LINE_TO_LINE_FAULT:
-        loops = [shorted] if off else [(-phase, line, whole), shorted]
-    clears = LENGTH if row.clears_after is None else row.clears_after
-    spans = [(0.0, clears, loops), (clears, LENGTH, on_line)][: 1 + (clears < LENGTH)]
 
     def angle_of(t: float, s: np.ndarray) -> float:
         return float(axis + omega * t + pairs * s[0])
 
-    def windings(angle: float, loops: Any) -> tuple[np.ndarray, np.ndarray]:
-        """Currents of all windings per current of loops and rotor, and what these link."""
-        m = len(loops)
-        of = np.zeros((len(r), m + len(rotor)))
-        for col, (along, _, _) in enumerate(loops):
-            of[[0, q], col] = math.cos(along - angle), math.sin(along - angle)
-        of[rotor, range(m, m + len(rotor))] = 1.0
-        own = np.zeros(m + len(rotor))
-        own[:m] = [z.imag for _, z, _ in loops]
-        return of, of.T @ x @ of + np.diag(own)
-
-    def currents(angle: float, linked: np.ndarray, loops: Any) -> tuple[np.ndarray, np.ndarray]:
-        of, links = windings(angle, loops)
-        i = np.linalg.solve(links, linked)
-        return of @ i, i
-
-    def torque_of(i: np.ndarray) -> float:
-        psi = x @ i
-        return float(base * (psi[0] * i[q] - psi[q] * i[0]))
-
-    def rates(t: float, s: np.ndarray, loops: Any) -> np.ndarray:
-        th, v, angle, m = s[:n], s[n : 2 * n], angle_of(t, s), len(loops)
-        all_, i = currents(angle, s[2 * n :], loops)
+    def rates(t: float, s: np.ndarray, loops: list[Loop]) -> np.ndarray:
+        th, v = s[:n], s[n : 2 * n]
+        all_, i = net.currents(angle_of(t, s), s[2 * n :], loops)
         pushed = springs(th[:-1] - th[1:], k, gap) + d * (v[:-1] - v[1:])
         force = np.zeros(n)
-        force[0] = torque_of(all_)
+        force[0] = net.torque(all_)
         force[-1] -= load
         force[:-1] -= pushed
         force[1:] += pushed
-        change = np.empty(len(i))
-        for col, (along, z, e) in enumerate(loops):
-            change[col] = (e(t) * np.exp(-1j * along)).real - (c.rs + z.real) * i[col]
-        change[m:] = -r[rotor] * i[m:]
-        change[m] += c.rf * i_f
-        return np.concatenate([v, force / j, omega * change])
+        return np.concatenate([v, force / j, net.change(t, i, loops, c.rf * i_f)])
 
     theta = -np.concatenate([[0.0], np.cumsum(through / k)])
-    motion, now = np.concatenate([theta, np.zeros(n)]), first
-    peaks: dict[str, list[np.ndarray]] = {e.element: [] for e in case.elements}
-    air_gap: list[float] = []
-    for begin, end, loops in spans:
-        of, links = windings(angle_of(begin, motion), loops)
-        state = np.concatenate([motion, links @ (np.linalg.pinv(of) @ now)])
-        scale = np.concatenate(
-            [np.full(n, 1e-3), np.full(n, 0.1), np.ones(len(loops) + len(rotor))]
-        )
-        t = np.linspace(begin, end, int((end - begin) * omega / 0.03))
-        s = solve_ivp(
-            rates, (begin, end), state, "DOP853", t, args=(loops,), rtol=rtol, atol=rtol * scale
-        ).y
+    state, peaks, air_gap = np.concatenate([theta, np.zeros(n)]), {}, []
+    for t, s, loops in _spans(net, row, 0.0, LENGTH, (rates, angle_of), state, first, rtol):
         twists, growth = s[: n - 1] - s[1:n], s[n : 2 * n - 1] - s[n + 1 : 2 * n]
         for element, values in zip(
             case.elements, turning_of_springs(t, twists, growth, k, gap), strict=True
         ):
-            peaks[element.element].append(values)
-        all_ = [currents(angle_of(a, b), b[2 * n :], loops)[0] for a, b in zip(t, s.T, strict=True)]
-        spline = CubicSpline(t, [torque_of(i) for i in all_])
-        tops = spline.derivative().roots(extrapolate=False)
-        air_gap.append(
-            float(np.max(np.abs(spline(np.append(tops[np.isfinite(tops)], t[[0, -1]])))))
-        )
-        motion, now = s[: 2 * n, -1], all_[-1]
+            peaks.setdefault(element.element, []).append(values)
+        all_ = [
+            net.currents(angle_of(a, b), b[2 * n :], loops)[0] for a, b in zip(t, s.T, strict=True)
+        ]
+        air_gap.append(np.max(np.abs(tops_of(t, np.array([net.torque(i) for i in all_])))))
     found = {e: np.concatenate(v) for e, v in peaks.items()}
-    return {e: (float(v.max()), float(v.min())) for e, v in found.items()}, max(air_gap)
+    return {e: (float(v.max()), float(v.min())) for e, v in found.items()}, float(max(air_gap))
+
+
+def tops_of(t: np.ndarray, torque: np.ndarray) -> np.ndarray:
+    """Values of a torque where it turns, and its ends."""
+    spline = CubicSpline(t, torque)
+    tops = spline.derivative().roots(extrapolate=False)
+    return np.asarray(spline(np.append(tops[np.isfinite(tops)], t[[0, -1]])))
+
+
+def _spans(
+    net: Network, row: MotorEventRow, since: float, end: float, motion: Any, state: np.ndarray, now: np.ndarray,
+    rtol: float, first: list[Loop] | None = None,
+) -> Any:  # fmt: skip
+    """Times, states and loops between two changes of what the stator is connected to, from an event on.
+
+    `motion`: rates of a state and the angle of the rotor; `state` has no fluxes yet, `now` are the currents of all windings.
+    """
+    rates, angle_of = motion
+    clears = math.inf if row.clears_after is None else since + row.clears_after
+    loops, axes, cleared = first or net.loops(row, since), net.phases(row, since), set[int]()
+    poles = [(1, 2)] if row.kind == Kind.LINE_TO_LINE_FAULT else [(0,), (1,), (2,)]
+    begin, n = since, len(state)
+
+    def zero_of(pole: tuple[int, ...]) -> Any:
+        """Of the current of one phase, or of that between two."""
+
+        def passes(t: float, s: np.ndarray, loops: list[Loop]) -> float:
+            angle = angle_of(t, s)
+            i = net.currents(angle, s[n:], loops)[0]
+            of = np.real(complex(i[0], i[net.q]) * np.exp(1j * (angle - axes)))
+            return float(of[pole[0]] - (of[pole[1]] if len(pole) > 1 else 0.0))
+
+        passes.terminal = True  # type: ignore[attr-defined]
+        return passes
+
+    while begin < end:
+        waits = row.clearing == Clearing.ZEROS and begin >= clears and len(poles) > 0
+        last = min(clears, end) if begin < clears else end
+
+        whole = np.concatenate([state, net.linked(angle_of(begin, state), now, loops)])
+        scale = np.concatenate(
+            [np.full(n // 2, 1e-3), np.full(n // 2, 0.1), np.ones(len(whole) - n)]
+        )
+        solution = solve_ivp(
+            rates, (begin, last), whole, "DOP853", args=(loops,), rtol=rtol, atol=rtol * scale, dense_output=True,
+            events=[zero_of(pole) for pole in poles] if waits else None,
+            max_step=0.2 / net.omega if waits else math.inf,  # two zeros in a step would be none
+        )  # fmt: skip
+        assert solution.success
+        ends = float(solution.t[-1])
+        t = np.linspace(begin, ends, max(int((ends - begin) * net.omega / 0.03), 4))
+        yield t, solution.sol(t), loops
+        begin, whole = ends, solution.y[:, -1]
+        state, now = whole[:n], net.currents(angle_of(ends, whole), whole[n:], loops)[0]
+        if solution.status == 1:  # a zero
+            (met,) = (k for k, times in enumerate(solution.t_events) if len(times))
+            cleared |= set(poles.pop(met))
+            loops = net.partly(axes, cleared) if poles else net.healthy()
+        elif row.clearing != Clearing.ZEROS:
+            loops = net.healthy()
+
+
+def start_network_reference(
+    case: Case, angle: float, end: float, rtol: float = 1e-9
+) -> dict[str, tuple[float, float]]:
+    """As `start_reference`, of a motor behind a line, in fluxes of loops."""
+    row, sheet = case.motor_events[0], case.motor_data[0]
+    net = Network(case, sheet.discharge_resistance or 0.0)
+    j = np.array([s.inertia for s in case.stations])
+    k = np.array([e.stiffness for e in case.elements])
+    d = np.array([e.damping for e in case.elements])
+    n, since = len(j), float(row.begins)
+
+    def angle_of(t: float, s: np.ndarray) -> float:
+        return float(net.pairs * s[0] - angle)
+
+    def rates(t: float, s: np.ndarray, loops: list[Loop]) -> np.ndarray:
+        """Of the motor's angle, the twists, speeds and fluxes."""
+        v = s[n : 2 * n]
+        all_, i = net.currents(angle_of(t, s), s[2 * n :], loops)
+        through = k * s[1:n] + d * (v[:-1] - v[1:])
+        force = np.zeros(n)
+        force[0] = net.torque(all_)
+        force[:-1] -= through
+        force[1:] += through
+        return np.concatenate([v[:1], v[:-1] - v[1:], force / j, net.change(t, i, loops, 0.0)])
+
+    motion, found = (rates, angle_of), {e.element: [] for e in case.elements} | {AIR_GAP: []}
+    before = replace(row, clears_after=None)
+    state, now = np.zeros(2 * n), np.zeros(len(net.r))
+    ((_, s, _),) = _spans(net, before, 0.0, since, motion, state, now, rtol, net.healthy())
+    state = s[: 2 * n, -1]
+    now = net.currents(angle_of(since, state), s[2 * n :, -1], net.healthy())[0]
+    for t, s, loops in _spans(net, row, since, end, motion, state, now, rtol):
+        for i, element in enumerate(case.elements):
+            torque, rate = k[i] * s[1 + i], k[i] * (s[n + i] - s[n + i + 1])
+            found[element.element] += [turning_points(t, torque, rate)[1], torque[[0, -1]]]
+        all_ = [
+            net.currents(angle_of(a, b), b[2 * n :], loops)[0] for a, b in zip(t, s.T, strict=True)
+        ]
+        found[AIR_GAP].append(tops_of(t, np.array([net.torque(i) for i in all_])))
+    return {
+        name: (float(np.concatenate(values).max()), float(np.concatenate(values).min()))
+        for name, values in found.items()
+    }
 
 
 def start_case(

@@ -1,7 +1,7 @@
 """A fault that clears phase by phase, each where the motor's current in it passes zero, all teeth in contact.
 
-A phase that has cleared has the whole voltage of the line, the others have none; the zeros are those of the currents
-that the machine in time has then.
+A phase that has cleared has the whole voltage of the line, less the drop of its own current where the line has an
+impedance; the others have none. The zeros are those of the currents that the machine in time has then.
 """
 
 from __future__ import annotations
@@ -85,14 +85,22 @@ def clearing_by_phase(
         i, pole = first
         time, now = _zero(stretch, motion, i, pole)
         waiting.remove(pole)
-        supplies.append(cleared_supply(time, [p for p in poles if p not in waiting], len(poles)))
+        cleared = [p for p in poles if p not in waiting]
+        supplies.append(
+            cleared_supply(time, cleared, poles, has_impedance=machine.source.has_impedance)
+        )
     if waiting:
         supplies.append(Supply(time))
     return tuple(supplies)
 
 
-def cleared_supply(time: float, cleared: Sequence[float], of: int) -> Supply:
+def cleared_supply(
+    time: float, cleared: Sequence[float], poles: Sequence[float], *, has_impedance: bool
+) -> Supply:
     """Whole voltage in some phases, none in the others; of all of them, or of one between two phases, all of it.
+
+    Currents add to zero: along the axis of one cleared phase the stator has 2/3 of its voltage, across it nothing; of two
+    cleared phases 1/3 along the axis of the third one, and all across it.
 
     Parameters
     ----------
@@ -100,16 +108,23 @@ def cleared_supply(time: float, cleared: Sequence[float], of: int) -> Supply:
         From when on, from the event. [s]
     cleared : sequence of float
         Axes of the phases that have cleared. [rad]
-    of : int
-        How many there are. [count]
+    poles : sequence of float
+        Axes of all of them. [rad]
+    has_impedance : bool
+        Of the line. [flag]
 
     Returns
     -------
     Supply
         [pu, rad]
     """
-    if len(cleared) == of:
+    if len(cleared) == len(poles):
         return Supply(time)
+    if has_impedance and len(cleared) == 1:
+        return Supply(time, axis=cleared[0], shares=(2.0 / 3.0, 0.0))
+    if has_impedance:
+        (left,) = (pole for pole in poles if pole not in cleared)
+        return Supply(time, axis=left, shares=(1.0 / 3.0, 1.0))
     real = sum(cos(2.0 * axis) for axis in cleared) / 3.0
     imag = sum(sin(2.0 * axis) for axis in cleared) / 3.0
     return Supply(time, (len(cleared) / 3.0, 0.0), (hypot(real, imag), atan2(imag, real)))

@@ -27,12 +27,12 @@ from engine.motor.two_axis import (
     with_same_currents,
 )
 from engine.numerics.same_bits import cos, product, sin
-from engine.start.machine_motion import Machine, Supply, switched
+from engine.start.machine_motion import Machine, Supply, switched, terminal_rows
 from engine.stepping.library import struct
 
-#: Steps while a zero of a current is awaited, where a current is taken to be zero, and from where on the last leap
-#: goes to the expected zero; before it goes so much of the way, lest it is passed. [periods of the line; 1]
-CHUNK, NEAR_ZERO, LAST_LEAP, SHORT = 0.01, 1e-8, 1e-5, 0.9
+#: Steps while a zero of a current is awaited, the first of them, where a current is taken to be zero, and from where on
+#: the last leap goes to the expected zero; before it goes so much of the way, lest it is passed. [periods of the line; 1]
+CHUNK, FIRST, NEAR_ZERO, LAST_LEAP, SHORT = 0.01, 1e-5, 1e-8, 1e-5, 0.9
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +79,8 @@ class _Clearing:
         before, values = self._last
         away = CHUNK * self._period
         for pole, value in currents.items():
-            if pole not in values:
+            if pole not in values:  # how fast it falls is not known yet
+                away = min(away, FIRST * self._period)
                 continue
             passed = values[pole] * value <= 0.0
             falls = (values[pole] - value) / (time - before)
@@ -116,7 +117,8 @@ class Machines:
             "q": np.zeros(n, dtype=np.int64), "voltage": np.array([m.voltage for m in machines], dtype=np.int64),
             "rate": np.zeros((n, most, most)), "current": np.zeros((n, 2, most)),
             "field": np.zeros((n, most)), "stator": np.zeros(n), "forward": np.zeros((n, 2)),
-            "backward": np.zeros((n, 2)), "flux": np.zeros((n, most)),
+            "backward": np.zeros((n, 2)), "unlike": np.zeros(n, dtype=np.int64), "axis": np.zeros(n),
+            "rows": np.zeros((n, 2, 4)), "flux": np.zeros((n, most)),
             "base": np.array([m.machine.torque_base for m in machines], dtype=np.float64),
             "ramp": np.array([(m.ramp.initial, m.ramp.time) if m.ramp else (1.0, 0.0) for m in machines]).reshape(n, 2),
             "watched": np.zeros(n, dtype=np.int64), "watch": np.zeros((n, most)),
@@ -196,10 +198,9 @@ class Machines:
                 clearing.cleared = list(m.poles)
             elif not clearing.met(time, currents):
                 continue
-            supply = cleared_supply(time, clearing.cleared, len(m.poles))
-            size, angle = supply.backward
-            turned = 2.0 * m.machine.line_omega * begins
-            self._present[k] = replace(supply, backward=(size, angle + turned))
+            has_impedance = any(source.has_impedance for source in m.sources)
+            supply = cleared_supply(time, clearing.cleared, m.poles, has_impedance=has_impedance)
+            self._present[k] = supply.turned_by(m.machine.line_omega * begins)
             self._connect(k, phase)
             if len(clearing.cleared) == len(m.poles):
                 self._clearings[k] = clearing = None
@@ -222,7 +223,8 @@ class Machines:
         arrays, m, source = self._arrays, self._machines[k], self._sources[k][0]
         off = self._off_until[k] is not None
         supply = Supply(0.0, is_open=True) if off else self._present[k]
-        whole = m.machine.circuit if supply.at_terminals else source.before(m.machine.circuit)
+        bare = supply.at_terminals or supply.axis is not None
+        whole = m.machine.circuit if bare else source.before(m.machine.circuit)
         circuit = whole.polarities[self._against[k]]
         flux = with_same_currents(self._circuits[k], circuit, self._flux(k))
         self._circuits[k] = circuit
@@ -239,6 +241,10 @@ class Machines:
         arrays["field"][k, :n], arrays["flux"][k, :n] = system.field, flux
         for name, (size, angle) in (("forward", supply.forward), ("backward", supply.backward)):
             arrays[name][k] = source.voltage * size, angle + m.ahead
+        arrays["unlike"][k] = supply.axis is not None
+        if supply.axis is not None:
+            arrays["axis"][k] = supply.axis + m.ahead
+            arrays["rows"][k] = terminal_rows(supply, source, machine.line_omega)
         if whole.reverse_resistance is None:
             arrays["watched"][k] = 0
         elif circuit.field is not None:  # its current keeps its sign

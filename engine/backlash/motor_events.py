@@ -242,9 +242,9 @@ def _supplies(row: MotorEventRow, speed: float, source: Source = STIFF) -> tuple
     """
     clears = number(row.clears_after)
     if row.is_off_the_line and row.kind == MotorEventKind.LINE_TO_LINE_FAULT:
-        return (Supply(0.0, (0.0, 0.0), open_axis=-(number(row.phase) or 0.0)),)
+        return (Supply(0.0, (0.0, 0.0), axis=-(number(row.phase) or 0.0)),)
     if row.kind == MotorEventKind.LINE_TO_LINE_FAULT and source.has_impedance:
-        fed = Supply(0.0, open_axis=-(number(row.phase) or 0.0))
+        fed = Supply(0.0, axis=-(number(row.phase) or 0.0))
         return (fed,) if clears is None else (fed, Supply(clears))
     match row.kind:
         case MotorEventKind.OUT_OF_PHASE_CLOSING:
@@ -297,11 +297,12 @@ def start_event(case: CaseData, train: Train, row: MotorEventRow) -> StartEvent:
         [s, pu, rad]
     """
     begins, omega = row.in_start or 0.0, line_omega(case.ratings.line_frequency or 0.0)
+    sources = [stage.connection.source for stage in _motor_of(case, row.station).stages]
+    behind = next((source for source in sources if source.has_impedance), STIFF)
     # its voltages turn from the event on, those of the start from breaker closing on
-    turned = 2.0 * omega * begins
     supplies = tuple(
-        replace(s, begins=begins + s.begins, backward=(s.backward[0], s.backward[1] + turned))
-        for s in _supplies(row, 1.0)  # it takes no residual voltage
+        replace(s.turned_by(omega * begins), begins=begins + s.begins)
+        for s in _supplies(row, 1.0, behind)  # it takes no residual voltage
     )
     return StartEvent(train.stations.index(str(row.station)), supplies, MOTOR_FOLLOWED, _poles(row))
 
@@ -493,14 +494,14 @@ def _closed_form(event: MotorEvent) -> float | None:
     """Largest torque of constant flux linkages: no resistance, one speed. [N m]"""
     machine, state, flux = event.machine, event.state, event.state.flux
     supply, *then = event.supplies
-    if supply.open_axis is not None and supply.forward[0]:
+    if supply.axis is not None and supply.forward[0]:
         return None  # of no such formula: the axes of the stator are unlike
-    if supply.open_axis is not None:
+    if supply.axis is not None:
         system = flux_system(machine.circuit, 1.0, 0.0, 0.0, is_open=False)
         voltage, _ = residual_voltage(machine.circuit, flux)
         largest = largest_line_to_line(
             1.0 / float(system.current[0, 0]), 1.0 / float(system.current[system.q, system.q]),
-            0.5 * math.pi - supply.open_axis,
+            0.5 * math.pi - supply.axis,
         )  # fmt: skip
         return machine.torque_base * voltage * voltage * largest
     if supply.is_open:

@@ -213,12 +213,6 @@ def _event(case: CaseData, analysis: ModalAnalysis, name: str) -> OperatingEvent
                 f"{to_zero} '{idle[0]}' carries no driving torque in operation, so that the flank it begins on is "
                 "unknown. Type Running load in table Stations, or force effect backlash off",
             )
-        elif isinstance(drive, MotorDrive) and drive.event.supplies[0].open_axis is not None:
-            return OperatingEvent.not_calculated(
-                name,
-                f"{to_zero} a line-to-line fault of a motor off the line, or behind a line of table Supply, is calculated with all "
-                "teeth in contact alone. Force effect backlash off",
-            )
         else:
             event = drive.event if isinstance(drive, MotorDrive) else None
             response = _with_clearances(case, modal, name, response, event)

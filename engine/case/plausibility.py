@@ -12,8 +12,15 @@ import math
 from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 
-from engine.case.choices import ElementKind, InitialState, SNBasis
-from engine.case.data import CaseData, ElementRow, MaterialRow, MotorTorqueRow, value_of
+from engine.case.choices import ElementKind, InitialState, SNBasis, TorqueBase
+from engine.case.data import (
+    CaseData,
+    ElementRow,
+    MaterialRow,
+    MotorDataRow,
+    MotorTorqueRow,
+    value_of,
+)
 from engine.case.usual_range import Implausible, UsualRange, quotient
 
 #: Backlash over pitch radius and angular backlash beyond which a unit looks wrong. [1, rad]
@@ -59,6 +66,9 @@ SAME_VOLTAGE = 2e-3
 USUAL_DISCHARGE = (1.0, 50.0)
 #: Reactances of round rotors are equal in both axes, within what makers state. [1]
 SALIENT = 1.02
+#: An amplitude in pu of apparent power is taken for one of rated torque where they differ by so much, and the amplitude is one
+#: over Xd'' as makers round it. [1]
+UNLIKE_BASES, SAME_AMPLITUDE = 0.03, 0.005
 
 Values = Iterable[tuple[str | None, float | None]]
 
@@ -546,6 +556,7 @@ def _data_sheets(case: CaseData) -> Iterator[str]:
                 "Type the voltage from line to line."
             )
         yield from _salient("MotorData", str(m.station), ("Xd", m.xd), ("Xq", m.xq))
+        yield from _of_apparent_power(case, m)
         low, high = USUAL_DISCHARGE
         for column in ("Discharge resistance", "Discharge resistance reverse"):
             value = value_of(m, column)
@@ -560,6 +571,28 @@ def _data_sheets(case: CaseData) -> Iterator[str]:
                 )
     for c in case.motor_circuit:
         yield from _salient("MotorCircuit", str(c.station), ("Xmd", c.xmd), ("Xmq", c.xmq))
+
+
+def _of_apparent_power(case: CaseData, m: MotorDataRow) -> Iterator[str]:
+    """Amplitudes in pu of the apparent power that count as shares of the rated torque.
+
+    In makers' formulas the largest one is the voltage over the subtransient reactance, in pu of the apparent power. As a
+    share of the rated torque it would be larger by the ratio of the two, which the data sheet gives.
+    """
+    power, rated = m.base_power(case.ratings.rated_power), case.ratings.rated_power
+    if not (power and rated and m.xd_subtransient):
+        return
+    ratio, own = power / rated, 1.0 / m.xd_subtransient
+    if abs(ratio - 1.0) < UNLIKE_BASES:
+        return
+    for row in case.event_torque:
+        typed = row.base if row.station == m.station else TorqueBase.APPARENT_POWER
+        amplitude = abs(row.amplitude or 0.0)
+        if typed != TorqueBase.APPARENT_POWER and abs(amplitude / own - 1.0) <= SAME_AMPLITUDE:
+            yield (
+                f"EventTorque, Amplitude of '{row.event}': {amplitude:.4g} is one over Xd subtransient of '{m.station}', which is in pu "
+                f"of its apparent power; of RatedTorque it would be {own * ratio:.4g}. Choose Base apparent power, or type that."
+            )
 
 
 def _salient(

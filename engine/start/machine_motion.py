@@ -55,7 +55,7 @@ class Machine:
 
     def behind(self, supply: Supply) -> Circuit:
         """The motor with what stands before all of its stator. [pu]"""
-        bare = supply.at_terminals or supply.is_open or supply.open_axis is not None
+        bare = supply.at_terminals or supply.is_open or supply.axis is not None
         return self.circuit if bare else self.source.before(self.circuit)
 
     @property
@@ -74,9 +74,11 @@ class Supply:
     #: Voltage that turns against the line: its magnitude, and its angle at t = 0. [pu, rad]
     backward: tuple[float, float] = (0.0, 0.0)
     is_open: bool = False  #: No current flows.
-    #: Angle at t = 0 of the only axis of the stator that is not shorted; None: neither is, or both are. The impedance of the
-    #: source is before it; without `forward` no current flows along it. [rad]
-    open_axis: float | None = None
+    #: Angle at t = 0 of an axis of the stator that is connected unlike the one across it; None: they are alike. [rad]
+    axis: float | None = None
+    #: Share of the source's voltage and impedance along that axis and across it; 0: that one is shorted. Without `forward`
+    #: no current flows along the first. [1]
+    shares: tuple[float, float] = (1.0, 0.0)
     at_terminals: bool = (
         False  #: What happens is at the terminals: no impedance of a source is before the stator.
     )
@@ -84,6 +86,12 @@ class Supply:
     #: None: the voltage and the angle that the motor has by then. [pu, rad]
     residual: float | None = None
     ahead: float | None = None  #: Likewise. [rad]
+
+    def turned_by(self, angle: float) -> Supply:
+        """The same where the line has turned so far by the instant from which its angles count. [rad]"""
+        size, against = self.backward
+        axis = None if self.axis is None else self.axis + angle
+        return replace(self, backward=(size, against + 2.0 * angle), axis=axis)
 
 
 class Balance(NamedTuple):
@@ -351,12 +359,12 @@ class Stretch:
             "flux_steady": np.stack([m.steady for m in maps]),
             "current": fluxes.stator_current,
         }
-        if self.supply.open_axis is not None:
+        if self.supply.axis is not None:
             arrays["current_rate"] = fluxes.current_rate
-            arrays["series"] = self._series
+            arrays["rows"] = terminal_rows(self.supply, machine.source, machine.line_omega)
         return struct(
             "machine_t",
-            open_axis=self.supply.open_axis or 0.0,
+            axis=self.supply.axis or 0.0,
             **{name: np.ascontiguousarray(a) for name, a in arrays.items()},
             n_blocks=len(free), block=2 * block, n_flux=len(fluxes.rate), q=fluxes.q,
             line_omega=machine.line_omega, axes_speed=self.speed, pole_pairs=machine.pole_pairs,
@@ -371,9 +379,9 @@ class Stretch:
         line = machine.line_omega * time
         moved = np.stack([beyond * flux[fluxes.q], -beyond * flux[0]])
         ahead = supply.forward[1] + (1.0 - self.speed) * line - turned
-        if supply.open_axis is not None:
-            axis = supply.open_axis - self.speed * line - turned
-            u_d, u_q = self._open_voltage(axis, ahead, beyond, moved, flux)
+        if supply.axis is not None:
+            axis = supply.axis - self.speed * line - turned
+            u_d, u_q = self._unlike_voltages(axis, ahead, beyond, moved, flux)
         else:
             back = supply.backward[1] - (1.0 + self.speed) * line - turned
             size, against = supply.forward[0], supply.backward[0]
@@ -383,30 +391,56 @@ class Stretch:
         slope = product(fluxes.rate, flux) + product(fluxes.voltage, np.stack([u_d, u_q]))
         return np.asarray(slope + fluxes.field[:, None])
 
-    @property
-    def _series(self) -> Floats:
-        """Share of the source along the axis that is not shorted, its resistance, and its reactance by ω₀. [1, pu, s]"""
-        source = self.machine.source
-        if self.supply.forward[0] == 0.0:
-            return np.array([0.0, 0.0, 1.0])
-        return np.array([1.0, source.resistance, source.reactance / self.machine.line_omega])
-
-    def _open_voltage(
+    def _unlike_voltages(
         self, axis: Floats, ahead: Floats, beyond: Floats, moved: Floats, flux: Floats
     ) -> Floats:
-        """Voltages of both axes where one axis of the stator is shorted, as in `kernels/machine.c`."""
-        fluxes, n = self.fluxes, len(flux)
+        """Voltages of both axes where those of the stator are connected unlike, as in `kernels/machine.c`."""
+        fluxes, n, machine = self.fluxes, len(flux), self.machine
         c, s = cos(axis), sin(axis)
-        i_d, i_q = product(fluxes.stator_current, flux)
-        of = fluxes.current_rate
-        r_d, r_q = product(of[:, :n], flux) + of[:, n : n + 1] + product(of[:, n + 1 :], moved)
-        turning, omega = self.machine.line_omega * (self.speed + beyond), self.machine.line_omega
-        gain = c * (of[0, n + 1] * c + of[0, n + 2] * s) + s * (of[1, n + 1] * c + of[1, n + 2] * s)
-        comes, along = c * r_d + s * r_q + turning * (s * i_d - c * i_q), c * i_d + s * i_q
-        share, resistance, reactance = self._series
-        voltage = share * (self.supply.forward[0] * cos(ahead - axis) - resistance * along)
-        voltage -= reactance * (comes + (1.0 - share) * omega * along)
-        return np.asarray(voltage / (share + reactance * gain) * np.stack([c, s]))
+        along = np.array([[c, s], [-s, c]])
+        of, current = fluxes.current_rate, product(fluxes.stator_current, flux)
+        rate = product(of[:, :n], flux) + of[:, n : n + 1] + product(of[:, n + 1 :], moved)
+        turning = machine.line_omega * (self.speed + beyond)
+        rate += turning * np.stack([-current[1], current[0]])
+        size, gains = self.supply.forward[0], of[:, n + 1 :]
+        source = np.stack([size * cos(ahead), size * sin(ahead)])
+        g, left = np.zeros((2, 2, len(axis))), []
+        for k, (own, inductance, share, resistance) in enumerate(
+            terminal_rows(self.supply, machine.source, machine.line_omega)
+        ):
+            drop = resistance * current + inductance * rate
+            left.append((along[k] * (share * source - drop)).sum(axis=0))
+            for j in range(2):
+                gain = (along[k] * product(gains, along[j])).sum(axis=0)
+                g[k, j] = (own if k == j else 0.0) + inductance * gain
+        whole = g[0, 0] * g[1, 1] - g[0, 1] * g[1, 0]
+        first = (left[0] * g[1, 1] - g[0, 1] * left[1]) / whole
+        second = (g[0, 0] * left[1] - left[0] * g[1, 0]) / whole
+        return np.asarray(first * along[0] + second * along[1])
+
+
+def terminal_rows(supply: Supply, source: Source, line_omega: float) -> Floats:
+    """What the terminals of two axes of the stator are connected to, p u + x di/dt = m e − r i along each.
+
+    Parameters
+    ----------
+    supply : Supply
+        With an axis. [pu, rad]
+    source : Source
+        What is before them. [pu]
+    line_omega : float
+        Angular frequency of the line. [rad/s]
+
+    Returns
+    -------
+    ndarray, shape (2, 4)
+        p, x, m and r. [1, s, 1, 1]
+    """
+    reactance = source.reactance / line_omega
+    rows = [(1.0, m * reactance, m, m * source.resistance) for m in supply.shares]
+    if supply.forward[0] == 0.0:  # no current; one that steps leave decays
+        rows[0] = (0.0, 1.0 / line_omega, 0.0, 1.0)
+    return np.array(rows)
 
 
 def _block(system: ModalSystem) -> int:

@@ -166,7 +166,7 @@ def test_line_to_line_fault_of_a_motor_off_the_line(circuit, phase):
     """i = E (sin θ₀ − sin θ) / (Xd'' sin² θ + Xq'' cos² θ), T = i E cos θ + (Xd'' − Xq'') i² sin θ cos θ."""
     bare, voltage = lossless(circuit), 0.9
     state = open_circuit_state(bare, voltage, 0.0)
-    motion = at_constant_speed(bare, [Supply(0.0, (0.0, 0.0), open_axis=-phase)], state, 0.1, 0.01)
+    motion = at_constant_speed(bare, [Supply(0.0, (0.0, 0.0), axis=-phase)], state, 0.1, 0.01)
     xd, xq = subtransient(bare)
     first = phase + 0.5 * math.pi
     sine, cosine = np.sin(first + LINE * motion.time), np.cos(first + LINE * motion.time)

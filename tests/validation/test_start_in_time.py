@@ -21,6 +21,7 @@ from engine.case.data import (
     MotorCircuitRow,
     MotorDataRow,
     StationRow,
+    SupplyRow,
     SupplyVoltageRow,
 )
 from engine.case.effect import StartEffects
@@ -40,6 +41,7 @@ from tests.machine_reference import (
     event_in_start,
     random_case,
     start_case,
+    start_network_reference,
     start_reference,
     varied_case,
 )
@@ -299,6 +301,11 @@ def test_stated_errors_of_starts_hold_with_any_rotor(seeds):
     starts_hold(seeds, varied_case)
 
 
+def test_the_error_holds_where_the_coarser_run_has_as_short_steps():
+    """Ringing has it follow with steps of the finer one most of the time, so that both have the same error."""
+    starts_hold([217], varied_case)
+
+
 def starts_hold(seeds, make):
     missed = {}
     for seed in seeds:
@@ -347,7 +354,25 @@ def test_stated_errors_of_faults_in_starts_that_clear_at_zeros_of_current_hold(k
     hold_in_starts(cases)
 
 
-def hold_in_starts(cases):
+@pytest.mark.parametrize("seeds", [(5,), pytest.param((2, 4, 6), marks=pytest.mark.slow)], ids=len)
+@pytest.mark.parametrize("clearing", [None, "zeros of current"])
+@pytest.mark.parametrize("kind", [Kind.THREE_PHASE_FAULT, Kind.LINE_TO_LINE_FAULT])
+def test_stated_errors_of_faults_in_starts_behind_a_line_hold(kind, clearing, seeds):
+    """Beside DOP853 in fluxes of the loops that stator and line make."""
+    cases = []
+    for seed in seeds:  # their currents pass zero before the breaker interrupts them
+        case = event_in_start(seed)
+        event = replace(
+            case.motor_events[0], kind=kind, phase=0.4 + 0.5 * seed, residual_voltage=None, clearing=clearing,
+        )  # fmt: skip
+        if kind == Kind.THREE_PHASE_FAULT and clearing is None:
+            event = replace(event, phase=None)
+        line = SupplyRow("M0", 6.0 * case.motor_data[0].apparent_power, 5.0)
+        cases.append(replace(case, motor_events=(event,), supply=(line,)))
+    hold_in_starts(cases, start_network_reference)
+
+
+def hold_in_starts(cases, truth=start_reference):
     missed, calculated = {}, 0
     for seed, case in enumerate(cases):
         (event,) = operating_events(case, analyse(case))
@@ -357,7 +382,7 @@ def hold_in_starts(cases):
         calculated += 1
         (motor,) = motors_of(case, build_train(case))
         end = case.motor_events[0].begins + event.response.outcome.time
-        exact = start_reference(case, 0.5 * (motor.phase + math.pi), end)
+        exact = truth(case, 0.5 * (motor.phase + math.pi), end)
         size = max(map(abs, exact[AIR_GAP]))
         air_gap = event.air_gap
         true = abs(abs(air_gap.largest) - size) / size

@@ -124,7 +124,7 @@ def check_motor_events(case: CaseData) -> Iterator[Problem]:
             if row.in_start is not None:
                 takes = Takes(takes.needs, tuple(c for c in takes.may if c not in _OF_OPERATION))
             yield from _columns(cells, row, takes)
-            yield from _clearing(case, cells, row)
+            yield from _clearing(cells, row)
             yield from _off_the_line(cells, row)
             yield from _begins(case, cells, row)
     if case.motor_events and has_possible_ratings(case):
@@ -190,7 +190,7 @@ def _has_equal_axes(circuit: MotorCircuitRow) -> bool:
     return circuit.rf is None and not circuit.xc and of_d == of_q
 
 
-def _clearing(case: CaseData, cells: Cells, row: MotorEventRow) -> Iterator[Problem]:
+def _clearing(cells: Cells, row: MotorEventRow) -> Iterator[Problem]:
     """Zeros of current are those of a fault that clears at a given time."""
     yield from cells.choice("Clearing", row.clearing, Clearing)
     if row.clearing != Clearing.ZEROS:
@@ -210,11 +210,6 @@ def _clearing(case: CaseData, cells: Cells, row: MotorEventRow) -> Iterator[Prob
         yield cells.wrong(
             "Clears after", row.clears_after, "a number where Clearing is zeros of current",
             "Phases clear at zeros whatever its number: type some, or Clearing at once.",
-        )  # fmt: skip
-    elif _is_behind_line(case, row):
-        yield cells.wrong(
-            "Clearing", row.clearing, "blank or at once where table Supply has the motor",
-            f"{_UNLIKE}: clear the cell, or the row of table Supply.",
         )  # fmt: skip
 
 
@@ -261,25 +256,13 @@ def _begins(case: CaseData, cells: Cells, row: MotorEventRow) -> Iterator[Proble
     elif case.looks_for_worst_phase:
         yield cells.wrong(
             "Begins", row.begins, "blank or running where PulsationPhase is worst",
-            "It begins in one start: type a number as PulsationPhase, or clear the cell.",
+            "It begins in one start: type a number as PulsationPhase, for example Worst phase of table StartupPeaks, or clear the cell.",
         )  # fmt: skip
     elif case.maximum_time is not None and row.in_start >= case.maximum_time:
         yield cells.wrong(
             "Begins", row.begins, f"below MaximumTime, {case.maximum_time:g} s",
             "The start is followed no longer: raise MaximumTime, or type a shorter time.",
         )  # fmt: skip
-    if row.kind == Kind.LINE_TO_LINE_FAULT and _is_behind_line(case, row):
-        yield cells.wrong(
-            "Kind", row.kind, "another kind where Begins is a number and table Supply has the motor",
-            f"{_UNLIKE} in a start: choose another kind, or clear Begins or the row of table Supply.",
-        )  # fmt: skip
-
-
-_UNLIKE = "One phase is then behind the impedance of the line and the others are not, which is not calculated"
-
-
-def _is_behind_line(case: CaseData, row: MotorEventRow) -> bool:
-    return any(s.station == row.station for s in case.supply)
 
 
 def _word(row: MotorEventRow, column: str) -> str | None:

@@ -33,6 +33,8 @@ typedef struct {
     const double *ramp;               /* (n, 2) voltage at closing, and until when it rises to the full one: 0: it does not [1, s] */
     const double *base;               /* (n) [N m] */
     double line_omega, frame;         /* of the voltage; electrical speed at which the train stands still [rad/s] */
+    const int64_t *unlike;            /* (n) 1: the axes of the stator are connected unlike, by rows as of machine_t */
+    const double *axis, *rows;        /* (n) angle of the first axis, as that of a voltage; (n, 2, 4) [rad; 1, s, 1, 1] */
     double *flux;                     /* (n, most) updated [pu] */
     const int64_t *watched;           /* (n) what has to stay positive: 0 nothing, 1 watch × fluxes, 2 × their rates */
     const double *watch;              /* (n, most) current or voltage of a field whose resistance changes with its sign */
@@ -171,11 +173,13 @@ typedef struct {
     double pole_pairs, torque_base, held; /* [1, N m, N m]; the torque that the train is in balance with */
     double angle;                /* of axis d against the line at t = 0, the train in balance [rad] */
     double forward[2], backward[2]; /* voltages that turn with the line and against it: size, angle at t = 0 [1, rad] */
-    /* Where one axis of the stator is shorted: angle of the other one, as those above [rad], and rates of the currents d
-     * and q per flux linkage, from the field, and per voltage d and q. None: neither is, or both are. */
+    /* Where the terminals of two axes of the stator are unlike, rows (p, x, m, r) of each: p u + x di/dt = m e − r i, of its
+     * voltage u, current i and the source's voltage e. Along a shorted one u is zero, and along one behind a line u is what
+     * is left of e. Angle of the first axis, as those above [rad], and rates of the currents d and q per flux linkage, from
+     * the field, and per voltage d and q. None: they are alike. */
     const double *current_rate;     /* (2, n_flux + 3) */
-    const double *series;           /* (3) share of the source along it, 0: no current flows; resistance, reactance/ω₀ */
-    double open_axis;
+    const double *rows;             /* (2, 4) [1, s, 1, 1] */
+    double axis;
 } machine_t;
 
 /* Flanks: all drive flanks, then all back flanks. */

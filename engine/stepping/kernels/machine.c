@@ -27,21 +27,34 @@ static double torque_row(const double *forced, const inputs_t *in)
     return forced[0] * in[0].torque + forced[1] * in[1].torque + forced[2] * in[2].torque;
 }
 
-/* Voltage along the axis of the stator that is not shorted: that of the source less its drop, or one with which no
- * current comes, and one that steps leave decays. */
-static double open_voltage(const machine_t *m, double source, sincos_t axis, double beyond, const double *flux)
+/* Voltages of a stator whose axes are connected unlike; e: that of the source, both in the rotor's axes. */
+static void unlike_voltages(const machine_t *m, sincos_t axis, double beyond, const double *flux, const double *e,
+                            double *u)
 {
     const int64_t n = m->n_flux;
     const double *of_d = m->current_rate, *of_q = of_d + n + 3, moved_d = beyond * flux[m->q], moved_q = -beyond * flux[0];
     const double id = row(n, m->current, flux), iq = row(n, m->current + n, flux);
     const double rd = row(n, of_d, flux) + of_d[n] + of_d[n + 1] * moved_d + of_d[n + 2] * moved_q;
     const double rq = row(n, of_q, flux) + of_q[n] + of_q[n + 1] * moved_d + of_q[n + 2] * moved_q;
-    const double turning = m->line_omega * (m->axes_speed + beyond), c = axis.cosine, s = axis.sine;
-    const double gain = c * (of_d[n + 1] * c + of_d[n + 2] * s) + s * (of_q[n + 1] * c + of_q[n + 2] * s);
-    const double comes = c * rd + s * rq + turning * (s * id - c * iq), along = c * id + s * iq;
-    const double share = m->series[0], reactance = m->series[2];
-    return (share * (source - m->series[1] * along) - reactance * (comes + (1.0 - share) * m->line_omega * along))
-           / (share + reactance * gain);
+    const double turning = m->line_omega * (m->axes_speed + beyond), along[2][2] = {{axis.cosine, axis.sine},
+                                                                                   {-axis.sine, axis.cosine}};
+    double g[2][2], left[2], whole, first, second;
+    for (int k = 0; k < 2; k++) {
+        const double *terminal = m->rows + 4 * k, c = along[k][0], s = along[k][1];
+        const double comes = c * rd + s * rq + turning * (s * id - c * iq);
+        left[k] = terminal[2] * (c * e[0] + s * e[1]) - terminal[3] * (c * id + s * iq) - terminal[1] * comes;
+        for (int j = 0; j < 2; j++) {
+            const double *to = along[j];
+            const double gain = c * (of_d[n + 1] * to[0] + of_d[n + 2] * to[1])
+                                + s * (of_q[n + 1] * to[0] + of_q[n + 2] * to[1]);
+            g[k][j] = (k == j ? terminal[0] : 0.0) + terminal[1] * gain;
+        }
+    }
+    whole = g[0][0] * g[1][1] - g[0][1] * g[1][0];
+    first = (left[0] * g[1][1] - g[0][1] * left[1]) / whole;
+    second = (g[0][0] * left[1] - left[0] * g[1][0]) / whole;
+    u[0] = first * along[0][0] + second * along[1][0];
+    u[1] = first * along[0][1] + second * along[1][1];
 }
 
 /* Angle and speed are those of the rotor beyond the axes. */
@@ -54,11 +67,12 @@ static inputs_t inputs_at(const machine_t *m, double time, double angle, double 
     const double d = flux[0], q = flux[m->q];
     inputs_t in;
     if (m->current_rate) {
-        const sincos_t axis = sin_cos(m->open_axis - m->axes_speed * line - turned);
-        const double source = m->forward[0] * (ahead.cosine * axis.cosine + ahead.sine * axis.sine);
-        const double u = open_voltage(m, source, axis, beyond, flux);
-        in.d = u * axis.cosine + beyond * q;
-        in.q = u * axis.sine - beyond * d;
+        const sincos_t axis = sin_cos(m->axis - m->axes_speed * line - turned);
+        const double e[2] = {m->forward[0] * ahead.cosine, m->forward[0] * ahead.sine};
+        double u[2];
+        unlike_voltages(m, axis, beyond, flux, e, u);
+        in.d = u[0] + beyond * q;
+        in.q = u[1] - beyond * d;
     } else {
         in.d = m->forward[0] * ahead.cosine + m->backward[0] * back.cosine + beyond * q;
         in.q = m->forward[0] * ahead.sine + m->backward[0] * back.sine - beyond * d;

@@ -373,6 +373,11 @@ def _sentences(
                 "The start has events, so its derivatives come only from differences of complete "
                 "starts. Their errors are large where the time of tooth re-engagement changes."
             )
+        elif plan.recipe.effects.electrical_damping:
+            yield (
+                "No tangent check: the motor answers oscillations (effect electrical damping), and its answer changes with "
+                "every mode. The derivatives come from differences of complete starts alone."
+            )
         else:
             yield "No tangent check: modes are too close and mix or change order."
     yield from energies.notes

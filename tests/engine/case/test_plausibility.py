@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 from sample_case import sample_case, with_limits
 
-from engine.case.data import CaseData, MeshRow, MotorCircuitRow, MotorDataRow
+from engine.case.data import CaseData, EventTorqueRow, MeshRow, MotorCircuitRow, MotorDataRow
 from engine.case.plausibility import implausible, impossible_inputs
 from engine.run import run
 
@@ -183,3 +183,27 @@ def test_axes_and_discharge_paths_that_no_motor_has_are_told(fields, circuit, sa
     notes = said_of(case)
     assert said in notes
     assert bool(said) == bool(notes)
+
+
+@pytest.mark.parametrize(
+    ("amplitude", "base", "power", "said"),
+    [
+        (5.0, None, 1.25, "of RatedTorque it would be 6.25. Choose Base apparent power"),
+        (-5.0, "rated torque", 1.25, "Choose Base apparent power"),
+        (5.0, "apparent power", 1.25, ""),
+        (6.25, None, 1.25, ""),
+        (5.0, None, 1.01, ""),  # the bases are alike
+    ],
+)
+def test_an_amplitude_in_pu_of_the_apparent_power(amplitude, base, power, said):
+    """One over Xd'' is what the largest term of a short circuit has in pu of the motor's own base."""
+    case = sample_case("proposed")
+    station = case.motor_stations[0]
+    motor = MotorDataRow(
+        station, apparent_power=power * case.ratings.rated_power, xd_subtransient=0.2
+    )
+    term = EventTorqueRow("fault", station, amplitude, 1.0, base=base)
+    given = vars(case) | {"motor_data": (motor,), "event_torque": (term,)}
+    notes = said_of(CaseData(**given))
+    assert ("EventTorque, Amplitude" in notes) == bool(said)
+    assert said in notes

@@ -341,6 +341,9 @@ def test_a_motor_that_answers_to_vibration_has_differences_alone() -> None:
     shaft = str(case.elements[0].element)
     unit = next(u for u in derivative_units(plan) if u.parameter == ("stiffness", shaft))
     got = differences(unit)
+    said = gather_derivatives(plan, [got], None).sentences
+    assert any("the motor answers oscillations (effect electrical damping)" in s for s in said)
+    assert not any("modes are too close" in s for s in said)
 
     def by_hand(effects: StartEffects) -> np.ndarray:
         size = []
