@@ -99,6 +99,10 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
             ),
             number("SCF", "ratio", "Stress concentration factor in torsion.", blank="1"),
             text("Material", "Name of the material, from table Materials.", kind="material"),
+            number(
+                "Service factor", "ratio",
+                "Rating that is asked of the maker, over the torque in continuous operation.", blank="1",
+            ),
             number("Rated torque", "torque", "The maker's rated torque.", blank="not judged"),
             number("Peak torque limit", "torque", "The maker's peak torque.", blank="not judged"),
             number("Reversal limit", "torque", "Allowed reversing torque.", blank="not judged"),

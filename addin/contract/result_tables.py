@@ -42,6 +42,7 @@ from addin.contract.sources import (
     FIGURE_3,
     LABEL,
     LINE,
+    MAKERS,
     MEASURED_TIMES,
     MIL,
     MODAL,
@@ -52,6 +53,7 @@ from addin.contract.sources import (
     PAPER,
     PEAK,
     PHILOSOPHY,
+    RAINFLOW,
     REVERSALS,
     SECTION,
     SLIP,
@@ -77,6 +79,7 @@ LIMITS = (
 )  # fmt: skip
 #: Rows kept free for the crossings of the start; what stands below them begins there.
 CROSSING_ROWS = 8
+_RATIO = ("Elements.From", "Elements.To", "Stations.Speed ratio")
 _SCAN_METHOD = "docs/method.md, Events of a motor"
 
 
@@ -1016,6 +1019,113 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
         ),
     ),
     table(
+        "MakerSheet", sheet="Start", caption="Sheet to the makers",
+        help="Torques, reversals and ratings of each element, at its own speed, of a mesh at the From side.",
+        row_name=("Element",), changes_shown=("Peak torque", "Vibratory torque", "Reversing torque"),
+        of_the_start=True, rank=5, later=True,
+        columns=(
+            text("Element", "Element.", kind="element", trace=named("Elements.Element")),
+            number(
+                "Speed", "speed", "Highest speed in continuous operation; of a mesh that of the From side.",
+                "MaximumSpeed, blank = synchronous, × speed ratio", LABEL, of_row=_RATIO, of_case=SPEEDS,
+            ),
+            number(
+                "Speed driven", "speed", "The same of the To side of a gear mesh.",
+                "MaximumSpeed, blank = synchronous, × speed ratio", LABEL, of_row=_RATIO, of_case=SPEEDS,
+                pane=Pane.MINOR,
+            ),
+            number(
+                "Continuous torque", "torque", "Torque in continuous operation, its magnitude.",
+                "|Σ running loads beyond the element| at its own speed", "docs/nomenclature.md", us="lbf*ft",
+                of_case=("Stations.Running load", "LoadTorque.Torque", "RatedTorque", "RatedPower"),
+                printed="Continuous",
+            ),
+            number(
+                "Service factor", "ratio", "As typed; blank = 1.", "As typed; blank = 1", MAKERS,
+                of_row=("Elements.Service factor",), format=shown.TWO_DECIMALS,
+            ),
+            number(
+                "Required rating", "torque", "Continuous torque times service factor.",
+                "continuous torque × service factor", MAKERS, us="lbf*ft",
+                of_row=("MakerSheet.Continuous torque", "MakerSheet.Service factor"),
+            ),
+            number(
+                "Offered rating", "torque", "Rated torque of table Elements.", "As typed", MAKERS, us="lbf*ft",
+                of_row=("Elements.Rated torque",),
+            ),
+            number(
+                "Offered factor", "ratio", "Service factor that the offered rating has.",
+                "offered rating / continuous torque", MAKERS,
+                of_row=("MakerSheet.Offered rating", "MakerSheet.Continuous torque"), format=shown.TWO_DECIMALS,
+            ),
+            number(
+                "Vibratory torque", "torque",
+                "Largest response torque in continuous operation, zero-to-peak; blank where it is unbounded.",
+                "Largest torque of the rows of SteadyState", STEADY, us="lbf*ft", of_row=("SteadyState.Torque",),
+                printed="Vibratory, 0‑pk",
+            ),
+            number(
+                "Vibratory limit", "torque", "As typed in table Elements.", "As typed", MAKERS, us="lbf*ft",
+                of_row=("Elements.Vibratory limit",), pane=Pane.MINOR,
+            ),
+            number(
+                "Peak torque", "torque", "Largest magnitude in the start and in all events.",
+                "Larger extreme of StartupPeaks and EventPeaks", f"{TRANSIENT}; {EVENT_METHOD}", us="lbf*ft",
+                of_row=(
+                    "StartupPeaks.Maximum torque", "StartupPeaks.Minimum torque", "EventPeaks.Maximum",
+                    "EventPeaks.Minimum",
+                ),
+                error=ReportedError.PEAKS, printed="Peak",
+            ),
+            number(
+                "Peak torque limit", "torque", "As typed in table Elements.", "As typed", MAKERS, us="lbf*ft",
+                of_row=("Elements.Peak torque limit",), pane=Pane.MINOR,
+            ),
+            number(
+                "Reversing torque", "torque", "How far the torque falls below zero in the start or an event; 0: it does not.",
+                "−(smaller extreme of StartupPeaks and EventPeaks), 0 where that is positive", REVERSALS, us="lbf*ft",
+                of_row=("StartupPeaks.Minimum torque", "EventPeaks.Minimum"), error=ReportedError.PEAKS,
+                share_of="Peak torque", printed="Reversing",
+            ),
+            number(
+                "Reversal limit", "torque", "As typed in table Elements.", "As typed", MAKERS, us="lbf*ft",
+                of_row=("Elements.Reversal limit",), pane=Pane.MINOR,
+            ),
+            integer(
+                "Reversals", "Number of torque reversals in the start, of every element.",
+                "Passages of the torque below zero that are deeper than 0.1 % of the element's largest torque",
+                f"{REVERSALS}; docs/method.md, Torque reversals", of_case=START,
+            ),
+            number(
+                "Longest reversal", "time", "Longest single reversal.", "The longest of the passages counted",
+                "docs/method.md, Torque reversals", of_case=START,
+            ),
+            integer(
+                "Cycles above rated",
+                "Passages of the torque in the start beyond the offered rating, either way; where that is blank, beyond the required one.",
+                "Level crossings of the rating, counted as reversals are at zero",
+                f"{RAINFLOW.cited}-85, 5.1; docs/method.md, Torque reversals",
+                of_row=("MakerSheet.Offered rating", "MakerSheet.Required rating"), of_case=START,
+            ),
+            sentence(
+                "Note", "What the numbers alone do not say.", "Summary of the row", MAKERS,
+                of_row=("MakerSheet.Peak torque", "MakerSheet.Vibratory torque"), width=20.0, pane=Pane.MINOR,
+            ),
+            number(
+                "Tooth force", "force", "Force normal to the flanks at the peak torque, of a mesh with pitch radius.",
+                "F = T / (r_b cos β_b) of the peak torque; r_b = pitch radius × cos α_t, tan α_t = tan α_n / cos β",
+                "ISO 21771, base circle", of_row=(
+                    "MakerSheet.Peak torque", "Meshes.Pitch radius drive", "Meshes.Pressure angle", "Meshes.Helix angle",
+                ),
+                error=ReportedError.PEAKS,
+            ),
+            number(
+                "Heat", "power", "Not calculated yet: blank.", "Not calculated yet", MAKERS, si="kW", us="kW",
+                of_row=("SteadyState.Torque", "Elements.Loss factor", "Elements.Damping"), pane=Pane.WORKBOOK,
+            ),
+        ),
+    ),
+    table(
         "EventPeaks", sheet="Torque and motor", caption="Peaks of events",
         help="Extremes from the event on, the torques of operation or start included, at own speed; stress nominal without "
         "SCF.",
@@ -1290,7 +1400,7 @@ WORKBOOK_TABLES: tuple[TableSpec, ...] = (
     table(
         "BearingForces", sheet="Start", caption="Bearing forces",
         help="Largest radial bearing force of each gear on elastic bearings, excluding weight.",
-        row_name=("Station",), changes_shown=("Force",), room=13, of_the_start=True, rank=5,
+        row_name=("Station",), changes_shown=("Force",), of_the_start=True, rank=5,
         columns=(
             text("Station", "The gear.", kind="station", trace=named("Stations.Station")),
             number(

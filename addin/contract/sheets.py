@@ -32,18 +32,20 @@ STRIP = (
 # --- where everything stands ----------------------------------------------------------------------
 
 #: Rows of the history charts: below the tables of the other parts whose rows are as high as their texts need.
-_HISTORY_ROWS = (18, 30, 42)
+_HISTORY_ROWS = (18, 26, 36)
 
 HISTORY_CHARTS = tuple(
-    ChartAt(f"history {k + 1}", f"{'BI'[k % 2]}{_HISTORY_ROWS[k // 2]}", 600, 194)
+    ChartAt(f"history {k + 1}", f"{'BI'[k % 2]}{_HISTORY_ROWS[k // 2]}", 600, 160)
     for k in range(HISTORIES)
 )
 #: First row of the cells in which the engineer may name the element of each history chart.
 CHOICES_BEGIN = 7
 
-#: First row below the room of `TorqueReversals`; that of the charts leaves the row of the captions free.
-_BELOW_REVERSALS = table("TorqueReversals").below(5)
-_REVERSAL_CHARTS = _BELOW_REVERSALS + 1
+#: Rows of the charts below the histories, and of what only few cases have.
+_REVERSAL_CHARTS = _HISTORY_ROWS[-1] + 10
+_BEARINGS = _REVERSAL_CHARTS + 11
+#: Row of the captions of the tables with a row an element, whose rows are thus the same; nothing stands below them.
+_OF_ELEMENTS = 9 + CROSSING_ROWS
 #: First row below the room of `Effects`.
 _BELOW_EFFECTS = 8 + table("Effects").room + 1
 EFFECT_NOTES_AT = f"B{_BELOW_EFFECTS}"
@@ -162,7 +164,7 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
     Sheet(
         "Train",
         "input",
-        {"A": 1.5, "B": 18, "C": 15, "D:E": 11, "F": 10, "G:U": 7},
+        {"A": 1.5, "B": 17, "C": 15, "D:E": 11, "F": 10, "G:V": 7},
         {"Stations": "B5", "ModeDamping": "I5", "Elements": "B24", "Meshes": "B43"},
         intro="The mass-elastic table. Units are above the headers; the prompt of a cell says what "
               "blank means. Insert table rows where a table is full.",
@@ -306,8 +308,8 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
         "result",
         {"A": 1.5, "B": 16, "C:D": 9.6, "E": 8, "F": 9.6, "G": 8, "H": 9.6, "I:J": 7.5, "K": 13, "L": 8.5,
          "M:N": 9.6, "O:P": 7.5, "Q": 38},
-        {"StartupCrossings": "B5", "StartupPeaks": f"B{9 + CROSSING_ROWS}"},
-        (ChartAt("speed-time", f"Q{10 + CROSSING_ROWS}", 268, 230),),
+        {"StartupCrossings": "B5", "StartupPeaks": f"B{_OF_ELEMENTS}"},
+        (ChartAt("speed-time", f"Q{_OF_ELEMENTS + 1}", 268, 230),),
         on="Start",
         intro="The start from rest to EndSpeed, or to the end of pull-in or coast-down. Torques "
         "are at each element's own speed; a mesh's on its From side. Stresses here are nominal, without "
@@ -318,27 +320,29 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
         "Histories",
         "result",
         {"A": 1.5, "B:G": 14, "H": 2, "I:N": 14},
-        {},
-        (*HISTORY_CHARTS, ChartAt("pull-in", f"B{_HISTORY_ROWS[-1] + 12}", 600, 194)),
+        {"BearingForces": f"B{_BEARINGS}"},
+        (
+            *HISTORY_CHARTS,
+            ChartAt("reversal", f"B{_REVERSAL_CHARTS}", 600, 160),
+            ChartAt("blow", f"I{_REVERSAL_CHARTS}", 600, 160),
+            ChartAt("forces", f"E{_BEARINGS}", 515, 190),
+            ChartAt("pull-in", f"K{_BEARINGS}", 410, 190),
+        ),
         on="Start",
         intro="Torque, stress or tooth load against time from rest to EndSpeed (Szenasi & von "
               "Nimitz 1978, Figures 1, 7 and 8). Each point drawn is calculated; the extremes are "
-              "kept.",
+              "kept. Below: torque and forces of a mesh about its least torque.",
         print_from=_HISTORY_ROWS[0] - 1,
     ),
     Sheet(
         "Reversals",
         "result",
         {"A": 1.5, "B": 15, "C": 9.6, "D:K": 7.5, "L": 9, "M:N": 7.5, "O": 8, "P:R": 7.5, "S": 20, "T:U": 8.5},
-        {"TorqueReversals": "B5", "BearingForces": f"S{_BELOW_REVERSALS}"},
-        (
-            ChartAt("reversal", f"B{_REVERSAL_CHARTS}", 344, 280),
-            ChartAt("blow", f"G{_REVERSAL_CHARTS}", 340, 280),
-            ChartAt("forces", f"M{_REVERSAL_CHARTS}", 340, 280),
-        ),
+        {"TorqueReversals": "B5", "MakerSheet": f"B{_OF_ELEMENTS}"},
         on="Start",
         intro="Gear teeth that unload or separate during the start. A reversal is one passage of "
-              "the torque below zero. Torques are those of the From side, at its own speed. More on sheet Notes.",
+              "the torque below zero. Torques are those of the From side, at its own speed. More on sheet Notes. Below: "
+              "what the makers of couplings, gears and shafts must know.",
     ),
     Sheet(
         "Effects",

@@ -110,6 +110,7 @@ CONTACT = "Modelica Standard Library 4.0, ElastoBacklash"
 CLEARANCE = (
     f"{PAPER.cited}, Analysis of torque reversals, Figure 4; contact law: {CONTACT}; {IMPACT.paged}"
 )
+MAKERS = "docs/method.md, Sheet to the makers"
 STEPPED_SHAFTS = "docs/method.md, Shafts from sections"
 STRENGTH = "Timoshenko, Strength of Materials, torsion of a circular shaft"
 ASTM = f"{RAINFLOW.cited}-85, rainflow counting; Miner, J. Applied Mechanics 12 (1945) A-159"

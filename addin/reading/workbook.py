@@ -70,6 +70,7 @@ _OPTIONAL = frozenset(
         "DampingRange",
         "InitialState",
         "TorqueFollows",
+        "Elements.Service factor",
         "Teeth drive",
         "Teeth driven",
         "Meshes.Speed ratio",

@@ -65,8 +65,8 @@ _PAGES = (
     ),
     _Page(
         "results-start.md", "Results: the start and its fatigue",
-        ("StartupPeaks", "StartupCrossings", "TorqueReversals", "BearingForces", "AllowableStarts",
-         "StartCycles"),
+        ("StartupPeaks", "StartupCrossings", "TorqueReversals", "MakerSheet", "BearingForces",
+         "AllowableStarts", "StartCycles"),
     ),
     _Page("results-tuning.md", "Results: tuning", studies=("tuning",)),
     _Page(

@@ -25,7 +25,7 @@ _ELEMENT_PARTS = {
         "Stress diameter", "Stress bore", "SCF", "Material",
     ),
     "Elements: limits of the makers": (
-        "Rated torque", "Peak torque limit", "Reversal limit", "Vibratory limit",
+        "Service factor", "Rated torque", "Peak torque limit", "Reversal limit", "Vibratory limit",
     ),
 }  # fmt: skip
 #: The title block, which stands on the cover.

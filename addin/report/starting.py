@@ -16,6 +16,7 @@ from addin.report.numbers import clean, fixed, of_dimension, significant, typed
 from addin.report.opening import largest_peak, largest_torque
 from addin.report.subject import Subject
 from addin.report.tables import turned, with_column
+from engine.case.coverage import links
 from engine.case.practice_limits import PRACTICE_LIMITS
 
 _CROSSINGS = (
@@ -159,10 +160,11 @@ def reversals(subject: Subject) -> Section:
     title, rows = "Torque reversals", subject.rows("TorqueReversals")
     startup = subject.calculation.startup
     if startup is None:
-        return section(title, Paragraph("No start was calculated, hence no reversal."))
+        words = Paragraph("No start was calculated, hence no reversal.")
+        return section(title, words, parts=[_makers(subject)])
     if not rows:
         sentence = "The train has no gear mesh and no geared coupling, so no teeth can unload."
-        return section(title, Paragraph(sentence))
+        return section(title, Paragraph(sentence), parts=[_makers(subject)])
     table = subject.table(
         "TorqueReversals", "Torque reversals in the start",
         note="Torques of the From side at its own speed. A reversal is one passage below zero "
@@ -183,7 +185,29 @@ def reversals(subject: Subject) -> Section:
         if forces
         else None,
         subject.pictures.reversal(),
-        parts=[section("Limits used in practice", Listing(practice))],
+        parts=[_makers(subject), section("Limits used in practice", Listing(practice))],
+    )
+
+
+def _makers(subject: Subject) -> Section:
+    """What the makers of couplings and gears must know, a column each; shafts have the rows of the peaks."""
+    title, rows = "Sheet to the makers", subject.rows("MakerSheet")
+    makers_of = {str(e.element) for e in links(subject.calculation.case)}
+    asked = [row for row in rows if row["element"] in makers_of]
+    note = (
+        "At the element's own speed, of a mesh at its From side. Vibratory torque zero-to-peak; peak and reversing torque of start "
+        "and events. Required rating: continuous torque × service factor. Cycles: passages of the start beyond the offered rating."
+    )
+    others = ("Element", "Continuous torque", "Vibratory torque", "Peak torque", "Reversing torque", "Reversals", "Longest reversal")  # fmt: skip
+    rest = [row for row in rows if row["element"] not in makers_of]
+    return section(
+        title,
+        *(
+            turned(subject.table("MakerSheet", "Couplings and gears", note=note, rows=asked))
+            if asked
+            else ()
+        ),
+        subject.table("MakerSheet", "Other elements", others, rows=rest) if rest else None,
     )
 
 

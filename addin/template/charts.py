@@ -27,6 +27,8 @@ _KINDS: Mapping[str, dict[str, str]] = {
     "bars": {"type": "bar"},
     "train": {"type": "column", "subtype": "stacked"},
 }
+#: A chart wider than this and lower than that has its legend at its side. [pixel]
+_WIDE, _LOW = 500, 200
 _COLUMNS = ("columns", "bars", "train")
 
 
@@ -105,7 +107,11 @@ def make_chart(workbook: Any, places: Places, spec: ChartSpec, size: tuple[int, 
         chart.set_y2_axis(_axis(places, spec.second))
     if spec.legend:
         without = [k for k, series in enumerate(spec.series) if not series.in_legend]
-        chart.set_legend({"position": "bottom", "font": _font(8), "delete_series": without})
+        beside = (
+            size[0] > _WIDE and size[1] < _LOW
+        )  # below it, the legend would leave no height for the curves
+        place = "right" if beside else "bottom"
+        chart.set_legend({"position": place, "font": _font(8), "delete_series": without})
     else:
         chart.set_legend({"none": True})
     chart.set_size({"width": size[0], "height": size[1]})

@@ -89,6 +89,8 @@ class ElementRow:
     peak_torque_limit: float | None = None  #: Likewise. [N m]
     reversal_limit: float | None = None  #: Likewise. [N m]
     vibratory_limit: float | None = None  #: Likewise. [N m]
+    #: Required rating over the torque of continuous operation; blank = 1. [1]
+    service_factor: float | None = None
 
 
 @dataclass(frozen=True)

@@ -23,6 +23,7 @@ from engine.model.sections import sections_of
 from engine.motor.from_case import motor_curves, motor_time_constants
 from engine.numerics.same_bits import product
 from engine.operation.margins import percent_speed
+from engine.results.maker_sheet import maker_sheet
 from engine.results.results import AccuracyRow, AtSpeed, Results
 from engine.results.verdicts import event_verdict, standard_rows, yield_torque
 from engine.start.start_fatigue import is_counted
@@ -46,6 +47,7 @@ def result_tables(results: Results) -> Mapping[str, list[Row]]:
         "StartupPeaks": _startup_peaks(results),
         "StartupCrossings": _startup_crossings(results),
         "TorqueReversals": _torque_reversals(results),
+        "MakerSheet": _rows(maker_sheet(results)),
         "AllowableStarts": _allowable_starts(results),
         "EventPeaks": _event_peaks(results),
         "AirGapTorque": _air_gap_torques(results),

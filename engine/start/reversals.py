@@ -31,6 +31,7 @@ from engine.numerics.same_bits import interp
 from engine.start.event_results import ContactRecord
 from engine.start.lowest_torque import doubts_of_minima, sign_in_words
 from engine.start.start import Start
+from engine.start.trajectory import Turning
 
 #: Torque nearer to zero than this share of the largest of its element is rounding: teeth apart, or a train at rest.
 ROUNDING = 1e-9
@@ -131,7 +132,7 @@ def _reversal(
     if abs(minimum) <= ROUNDING * largest:
         minimum = 0.0
     hysteresis = NOTABLE_REVERSAL * largest
-    began, ended = _passages(start, int(start.output_of_element[index]), when, torque, hysteresis)
+    began, ended = passages_below(start, index, turning)
     lasted = ended - began
     slip = _slip_frequency(case, start, time)
     verdict, sentence = _verdict(element, minimum, doubt, hysteresis, contact)
@@ -207,14 +208,30 @@ def _slip_frequency(case: CaseData, start: Start, time: float) -> float | None:
     return 2.0 * abs(1.0 - speed / ratings.synchronous_speed) * ratings.line_frequency
 
 
-def _passages(
-    start: Start, output: int, when: Floats, torque: Floats, hysteresis: float
-) -> tuple[Floats, Floats]:
-    """Times where counted reversals begin and end; one still open at the end of the run ends there.
+def passages_below(start: Start, index: int, turning: Turning) -> tuple[Floats, Floats]:
+    """Times where the counted reversals of any element begin and end.
 
-    Between turning points the torque is monotonic, so each sign change there is one root.
+    One still open at the end of the run ends there. Between turning points the torque is monotonic, so each sign
+    change there is one root.
+
+    Parameters
+    ----------
+    start : Start
+        The start. [SI]
+    index : int
+        The element. [index]
+    turning : tuple of ndarray
+        Its turning points. [s, N m]
+
+    Returns
+    -------
+    tuple of ndarray
+        Beginnings and ends. [s]
     """
-    down, up = _spans(torque, hysteresis, ROUNDING * float(np.max(np.abs(torque))))
+    when, torque = turning
+    largest = float(np.max(np.abs(torque)))
+    output = int(start.output_of_element[index])
+    down, up = _spans(torque, NOTABLE_REVERSAL * largest, ROUNDING * largest)
     t, y = start.trajectory.time, start.trajectory.torque[output]
     slope = start.trajectory.torque_rate[output]
     if start.trajectory.thinned:
@@ -226,6 +243,29 @@ def _passages(
     ended = np.full(len(up), when[-1])
     ended[closed] = _roots(t, y, slope, when, torque, up[closed])
     return began, ended
+
+
+def passages_beyond(torque: Floats, level: float) -> int:
+    """How often a torque goes beyond a level, either way, counted as reversals are beyond zero.
+
+    The level-crossing count of ASTM E1049, 5.1, with the hysteresis of this module: a torque that trembles about
+    the level is not counted twice.
+
+    Parameters
+    ----------
+    torque : ndarray
+        Turning points of an element's torque. [N m]
+    level : float
+        The level, positive. [N m]
+
+    Returns
+    -------
+    int
+        Passages above the level and below minus the level. [count]
+    """
+    largest = float(np.max(np.abs(torque), initial=0.0))
+    limits = NOTABLE_REVERSAL * largest, ROUNDING * largest
+    return sum(len(_spans(level - side * torque, *limits)[0]) for side in (1.0, -1.0))
 
 
 def _spans(torque: Floats, hysteresis: float, rounding: float) -> tuple[Ints, Ints]:

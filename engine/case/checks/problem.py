@@ -48,6 +48,7 @@ class Allowed:
 POSITIVE = Allowed(lambda v: v > 0.0, "positive")
 NOT_NEGATIVE = Allowed(lambda v: v >= 0.0, "zero or positive")
 ANY_NUMBER = Allowed(lambda v: True, "a finite number")
+AT_LEAST_ONE = Allowed(lambda v: v >= 1.0, "1 or more")
 BELOW_ONE = Allowed(lambda v: 0 <= v < 1, "at least 0 and below 1 (100 %)")
 
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from engine.case.checks.problem import (
     ANY_NUMBER,
+    AT_LEAST_ONE,
     BELOW_ONE,
     MATERIAL_NAME,
     NOT_NEGATIVE,
@@ -38,6 +39,7 @@ ELEMENT_NUMBERS = (
     Limit("Density", POSITIVE, "kg/m³"),
     Limit("Stress diameter", DIAMETER, "m"),
     Limit("SCF", POSITIVE),
+    Limit("Service factor", AT_LEAST_ONE),
     Limit("Rated torque", POSITIVE, "N m"),
     Limit("Peak torque limit", POSITIVE, "N m"),
     Limit("Vibratory limit", POSITIVE, "N m"),

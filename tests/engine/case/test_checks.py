@@ -337,6 +337,7 @@ ROWS = [
     (row(E, 1, loss_factor=-1.0), ("Elements", 1, "Loss factor"), ["zero or positive"]),
     (row(E, 1, rated_torque=0.0), ("Elements", 1, "Rated torque"), ["positive"]),
     (row(E, 1, peak_torque_limit=-1.0), ("Elements", 1, "Peak torque limit"), ["positive"]),
+    (row(E, 1, service_factor=0.8), ("Elements", 1, "Service factor"), ["1 or more"]),
     (row(E, 1, vibratory_limit=-1.0), ("Elements", 1, "Vibratory limit"), ["positive"]),
     (row(E, 1, reversal_limit=-1.0), ("Elements", 1, "Reversal limit"), ["zero or positive"]),
     (row(E, 2, od=0.3), ("Elements", 2, "OD"), ["blank for a gear mesh", "inertias"]),
