@@ -103,6 +103,8 @@ def study_one(
     if source.suffix.lower() not in WORKBOOK_ENDINGS:
         return _study_json(study, source, read, (parallel_map, settings, files, on_stage))
     assert isinstance(read, WorkbookInput)
+    if files.destination is None and source.stem.endswith(".out"):
+        files = replace(files, in_place=True)  # a result file goes on
     target = source if files.in_place else files.destination or result_beside(source)
     standing, notes = (None, ()) if read.problems else continued(read, target)
     there = read if standing is None else standing
@@ -117,21 +119,30 @@ def study_one(
             problems = (*_unread(study, there), *refused)
             return StudyOutcome(source, None, problems, _warned(there), lacking=asked)
         result, problems, words = calculate_study(study, book, parallel_map, settings, on_stage)
-        if result is None:
+        if result is None and book is there:
             return StudyOutcome(source, None, problems, words)
         on_stage("writing")
         warnings, written = [*words, *notes], []
         try:
+            if result is None:  # the new sheets have no usual rows: they are there to be filled in
+                target.parent.mkdir(parents=True, exist_ok=True)
+                there.workbook.allow_saving(ignore_lock=files.ignore_lock)
+                put_in_place(
+                    there.workbook.container, book.path,
+                    _place(target, files, standing is not None),
+                )  # fmt: skip
+                added = missing_sheets(there.workbook.tables, study.spec).inputs
+                warnings.append(
+                    f"{target.name} now has sheet {' and '.join(added)}. Fill in, then run the command again on it."
+                )
+                return StudyOutcome(source, None, problems, tuple(warnings), (target,))
             if refused:
                 warnings.append(
                     f"{source.name} has no sheets for this study; results are only in the JSON."
                 )
             else:
                 target.parent.mkdir(parents=True, exist_ok=True)
-                place = Destination(
-                    target, files.in_place or standing is not None, keep_replaced=True,
-                    ignore_lock=files.ignore_lock,
-                )  # fmt: skip
+                place = _place(target, files, standing is not None)
                 warnings += _write_book(study, (there, book), place, result, Path(folder))
                 written.append(target)
             if files.json_file is not None:
@@ -142,6 +153,13 @@ def study_one(
             problem = file_problem(source, failed)
             return StudyOutcome(source, None, (problem,), tuple(warnings), tuple(written))
     return StudyOutcome(source, result, (), tuple(warnings), tuple(written))
+
+
+def _place(target: Path, files: StudyFiles, stands: bool) -> Destination:
+    """Where the workbook goes; whatever stands there is kept."""
+    return Destination(
+        target, files.in_place or stands, keep_replaced=True, ignore_lock=files.ignore_lock
+    )
 
 
 def _study_json(
@@ -399,8 +417,8 @@ def _refused(read: WorkbookInput, study: Study, lacking: MissingSheets) -> CellP
     name = read.path.name
     sheets = f"sheet{'s' if len(lacking.inputs) > 1 else ''} {' and '.join(lacking.inputs)}"
     sentence = (
-        f"{name} has no {sheets} for torsionbook {study.command}. Run it with --add: the study then begins with usual "
-        "rows, which you can change afterwards."
+        f"{name} has no {sheets} for torsionbook {study.command}. Run it with --add, which adds the sheets, with "
+        "usual rows where there are such."
         if lacking.inputs
         else f"{name} has no table {' and '.join(lacking.tables)} for torsionbook {study.command}. Run torsionbook "
         f"upgrade {name} for a workbook of this version."

@@ -1,4 +1,4 @@
-"""A workbook that openpyxl wrote, made whole again: its inputs in a template, and the sheets that a script added.
+"""A workbook that openpyxl or an earlier release wrote, made whole again: its inputs in a template, and other sheets.
 
 openpyxl reads and writes cells, and loses much of the rest: charts change, pictures, shapes, controls and extensions
 go. Of such a workbook only what was typed is taken, with the sheets that are not of this product.
@@ -6,7 +6,7 @@ go. Of such a workbook only what was typed is taken, with the sheets that are no
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -53,10 +53,16 @@ class Rebuilt:
     notes: tuple[
         str, ...
     ]  #: What was not taken over, and what may have been lost before. [sentences]
+    added: tuple[str, ...] = ()  #: Sheets that were taken over whole. [names]
 
 
 def rebuilt_workbook(
-    read: WorkbookInput, folder: Path, template: Path | None, *, was_loaded: bool
+    read: WorkbookInput,
+    folder: Path,
+    template: Path | None,
+    *,
+    was_loaded: bool,
+    products: Collection[str] = (),
 ) -> Rebuilt:
     """The inputs of a workbook in a template, with the sheets that the template has not.
 
@@ -70,6 +76,8 @@ def rebuilt_workbook(
         A workbook of this product as somebody styled it; None = the shipped one. [path]
     was_loaded : bool
         Whether openpyxl had read the workbook from a file, and may have lost some of that. [flag]
+    products : collection of str, optional
+        Further sheets that are of the product, of earlier releases. [names]
 
     Raises
     ------
@@ -90,7 +98,7 @@ def rebuilt_workbook(
     if template is not None:
         _write_inputs(workbook, read_workbook(workbook), filled)
     _write_chosen_elements(workbook, chosen_elements(read.workbook))
-    ours = _sheets_of_the_product(read.workbook)
+    ours = _sheets_of_the_product(read.workbook) | set(products)
     names = {name.casefold() for name in workbook.sheet_names}
     others = [name for name in read.workbook.sheet_names if name not in ours]
     for sheet in others:
@@ -112,12 +120,12 @@ def rebuilt_workbook(
     notes += report.notes
     if added and was_loaded:
         notes.append(
-            f"Taken from the openpyxl workbook: {_listed(added)}. What openpyxl does not read of a file (shapes, text "
+            f"Taken from the openpyxl workbook: {listed_words(added)}. What openpyxl does not read of a file (shapes, text "
             "boxes, controls, sparklines, threaded comments) is not on these sheets: name the file as template to "
             "keep its own sheets whole."
         )
     notes += _left_behind(read.workbook, workbook, ours)
-    return Rebuilt(again, tuple(notes))
+    return Rebuilt(again, tuple(notes), tuple(added))
 
 
 @cache
@@ -185,7 +193,7 @@ def _write_inputs(workbook: Workbook, there: WorkbookInput, filled: Example) -> 
         )
     if missing:
         raise CannotBeRebuilt(
-            f"the template {workbook.path.name} has no place for {_listed(missing)}. Name a template of this version "
+            f"the template {workbook.path.name} has no place for {listed_words(missing)}. Name a template of this version "
             "with all its tables (torsionbook new), or clear these inputs."
         )
     workbook.write_tables(tables)
@@ -263,7 +271,7 @@ def _write_cells(workbook: Workbook, source: Workbook, sheet: str) -> Iterator[s
     if refused:
         yield (
             f"Sheet {name} of the template: cells that the script changed, and that keep what the template has: "
-            f"{_listed(refused)}. Change them in the template."
+            f"{listed_words(refused)}. Change them in the template."
         )
 
 
@@ -295,13 +303,13 @@ def _left_behind(source: Workbook, template: Workbook, ours: set[str]) -> Iterat
                 left.append(f"{sheet}!{cell_name(row, column)}")
     if left:
         yield (
-            f"Cells beside the inputs were not taken over: {_listed(left)}. Put them on a sheet of their own, or name "
+            f"Cells beside the inputs were not taken over: {listed_words(left)}. Put them on a sheet of their own, or name "
             "a template that has them."
         )
 
     if drawn:
         yield (
-            f"Charts and pictures that were added to sheets of the product were not taken over: {_listed(drawn)}. Put "
+            f"Charts and pictures that were added to sheets of the product were not taken over: {listed_words(drawn)}. Put "
             "them on a sheet of their own, or name a template that has them."
         )
 
@@ -314,6 +322,7 @@ def _drawings(workbook: Workbook, sheet: str) -> int:
     return sum(len(workbook.structure.relationships(drawing)) for drawing in drawings)
 
 
-def _listed(words: Sequence[str]) -> str:
+def listed_words(words: Sequence[str]) -> str:
+    """The first of some words, and how many more there are."""
     more = f" and {len(words) - _LISTED} more" if len(words) > _LISTED else ""
     return ", ".join(words[:_LISTED]) + more

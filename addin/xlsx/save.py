@@ -94,7 +94,7 @@ def save_package(
     )
 
 
-def put_in_place(container: Container, made: Path, destination: Destination) -> Path:
+def put_in_place(container: Container, made: Path, destination: Destination) -> Path | None:
     """Put a workbook that was made of another one, step by step, where it belongs.
 
     Parameters
@@ -108,8 +108,8 @@ def put_in_place(container: Container, made: Path, destination: Destination) -> 
 
     Returns
     -------
-    Path
-        The file. [path]
+    Path or None
+        Copy of what stood there; None where nothing did. [path]
 
     Raises
     ------
@@ -117,8 +117,7 @@ def put_in_place(container: Container, made: Path, destination: Destination) -> 
         When nothing was written, with the reason.
     """
     target = _free_target(container, destination)
-    _deliver(container, made.read_bytes(), target, destination)
-    return target
+    return _deliver(container, made.read_bytes(), target, destination)
 
 
 def _free_target(container: Container, destination: Destination) -> Path:
