@@ -39,6 +39,8 @@ from engine.case.study_inputs import study_digest
 WHOLE_SHEET = Rect(1, 1, MAX_ROW, MAX_COLUMN)
 #: Cells or inputs that are listed in a sentence. [count]
 _LISTED = 8
+#: Where earlier templates have words of their own: rows of the banner, rows above a table, columns beside a scalar.
+_BANNER, _ABOVE_TABLE, _BESIDE_SCALAR = 3, 2, 3
 
 
 class CannotBeRebuilt(Exception):
@@ -124,7 +126,7 @@ def rebuilt_workbook(
             "boxes, controls, sparklines, threaded comments) is not on these sheets: name the file as template to "
             "keep its own sheets whole."
         )
-    notes += _left_behind(read.workbook, workbook, ours)
+    notes += _left_behind(read.workbook, workbook, ours, earlier=bool(products))
     return Rebuilt(again, tuple(notes), tuple(added))
 
 
@@ -275,8 +277,10 @@ def _write_cells(workbook: Workbook, source: Workbook, sheet: str) -> Iterator[s
         )
 
 
-def _left_behind(source: Workbook, template: Workbook, ours: set[str]) -> Iterator[str]:
-    """What a script put beside the inputs on sheets of the product: it is in no template."""
+def _left_behind(
+    source: Workbook, template: Workbook, ours: set[str], *, earlier: bool
+) -> Iterator[str]:
+    """What was put beside the inputs on sheets of the product: it is in no template."""
     left: list[str] = []
     drawn: list[str] = []
     for sheet in source.sheet_names:
@@ -286,7 +290,10 @@ def _left_behind(source: Workbook, template: Workbook, ours: set[str]) -> Iterat
         if sheet not in ours or name is None or sheet in source.structure.hidden_sheets:
             continue
         here, there = template.sheet_part(name), source.sheet_part(sheet)
-        if _drawings(source, sheet) > _drawings(template, name):
+        if earlier:  # which charts that release had is not known; pictures it had none
+            if _drawings(source, sheet, ("image",)):
+                drawn.append(sheet)
+        elif _drawings(source, sheet) > _drawings(template, name):
             drawn.append(sheet)
         tables = [table.ref for table in source.tables.values() if table.sheet == sheet]
         named = {
@@ -299,6 +306,8 @@ def _left_behind(source: Workbook, template: Workbook, ours: set[str]) -> Iterat
             if (row, column) in named or any(place.meets(table) for table in tables):
                 continue
             held = there.value(row, column)
+            if held == "" or (earlier and _is_of_template(tables, named, row, column)):
+                continue
             if isinstance(held, (str, float, int)) and here.value(row, column) is None:
                 left.append(f"{sheet}!{cell_name(row, column)}")
     if left:
@@ -314,12 +323,30 @@ def _left_behind(source: Workbook, template: Workbook, ours: set[str]) -> Iterat
         )
 
 
-def _drawings(workbook: Workbook, sheet: str) -> int:
-    """How many charts and pictures a sheet has. [count]"""
+def _is_of_template(
+    tables: Sequence[Rect], named: Collection[tuple[int, int]], row: int, column: int
+) -> bool:
+    """Whether a cell of an earlier template may hold words of its own: banner, caption, unit, or beside a scalar."""
+    return (
+        row <= _BANNER
+        or any(
+            table.top - _ABOVE_TABLE <= row < table.top and table.left <= column <= table.right
+            for table in tables
+        )
+        or any(row == at and abs(column - left) <= _BESIDE_SCALAR for at, left in named)
+    )
+
+
+def _drawings(workbook: Workbook, sheet: str, kinds: Collection[str] = ()) -> int:
+    """How many charts and pictures a sheet has, or how many of some kinds. [count]"""
     part = workbook.structure.worksheet_part(sheet)
     related = workbook.structure.relationships(part) if part else []
     drawings = [one.part for one in related if one.kind == "drawing"]
-    return sum(len(workbook.structure.relationships(drawing)) for drawing in drawings)
+    return sum(
+        not kinds or one.kind in kinds
+        for drawing in drawings
+        for one in workbook.structure.relationships(drawing)
+    )
 
 
 def listed_words(words: Sequence[str]) -> str:
