@@ -19,6 +19,7 @@ module            responsibility
 `check`           `torsionbook check`: errors of inputs with their cells, and answers that cannot
                   be given yet
 `export`          `torsionbook export`: inputs as a case JSON, or the train as others read it
+`upgrade`         a workbook of an earlier release as one of this version
 `new`             A workbook to fill in, of the variant that its program needs
 `import_`         `torsionbook import`: a train from a table of text, openTorsion or ROSS
 `recalc`          `torsionbook recalc`: inputs calculated, results written, and a summary of them

@@ -26,6 +26,7 @@ from addin.workers.stop import causes
 GROUPS = {
     "Daily": {
         "new": "Make a workbook: blank, a filled example, or with the inputs of an existing file.",
+        "upgrade": "Move the inputs of a workbook, and your own sheets, into a workbook of this version.",
         "import": "Make a workbook from a table of text, or from a model of openTorsion or ROSS.",
         "check": "Read and check inputs without calculating: every error with its sheet and cell.",
         "recalc": "Calculate workbooks or case JSON files and write their results.",

@@ -21,6 +21,13 @@ OutOption = Annotated[
 InPlaceOption = Annotated[
     bool, typer.Option("--in-place", help="Write into the workbook itself; keeps a .bak copy.")
 ]
+AddOption = Annotated[
+    bool,
+    typer.Option(
+        "--add",
+        help="Add the input sheets of the study with usual rows, where the workbook has none.",
+    ),
+]
 JsonOption = Annotated[
     Path | None, typer.Option("--json", help="Also write the study as JSON: a file or a folder.")
 ]

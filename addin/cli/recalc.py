@@ -77,7 +77,7 @@ def recalc(
                 overrides=overrides,
                 ignore_lock=ignore_lock,
                 on_stage=stages_of(file, tell),
-                prepared=PreparedInput(history=history),
+                prepared=PreparedInput(history=history, keeps_standing=True),
             )
             for file, (target, json_file), history in zip(files, targets, histories, strict=True)
         ]

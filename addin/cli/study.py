@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import inspect
+import sys
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from addin.cli.options import (
+    AddOption,
     FileArgument,
     IgnoreLockOption,
     InPlaceOption,
@@ -31,10 +34,12 @@ from addin.cli.terminal import (
     study_targets,
 )
 from addin.contract.problems import printable
+from addin.contract.study_spec import StudySpec
 from addin.contract.version import product_version
 from addin.reading.one_file import file_problem
+from addin.reading.workbook import WorkbookInput
 from addin.studies.registry import study_of_command
-from addin.studies.run_study import StudyFiles, part_of_study, study_one
+from addin.studies.run_study import StudyFiles, StudyOutcome, part_of_study, study_one
 from addin.studies.study import Option, Study, StudyResult
 from addin.workers.cluster import ClusterRefused
 from addin.workers.opened_map import open_parallel_map
@@ -54,6 +59,7 @@ def study_command(name: str) -> Callable[..., None]:
         "file": (FileArgument, inspect.Parameter.empty),
         "out": (OutOption, None),
         "in_place": (InPlaceOption, False),
+        **({"add": (AddOption, False)} if study.inputs else {}),
         "json": (JsonOption, None),
         **{
             option.name: (_annotation(option), None if option.file_endings else option.default)
@@ -125,7 +131,53 @@ def _run(study: Study, file: Path, given: Mapping[str, Any]) -> None:
             )
         _only_part(study, file, settings, options)
         return
-    files = StudyFiles(destination, given["in_place"], json_file, given["ignore_lock"])
+    files = StudyFiles(
+        destination, given["in_place"], json_file, given["ignore_lock"], _add_sheets,
+        given.get("add", False),
+    )  # fmt: skip
+    outcome = _outcome(study, file, settings, files, given)
+    if outcome.lacking and _wants(outcome.lacking, file):
+        outcome = _outcome(study, file, settings, replace(files, add_inputs=True), given)
+    for sentence in outcome.warnings:
+        typer.echo(f"{file}: note: {printable(sentence)}", err=True)
+    if outcome.result is None:
+        list_problems(file, outcome.problems, bool(outcome.written))
+        raise typer.Exit(WRONG_INPUT)
+    _show(study, outcome.result, options)
+    print_written(outcome.written)
+    try:
+        print_written(study.save(outcome.result, options, file))
+    except OSError as wrong:
+        place = Path(wrong.filename) if isinstance(wrong.filename, str) else file
+        raise failed(file_problem(place, wrong).message) from wrong
+    if outcome.result.cut_short is not None:
+        raise typer.Exit(INTERRUPTED)
+
+
+def _add_sheets(read: WorkbookInput, study: StudySpec, folder: Path) -> WorkbookInput:
+    """The builder of sheets is loaded only where some are added."""
+    from addin.template.study_sheets import with_study_sheets
+
+    return with_study_sheets(read, study, folder)
+
+
+def _wants(sheets: Sequence[str], file: Path) -> bool:
+    """Ask at a terminal whether input sheets are added."""
+    if not (sys.stdin.isatty() and sys.stderr.isatty()):
+        return False
+    names = f"sheet{'s' if len(sheets) > 1 else ''} {' and '.join(sheets)}"
+    question = f"{file.name} has no {names}. Add with usual rows and calculate?"
+    return typer.confirm(question, default=True, err=True)
+
+
+def _outcome(
+    study: Study,
+    file: Path,
+    settings: Mapping[str, Any],
+    files: StudyFiles,
+    given: Mapping[str, Any],
+) -> StudyOutcome:
+    """The study; after Ctrl-C the command ends."""
     stop = Stop()
 
     def on_stage(stage: str) -> None:
@@ -144,25 +196,11 @@ def _run(study: Study, file: Path, given: Mapping[str, Any]) -> None:
                 stop,
             ) as parallel_map,
         ):
-            outcome = study_one(study, file, parallel_map, settings, files, on_stage)
+            return study_one(study, file, parallel_map, settings, files, on_stage)
     except (Abandoned, Cancelled, KeyboardInterrupt) as ended:
         why = f" {ended.why}" if isinstance(ended, Cancelled) and ended.why else ""
         typer.echo(f"{file}: stopped by Ctrl-C.{why} Nothing was written.", err=True)
         raise typer.Exit(INTERRUPTED) from None
-    for sentence in outcome.warnings:
-        typer.echo(f"{file}: note: {printable(sentence)}", err=True)
-    if outcome.result is None:
-        list_problems(file, outcome.problems, bool(outcome.written))
-        raise typer.Exit(WRONG_INPUT)
-    _show(study, outcome.result, options)
-    print_written(outcome.written)
-    try:
-        print_written(study.save(outcome.result, options, file))
-    except OSError as wrong:
-        place = Path(wrong.filename) if isinstance(wrong.filename, str) else file
-        raise failed(file_problem(place, wrong).message) from wrong
-    if outcome.result.cut_short is not None:
-        raise typer.Exit(INTERRUPTED)
 
 
 def _only_part(

@@ -106,7 +106,7 @@ Measure error against computing time for this case.
 Calculates the start by the exponential method and by Newmark at several steps or tolerances,
 compares with a much more accurate reference, and writes sheet Effects and accuracy; other results are unchanged.
 
-Example: `torsionbook accuracy train.xlsx` writes train.accuracy.xlsx."""
+Example: `torsionbook accuracy train.xlsx` writes train.out.xlsx."""
 
 
 #: The study of ``torsionbook accuracy``; its sheet is one of every workbook, made with studies or not.

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from addin.calculation.audit import Stamp
@@ -13,6 +14,8 @@ from addin.contract.digests import short_digest
 from addin.contract.field import IncompleteRecord
 from addin.contract.json_formats import RESULTS_FORMAT
 from addin.contract.problems import CellProblem, placed
+from addin.contract.studies.registry import MissingSheets, missing_sheets
+from addin.contract.study_spec import StudySpec
 from addin.contract.tables import RESULT_TABLES, input_table, json_key, result_table
 from addin.contract.version import product_version
 from addin.reading.one_file import WORKBOOK_ENDINGS, Unreadable, file_problem, read_checked
@@ -21,10 +24,13 @@ from addin.reading.workbook import WorkbookInput
 from addin.recorded.studies import rows_digest
 from addin.studies.study import Study, StudyPart, StudyResult, StudyTask
 from addin.workers.parallel_map import ParallelMap
+from addin.writing.recalculate import beside as result_beside
 from addin.writing.recalculate import case_problems
+from addin.writing.result_file import continued
 from addin.writing.results_json import table_rows
 from addin.writing.workbook import write_study_results
 from addin.xlsx.errors import PackageError
+from addin.xlsx.save import Destination, put_in_place
 from addin.xlsx.whole_files import write_json
 from engine.case.checks.problem import SCALARS
 from engine.case.data import CaseData, case_digest
@@ -36,12 +42,15 @@ from engine.errors import CaseError, ModelError, Problem
 class StudyFiles:
     """Where a study is written."""
 
-    #: The copy of the workbook; None = beside it, ``train.tune.xlsx``. [path]
+    #: The copy of the workbook; None = its result file, ``train.out.xlsx``. [path]
     destination: Path | None = None
     in_place: bool = False  #: Write into the workbook itself; it stays as ``.bak``.
     #: The JSON; None = none, but of a case JSON ``case.tune.json``. [path]
     json_file: Path | None = None
     ignore_lock: bool = False  #: Go on although a lock file says somebody has the workbook open.
+    #: Adds the sheets of a study to a copy of a workbook in a folder; None = a workbook without them is refused.
+    add: Callable[[WorkbookInput, StudySpec, Path], WorkbookInput] | None = None
+    add_inputs: bool = False  #: Whether sheets of inputs are added, too.
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,6 +62,8 @@ class StudyOutcome:
     problems: tuple[CellProblem, ...]  #: Everything wrong with the input.
     warnings: tuple[str, ...]  #: What the engineer should know.
     written: tuple[Path, ...] = ()  #: Files written: workbook, JSON.
+    #: Sheets of inputs that it lacks and that can be added; nothing was calculated then. [names]
+    lacking: tuple[str, ...] = ()
 
 
 def study_one(
@@ -89,38 +100,119 @@ def study_one(
     read = read_checked(source)
     if isinstance(read, Unreadable):
         return StudyOutcome(source, None, read.problems, read.warnings)
-    is_workbook = source.suffix.lower() in WORKBOOK_ENDINGS
-    missing = _missing_sheets(read, study) if is_workbook else []
-    json_file = files.json_file
-    if missing and json_file is None:
-        return StudyOutcome(source, None, (*_unread(study, read), *missing), _warned(read))
-    result, problems, notes = calculate_study(study, read, parallel_map, settings, on_stage)
-    if result is None:
-        return StudyOutcome(source, None, problems, notes)
-    warnings = list(notes)
-    on_stage("writing")
-    written: list[Path] = []
-    try:
-        if is_workbook and not missing:
-            target = source if files.in_place else files.destination or beside(source, study)
-            target.parent.mkdir(parents=True, exist_ok=True)
-            write = study.write or partial(_write, study)
-            warnings += write(read, None if files.in_place else target, result, files.ignore_lock)
-            written.append(target)
-        elif is_workbook:
-            warnings.append(
-                f"{source.name} has no sheets for this study; results are only in the JSON."
-            )
-        elif json_file is None:
-            json_file = files.destination or beside(source, study)
-        if json_file is not None:
-            as_json = study.as_json or partial(to_json, study)
-            write_json(json_file, as_json(result, read, tuple(warnings)))
-            written.append(json_file)
-    except (PackageError, OSError) as failed:
-        problem = file_problem(source, failed)
-        return StudyOutcome(source, None, (problem,), tuple(warnings), tuple(written))
+    if source.suffix.lower() not in WORKBOOK_ENDINGS:
+        return _study_json(study, source, read, (parallel_map, settings, files, on_stage))
+    assert isinstance(read, WorkbookInput)
+    if files.destination is None and source.stem.endswith(".out"):
+        files = replace(files, in_place=True)  # a result file goes on
+    target = source if files.in_place else files.destination or result_beside(source)
+    standing, notes = (None, ()) if read.problems else continued(read, target)
+    there = read if standing is None else standing
+    with TemporaryDirectory(prefix="torsionbook-") as folder:
+        try:
+            book, refused = _with_sheets(study, there, files, Path(folder))
+        except (PackageError, OSError) as failed:
+            book, refused = there, (file_problem(source, failed),)
+        if refused and files.json_file is None:
+            lacking = missing_sheets(there.workbook.tables, study.spec).inputs
+            asked = () if files.add is None or files.add_inputs else lacking
+            problems = (*_unread(study, there), *refused)
+            return StudyOutcome(source, None, problems, _warned(there), lacking=asked)
+        result, problems, words = calculate_study(study, book, parallel_map, settings, on_stage)
+        if result is None and book is there:
+            return StudyOutcome(source, None, problems, words)
+        on_stage("writing")
+        warnings, written = [*words, *notes], []
+        try:
+            if result is None:  # the new sheets have no usual rows: they are there to be filled in
+                target.parent.mkdir(parents=True, exist_ok=True)
+                there.workbook.allow_saving(ignore_lock=files.ignore_lock)
+                put_in_place(
+                    there.workbook.container, book.path,
+                    _place(target, files, standing is not None),
+                )  # fmt: skip
+                added = missing_sheets(there.workbook.tables, study.spec).inputs
+                warnings.append(
+                    f"{target.name} now has sheet {' and '.join(added)}. Fill in, then run the command again on it."
+                )
+                return StudyOutcome(source, None, problems, tuple(warnings), (target,))
+            if refused:
+                warnings.append(
+                    f"{source.name} has no sheets for this study; results are only in the JSON."
+                )
+            else:
+                target.parent.mkdir(parents=True, exist_ok=True)
+                place = _place(target, files, standing is not None)
+                warnings += _write_book(study, (there, book), place, result, Path(folder))
+                written.append(target)
+            if files.json_file is not None:
+                as_json = study.as_json or partial(to_json, study)
+                write_json(files.json_file, as_json(result, book, tuple(warnings)))
+                written.append(files.json_file)
+        except (PackageError, OSError) as failed:
+            problem = file_problem(source, failed)
+            return StudyOutcome(source, None, (problem,), tuple(warnings), tuple(written))
     return StudyOutcome(source, result, (), tuple(warnings), tuple(written))
+
+
+def _place(target: Path, files: StudyFiles, stands: bool) -> Destination:
+    """Where the workbook goes; whatever stands there is kept."""
+    return Destination(
+        target, files.in_place or stands, keep_replaced=True, ignore_lock=files.ignore_lock
+    )
+
+
+def _study_json(
+    study: Study,
+    source: Path,
+    read: CaseInput,
+    how: tuple[ParallelMap, Mapping[str, Any], StudyFiles, Callable[[str], None]],
+) -> StudyOutcome:
+    """A study of a case JSON: its results are a JSON as well."""
+    parallel_map, settings, files, on_stage = how
+    result, problems, warnings = calculate_study(study, read, parallel_map, settings, on_stage)
+    if result is None:
+        return StudyOutcome(source, None, problems, warnings)
+    on_stage("writing")
+    json_file = files.json_file or files.destination or beside(source, study)
+    try:
+        as_json = study.as_json or partial(to_json, study)
+        write_json(json_file, as_json(result, read, warnings))
+    except OSError as failed:
+        return StudyOutcome(source, None, (file_problem(source, failed),), warnings)
+    return StudyOutcome(source, result, (), warnings, (json_file,))
+
+
+def _with_sheets(
+    study: Study, read: WorkbookInput, files: StudyFiles, folder: Path
+) -> tuple[WorkbookInput, tuple[CellProblem, ...]]:
+    """The workbook with the sheets of the study, or why it has none."""
+    lacking = missing_sheets(read.workbook.tables, study.spec)
+    if not lacking.tables or read.problems:
+        return read, ()
+    if not lacking.sheets or files.add is None or (lacking.inputs and not files.add_inputs):
+        return read, (_refused(read, study, lacking),)
+    return files.add(read, study.spec, folder), ()
+
+
+def _write_book(
+    study: Study,
+    books: tuple[WorkbookInput, WorkbookInput],
+    place: Destination,
+    result: StudyResult,
+    folder: Path,
+) -> tuple[str, ...]:
+    """Write a study into the workbook as it stands, or into the one to which sheets were added."""
+    there, book = books
+    write = study.write or partial(_write, study)
+    if book is there:
+        book.workbook.keep_replaced = True
+        return write(book, None if place.in_place else place.path, result, place.ignore_lock)
+    there.workbook.allow_saving(ignore_lock=place.ignore_lock)
+    made = folder / f"made{book.path.suffix}"
+    notes = write(book, made, result, True)
+    put_in_place(there.workbook.container, made, place)
+    return notes
 
 
 def part_of_study(
@@ -265,7 +357,7 @@ def _with_cut(result: StudyResult) -> StudyResult:
 
 
 def beside(source: Path, study: Study) -> Path:
-    """Default name of what a study writes: train.tune.xlsx, case.tune.json."""
+    """Default name of the JSON of a study: case.tune.json."""
     return source.with_name(f"{source.stem}.{study.command}{source.suffix}")
 
 
@@ -318,24 +410,20 @@ def _in_cells(
     return tuple(placed(p, input_table(p.table).sheet, "", "cell") for p in problems)
 
 
-def _missing_sheets(read: CaseInput, study: Study) -> list[CellProblem]:
-    """A workbook without the sheets of the study, as one problem."""
-    assert isinstance(read, WorkbookInput)
-    known = {name.casefold() for name in read.workbook.tables}
-    needed = (*study.inputs, *study.spec.result_names)
-    absent = [name for name in needed if name.casefold() not in known]
-    if not absent:
-        return []
-    first = absent[0]
+def _refused(read: WorkbookInput, study: Study, lacking: MissingSheets) -> CellProblem:
+    """A workbook without the sheets of the study, as a problem."""
+    first = lacking.tables[0]
     spec = input_table(first) if first in study.inputs else result_table(first)
     name = read.path.name
+    sheets = f"sheet{'s' if len(lacking.inputs) > 1 else ''} {' and '.join(lacking.inputs)}"
     sentence = (
-        f"the workbook has no table {', '.join(absent)}, which torsionbook {study.command} "
-        f"needs. Run torsionbook new studies-{name} --studies --from {name} for a workbook "
-        "with the same inputs and the study sheets, or use --json for results without a "
-        "sheet."
+        f"{name} has no {sheets} for torsionbook {study.command}. Run it with --add, which adds the sheets, with "
+        "usual rows where there are such."
+        if lacking.inputs
+        else f"{name} has no table {' and '.join(lacking.tables)} for torsionbook {study.command}. Run torsionbook "
+        f"upgrade {name} for a workbook of this version."
     )
-    return [CellProblem(spec.sheet, first, None, "", None, f"table {first}", sentence, "")]
+    return CellProblem(spec.sheet, first, None, "", None, f"table {first}", sentence, "")
 
 
 def _write(

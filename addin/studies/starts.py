@@ -99,7 +99,7 @@ Start conditions and how often each occurs are in table StartConditions of sheet
 rows: 80 to 110 % voltage, loaded and unloaded, and aborted starts. Writes sheets Start matrix and
 Damage ledger.
 
-Example: `torsionbook starts train.xlsx` writes train.starts.xlsx."""
+Example: `torsionbook starts train.xlsx --add` writes train.out.xlsx."""
 
 
 STARTS = Study(

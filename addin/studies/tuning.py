@@ -177,9 +177,8 @@ def _save(study: StudyResult, options: Mapping[str, Any], source: Path) -> Itera
 _HELP = """\
 Calculate couplings and other quantities in every combination, and rank them with reasons.
 
-Quantities to vary are on sheet Tuning of a workbook made with `torsionbook new --studies`, or in
-the tables tuning and catalogue of a case JSON. Each combination is a full start; results go to a new
-workbook, train.tune.xlsx."""
+Quantities to vary are on sheet Tuning, which `--add` adds, or in the tables tuning and catalogue of a
+case JSON. Each combination is a full start; results go to the result file, train.out.xlsx."""
 
 
 TUNING = Study(

@@ -26,7 +26,9 @@ module              responsibility
                     as inputs are typed
 `build`             builds the shipped workbooks from the one table of fields: ``python -m
                     addin.template.build FOLDER``
-`rebuilt`           a workbook that openpyxl wrote, made whole again: its inputs in a template, and
-                    the sheets that a script added
+`study_sheets`      the sheets of a study, added to a workbook that has none, with rows to begin with
+`rebuilt`           a workbook that openpyxl or an earlier release wrote, made whole again: its
+                    inputs in a template, and other sheets
+`upgraded`          a workbook of an earlier release as one of this version
 ==================  ==============================================================================
 """

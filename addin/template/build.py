@@ -23,7 +23,7 @@ from addin.contract.banner import COPY_SHEET
 from addin.contract.sheet import Sheet
 from addin.contract.sheets import SHEETS
 from addin.contract.shown_units import shown_units
-from addin.contract.studies.registry import EVERY_CHART, with_studies
+from addin.contract.studies.registry import EVERY_CHART, STUDY_FACTS_SHEET, with_studies
 from addin.reading.workbook import read_workbook
 from addin.template.charts import Places, make_chart
 from addin.template.examples import EXAMPLES, Example, example_case, study_rows
@@ -129,7 +129,8 @@ class _Builder(LiveSheets):
         layout = layout if self.variant.spelled is None else _with_live(layout)
         for name in dict.fromkeys(sheet.worksheet for sheet in layout):
             self.sheets[name] = self.workbook.add_worksheet(name)
-        for name in ("Lists", "ChartData", COPY_SHEET):
+        more = (STUDY_FACTS_SHEET,) if self.studies else ()
+        for name in ("Lists", "ChartData", COPY_SHEET, *more):
             self.sheets[name] = self.workbook.add_worksheet(name)
         for sheet in layout:
             self._frame(sheet)

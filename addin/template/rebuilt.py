@@ -1,4 +1,4 @@
-"""A workbook that openpyxl wrote, made whole again: its inputs in a template, and the sheets that a script added.
+"""A workbook that openpyxl or an earlier release wrote, made whole again: its inputs in a template, and other sheets.
 
 openpyxl reads and writes cells, and loses much of the rest: charts change, pictures, shapes, controls and extensions
 go. Of such a workbook only what was typed is taken, with the sheets that are not of this product.
@@ -6,7 +6,7 @@ go. Of such a workbook only what was typed is taken, with the sheets that are no
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -39,6 +39,8 @@ from engine.case.study_inputs import study_digest
 WHOLE_SHEET = Rect(1, 1, MAX_ROW, MAX_COLUMN)
 #: Cells or inputs that are listed in a sentence. [count]
 _LISTED = 8
+#: Where earlier templates have words of their own: rows of the banner, rows above a table, columns beside a scalar.
+_BANNER, _ABOVE_TABLE, _BESIDE_SCALAR = 3, 2, 3
 
 
 class CannotBeRebuilt(Exception):
@@ -53,10 +55,16 @@ class Rebuilt:
     notes: tuple[
         str, ...
     ]  #: What was not taken over, and what may have been lost before. [sentences]
+    added: tuple[str, ...] = ()  #: Sheets that were taken over whole. [names]
 
 
 def rebuilt_workbook(
-    read: WorkbookInput, folder: Path, template: Path | None, *, was_loaded: bool
+    read: WorkbookInput,
+    folder: Path,
+    template: Path | None,
+    *,
+    was_loaded: bool,
+    products: Collection[str] = (),
 ) -> Rebuilt:
     """The inputs of a workbook in a template, with the sheets that the template has not.
 
@@ -70,6 +78,8 @@ def rebuilt_workbook(
         A workbook of this product as somebody styled it; None = the shipped one. [path]
     was_loaded : bool
         Whether openpyxl had read the workbook from a file, and may have lost some of that. [flag]
+    products : collection of str, optional
+        Further sheets that are of the product, of earlier releases. [names]
 
     Raises
     ------
@@ -90,7 +100,7 @@ def rebuilt_workbook(
     if template is not None:
         _write_inputs(workbook, read_workbook(workbook), filled)
     _write_chosen_elements(workbook, chosen_elements(read.workbook))
-    ours = _sheets_of_the_product(read.workbook)
+    ours = _sheets_of_the_product(read.workbook) | set(products)
     names = {name.casefold() for name in workbook.sheet_names}
     others = [name for name in read.workbook.sheet_names if name not in ours]
     for sheet in others:
@@ -112,12 +122,12 @@ def rebuilt_workbook(
     notes += report.notes
     if added and was_loaded:
         notes.append(
-            f"Taken from the openpyxl workbook: {_listed(added)}. What openpyxl does not read of a file (shapes, text "
+            f"Taken from the openpyxl workbook: {listed_words(added)}. What openpyxl does not read of a file (shapes, text "
             "boxes, controls, sparklines, threaded comments) is not on these sheets: name the file as template to "
             "keep its own sheets whole."
         )
-    notes += _left_behind(read.workbook, workbook, ours)
-    return Rebuilt(again, tuple(notes))
+    notes += _left_behind(read.workbook, workbook, ours, earlier=bool(products))
+    return Rebuilt(again, tuple(notes), tuple(added))
 
 
 @cache
@@ -185,7 +195,7 @@ def _write_inputs(workbook: Workbook, there: WorkbookInput, filled: Example) -> 
         )
     if missing:
         raise CannotBeRebuilt(
-            f"the template {workbook.path.name} has no place for {_listed(missing)}. Name a template of this version "
+            f"the template {workbook.path.name} has no place for {listed_words(missing)}. Name a template of this version "
             "with all its tables (torsionbook new), or clear these inputs."
         )
     workbook.write_tables(tables)
@@ -263,12 +273,14 @@ def _write_cells(workbook: Workbook, source: Workbook, sheet: str) -> Iterator[s
     if refused:
         yield (
             f"Sheet {name} of the template: cells that the script changed, and that keep what the template has: "
-            f"{_listed(refused)}. Change them in the template."
+            f"{listed_words(refused)}. Change them in the template."
         )
 
 
-def _left_behind(source: Workbook, template: Workbook, ours: set[str]) -> Iterator[str]:
-    """What a script put beside the inputs on sheets of the product: it is in no template."""
+def _left_behind(
+    source: Workbook, template: Workbook, ours: set[str], *, earlier: bool
+) -> Iterator[str]:
+    """What was put beside the inputs on sheets of the product: it is in no template."""
     left: list[str] = []
     drawn: list[str] = []
     for sheet in source.sheet_names:
@@ -278,7 +290,10 @@ def _left_behind(source: Workbook, template: Workbook, ours: set[str]) -> Iterat
         if sheet not in ours or name is None or sheet in source.structure.hidden_sheets:
             continue
         here, there = template.sheet_part(name), source.sheet_part(sheet)
-        if _drawings(source, sheet) > _drawings(template, name):
+        if earlier:  # which charts that release had is not known; pictures it had none
+            if _drawings(source, sheet, ("image",)):
+                drawn.append(sheet)
+        elif _drawings(source, sheet) > _drawings(template, name):
             drawn.append(sheet)
         tables = [table.ref for table in source.tables.values() if table.sheet == sheet]
         named = {
@@ -291,29 +306,50 @@ def _left_behind(source: Workbook, template: Workbook, ours: set[str]) -> Iterat
             if (row, column) in named or any(place.meets(table) for table in tables):
                 continue
             held = there.value(row, column)
+            if held == "" or (earlier and _is_of_template(tables, named, row, column)):
+                continue
             if isinstance(held, (str, float, int)) and here.value(row, column) is None:
                 left.append(f"{sheet}!{cell_name(row, column)}")
     if left:
         yield (
-            f"Cells beside the inputs were not taken over: {_listed(left)}. Put them on a sheet of their own, or name "
+            f"Cells beside the inputs were not taken over: {listed_words(left)}. Put them on a sheet of their own, or name "
             "a template that has them."
         )
 
     if drawn:
         yield (
-            f"Charts and pictures that were added to sheets of the product were not taken over: {_listed(drawn)}. Put "
+            f"Charts and pictures that were added to sheets of the product were not taken over: {listed_words(drawn)}. Put "
             "them on a sheet of their own, or name a template that has them."
         )
 
 
-def _drawings(workbook: Workbook, sheet: str) -> int:
-    """How many charts and pictures a sheet has. [count]"""
+def _is_of_template(
+    tables: Sequence[Rect], named: Collection[tuple[int, int]], row: int, column: int
+) -> bool:
+    """Whether a cell of an earlier template may hold words of its own: banner, caption, unit, or beside a scalar."""
+    return (
+        row <= _BANNER
+        or any(
+            table.top - _ABOVE_TABLE <= row < table.top and table.left <= column <= table.right
+            for table in tables
+        )
+        or any(row == at and abs(column - left) <= _BESIDE_SCALAR for at, left in named)
+    )
+
+
+def _drawings(workbook: Workbook, sheet: str, kinds: Collection[str] = ()) -> int:
+    """How many charts and pictures a sheet has, or how many of some kinds. [count]"""
     part = workbook.structure.worksheet_part(sheet)
     related = workbook.structure.relationships(part) if part else []
     drawings = [one.part for one in related if one.kind == "drawing"]
-    return sum(len(workbook.structure.relationships(drawing)) for drawing in drawings)
+    return sum(
+        not kinds or one.kind in kinds
+        for drawing in drawings
+        for one in workbook.structure.relationships(drawing)
+    )
 
 
-def _listed(words: Sequence[str]) -> str:
+def listed_words(words: Sequence[str]) -> str:
+    """The first of some words, and how many more there are."""
     more = f" and {len(words) - _LISTED} more" if len(words) > _LISTED else ""
     return ", ".join(words[:_LISTED]) + more

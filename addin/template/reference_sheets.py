@@ -12,7 +12,7 @@ from addin.contract.chart_tables import CHART_TABLES
 from addin.contract.input_copy import CHANGED_FORMULA, COPY_ROW, COPY_TABLES
 from addin.contract.run_facts import RUN_FACTS
 from addin.contract.sheet import NOTES_WIDTH, text_height
-from addin.contract.studies.registry import STUDY_FACTS
+from addin.contract.studies.registry import STUDY_FACTS, STUDY_FACTS_SHEET
 from addin.contract.texts import CONTACT_LAW, NOTES, TRACE_INTRO
 from addin.contract.trace_table import TRACE_HEADERS, trace_groups, trace_rows
 from addin.template.charts import Place
@@ -114,8 +114,11 @@ class ReferenceSheets(ResultSheets):
             letter = xl_col_to_name(column)
             self.workbook.define_name(name, f"=Lists!${letter}$2:${letter}${_LISTED + 1}")
         self._run_facts(page, 4)
-        if self.studies:
-            self._facts(page, 8, "StudyFacts", STUDY_FACTS, {})
+        if self.studies:  # of its own, so that it can be added to a workbook with the first study
+            page = self.sheets[STUDY_FACTS_SHEET]
+            page.hide()
+            page.set_column("A:C", 42)
+            self._facts(page, 0, "StudyFacts", STUDY_FACTS, {})
 
     def _listed(
         self,
@@ -158,15 +161,16 @@ class ReferenceSheets(ResultSheets):
             {"name": table, "style": None, "autofilter": False,
              "columns": [{"header": name} for name in columns]},
         )  # fmt: skip
-        self.places[table] = Place("Lists", 2, last, columns)
+        sheet = page.get_name()
+        self.places[table] = Place(sheet, 2, last, columns)
         for row, (name, meaning) in enumerate(facts, 2):
             page.write_string(row, left, name, self.style("plain"))
             page.write_string(row, left + 1, meaning, self.style("plain"))
             if name in shipped:
                 page.write_string(row, left + 2, shipped[name], self.style("plain"))
             cell = xl_rowcol_to_cell(row, left + 2, True, True)
-            self.workbook.define_name(name, f"=Lists!{cell}")
-            self.fact_cells[name] = f"Lists!{cell}"
+            self.workbook.define_name(name, f"={sheet}!{cell}")
+            self.fact_cells[name] = f"{sheet}!{cell}"
 
     def _input_copy(self) -> None:
         """Hidden: tables for the copy of the inputs, blank until there is a calculation."""

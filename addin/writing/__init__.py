@@ -12,6 +12,8 @@ module          responsibility
                 show
 `workbook`      results into the cells the product owns: result tables, facts for live formulas,
                 chart data
+`result_file`   the result file of a workbook, when it is there already: whether more can be
+                written into it
 `recalculate`   one input file in, its results out: the same path for the command line and every
                 other front
 ==============  ==================================================================================

@@ -20,6 +20,7 @@ from addin.reading.one_file import WORKBOOK_ENDINGS, Unreadable, file_problem, r
 from addin.reading.typed_case import CaseInput
 from addin.reading.workbook import WorkbookInput
 from addin.writing.history_file import HistoryUnavailable, write_history
+from addin.writing.result_file import continued, has_more
 from addin.writing.results_json import errors_to_json, results_to_json
 from addin.writing.workbook import RunStamp, write_results
 from addin.xlsx.errors import PackageError
@@ -52,6 +53,8 @@ class PreparedInput:
     results: Results | None = None
     #: Name of the history before ``.history``; empty for that of the result.
     history: str = ""
+    #: Whether a result file that stands there keeps its studies, and stays as ``.bak``.
+    keeps_standing: bool = False
 
 
 @contextmanager
@@ -116,18 +119,22 @@ def recalculate(
     calculation: Calculation | None = None
     notes: tuple[str, ...] = ()
     files: list[Path] = []
+    target = source if in_place else destination or beside(source)
+    begun: tuple[str, ...] = ()
+    if prepared.keeps_standing and isinstance(read, WorkbookInput) and not problems:
+        read, begun = _standing(read, target)
+        in_place = in_place or read.path != source
     if not isinstance(read, Unreadable) and not problems:
         calculation, problems = recalculate_case(read, overrides or {}, on_stage, prepared.results)
     if calculation is not None:
         on_stage("writing")
-        target = source if in_place else destination or beside(source)
         try:
             for place in (target, json_file):
                 if place is not None:
                     place.parent.mkdir(parents=True, exist_ok=True)
             if isinstance(read, WorkbookInput) and source.suffix.lower() in WORKBOOK_ENDINGS:
                 new = None if in_place else target
-                notes = _write_workbook(read, new, calculation, ignore_lock)
+                notes = (*_write_workbook(read, new, calculation, ignore_lock), *begun)
                 files.append(target)
             files += _write_history(calculation, target, prepared.history)
         except (PackageError, HistoryUnavailable, OSError) as error:
@@ -217,6 +224,15 @@ def case_problems(error: CaseError | ModelError) -> tuple[CellProblem, ...]:
 def _whole(message: str, table: str) -> CellProblem:
     """A problem of the case as a whole, which no single cell stands for."""
     return CellProblem("Train", table, None, "", None, "a train that can be calculated", message)
+
+
+def _standing(read: WorkbookInput, target: Path) -> tuple[WorkbookInput, tuple[str, ...]]:
+    """The result file with its studies where it is of the same workbook, else the workbook; and why so."""
+    standing, notes = continued(read, target)
+    if standing is not None and has_more(read, standing):
+        return standing, notes
+    read.workbook.keep_replaced = True
+    return read, notes
 
 
 def _write_workbook(

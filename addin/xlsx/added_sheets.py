@@ -1,13 +1,15 @@
 """Whole sheets of another workbook behind those of a workbook, with their looks, drawings, tables and names.
 
-Made for workbooks that openpyxl wrote. Cells keep their looks through styles that are added to those of the
+For sheets that a script made with openpyxl, and for those of a study. Only the parts that list sheets, parts, names and
+styles change; all others stay byte for byte. Cells keep their looks through styles that are added to those of the
 workbook; shared texts become texts of the cells; formulas stay as they are written.
 """
 
 from __future__ import annotations
 
 import posixpath
-from collections.abc import Iterator, Sequence
+import re
+from collections.abc import Iterator, Mapping, Sequence
 from copy import deepcopy
 from itertools import count
 from pathlib import Path
@@ -36,8 +38,62 @@ _OWN_FORMATS = 164
 _STYLE_LISTS = {"fonts": "fontId", "fills": "fillId", "borders": "borderId"}
 
 
+#: A cell of another sheet in a formula: the sheet as it is written there, and the cell.
+_CELL_ELSEWHERE = re.compile(r"('(?:[^']|'')+'|[A-Za-z_][\w.]*)!(\$[A-Z]{1,3}\$\d+)(?![\d:])")
+
+
+def what_is_in_the_way(
+    workbook: WorkbookState, source: WorkbookState, sheets: Sequence[str]
+) -> Iterator[str]:
+    """Why sheets of another workbook cannot stand in a workbook as they are.
+
+    Parameters
+    ----------
+    workbook : WorkbookState
+        The workbook.
+    source : WorkbookState
+        Where the sheets come from.
+    sheets : sequence of str
+        Their names. [names]
+
+    Yields
+    ------
+    str
+        A sentence for each thing to do first.
+    """
+    root = workbook.container.tree(workbook.structure.part)
+    protection = root.find(main("workbookProtection"))
+    if protection is not None and protection.get("lockStructure") in ("1", "true"):
+        yield (
+            f"the structure of {workbook.path.name} is protected, so no sheet can be added. Take the protection away "
+            "(Review, Protect Workbook)"
+        )
+    here = {name.casefold() for name in workbook.structure.sheet_names}
+    for sheet in sheets:
+        if sheet.casefold() in here:
+            yield f"there is a sheet {sheet} of your own. Give it another name"
+    tables = {name.casefold() for name in workbook.tables}
+    names = {one.name.casefold() for one in workbook.structure.names if not one.local_sheet}
+    for table in source.tables.values():
+        if table.sheet not in sheets:
+            continue
+        if table.name.casefold() in tables:
+            yield f"there is a table {table.name} of your own. Give it another name"
+        elif table.name.casefold() in names:
+            yield f"there is a defined name {table.name} of your own. Give it another name"
+    for one in source.structure.names:
+        if one.local_sheet or one.sheet not in sheets:
+            continue
+        if one.name.casefold() in names or one.name.casefold() in tables:
+            yield f"there is a name {one.name} of your own. Give it another name"
+
+
 def save_with_sheets(
-    workbook: WorkbookState, source: WorkbookState, sheets: Sequence[str], destination: Path
+    workbook: WorkbookState,
+    source: WorkbookState,
+    sheets: Sequence[str],
+    destination: Path,
+    references: Mapping[tuple[str, str], str] | None = None,
 ) -> SaveReport:
     """Write a workbook with sheets of another one behind its own.
 
@@ -51,19 +107,22 @@ def save_with_sheets(
         Their names, none of which the workbook has. [names]
     destination : Path
         The new file. [path]
+    references : mapping, optional
+        What stands in formulas for a cell of a sheet that is not taken over, by sheet and cell (``$B$9``); any
+        other reference stays as it is. [text of formulas]
 
     Returns
     -------
     SaveReport
         Its notes say what could not be taken over.
     """
-    merger = _Merger(workbook, source)
+    merger = _Merger(workbook, source, references or {})
     for name in sheets:
         merger.add(name)
     merger.add_names(sheets)
     return save_package(
         workbook.container,
-        PackageChange(merger.replaced(), added=merger.added),
+        PackageChange(merger.replaced(), merger.dropped, merger.added),
         Destination(destination, False),
         check=lambda parts: [],
         caches=CacheReport("not needed"),
@@ -74,8 +133,14 @@ def save_with_sheets(
 class _Merger:
     """Parts of the new file as they come about."""
 
-    def __init__(self, workbook: WorkbookState, source: WorkbookState) -> None:
+    def __init__(
+        self,
+        workbook: WorkbookState,
+        source: WorkbookState,
+        references: Mapping[tuple[str, str], str],
+    ) -> None:
         self._book, self._from = workbook, source
+        self._references = references
         self.notes: list[str] = []
         self.added: dict[str, bytes] = {}
         self._copied: dict[str, str] = {}
@@ -86,6 +151,7 @@ class _Merger:
             for part in (structure.part, self._types, self._relations, self._styles)
         }
         self._looks = _Looks(self._roots[self._styles], self._styles_of_source())
+        self.dropped = self._without_calc_chain()
         self._tables = {name.casefold() for name in workbook.tables}
         self._table_numbers = count(
             1
@@ -116,6 +182,19 @@ class _Merger:
 
     def _table_number(self, part: str) -> int:
         return whole_number(self._book.container.tree(part).get("id")) or 0
+
+    def _without_calc_chain(self) -> set[str]:
+        """Take the order of calculation out of the lists: it knows no formula of the new sheets."""
+        chain = self._book.structure.related("calcChain")
+        if chain is None:
+            return set()
+        for entry in list(self._roots[self._relations]):
+            if isinstance(entry.tag, str) and entry.get("Type", "").endswith("/calcChain"):
+                self._roots[self._relations].remove(entry)
+        for entry in list(self._roots[self._types]):
+            if isinstance(entry.tag, str) and entry.get("PartName", "").lstrip("/") == chain:
+                self._roots[self._types].remove(entry)
+        return {chain}
 
     def replaced(self) -> dict[str, bytes]:
         """The parts of the workbook that list its sheets, parts and styles."""
@@ -250,10 +329,26 @@ class _Merger:
         for cell in root.iter(main("c")):
             if cell.get("t") == "s":
                 self._put_text(cell)
+        if self._references:
+            for tag in ("f", "formula", "formula1", "formula2"):
+                for formula in root.iter(main(tag)):
+                    formula.text = self._led(formula.text)
+            for link in root.iter(main("hyperlink")):
+                if link.get("location"):
+                    link.set("location", self._led(link.get("location")))
         for table in list(root.iter(main("tablePart"))):
             if table.get(f"{{{RELATIONSHIP_IDS}}}id") in dropped:
                 table.getparent().remove(table)
         return etree.tostring(root, xml_declaration=True, encoding="UTF-8", standalone=True)
+
+    def _led(self, formula: str | None) -> str | None:
+        """A formula with its references to cells elsewhere as they are in this workbook."""
+
+        def reference(found: re.Match[str]) -> str:
+            sheet = found[1].strip("'").replace("''", "'")
+            return self._references.get((sheet, found[2]), found[0])
+
+        return formula and _CELL_ELSEWHERE.sub(reference, formula)
 
     def _put_text(self, cell: Element) -> None:
         value = cell.find(main("v"))

@@ -58,6 +58,8 @@ class Destination:
     ignore_lock: bool = False  #: Write although a lock file says that somebody has it open.
     suffix: str = ""  #: Ending that the file must have; empty = that of the original.
     keep_backups: bool = False  #: Keep earlier copies of the original, too.
+    #: Keep a copy of another file that is replaced there, too.
+    keep_replaced: bool = False
 
 
 def save_package(
@@ -76,14 +78,61 @@ def save_package(
     SaveRefused
         When nothing was written, with the reason.
     """
-    target = _target(container.path, destination)
-    if not destination.ignore_lock:
-        check_not_open(target)
-    _check_source(container)
+    target = _free_target(container, destination)
     payload = io.BytesIO()
     container.write(payload, change.replaced, change.dropped, added=change.added)
     package = payload.getvalue()
     _verify(container, package, change, check)
+    backup = _deliver(container, package, target, destination)
+    return SaveReport(
+        target,
+        backup,
+        tuple(sorted([*change.replaced, *change.added])),
+        tuple(sorted(change.dropped)),
+        caches,
+        notes,
+    )
+
+
+def put_in_place(container: Container, made: Path, destination: Destination) -> Path | None:
+    """Put a workbook that was made of another one, step by step, where it belongs.
+
+    Parameters
+    ----------
+    container : Container
+        The workbook that it was made of, as it was opened.
+    made : Path
+        The finished file. [path]
+    destination : Destination
+        Where it goes, as in `save_package`.
+
+    Returns
+    -------
+    Path or None
+        Copy of what stood there; None where nothing did. [path]
+
+    Raises
+    ------
+    SaveRefused
+        When nothing was written, with the reason.
+    """
+    target = _free_target(container, destination)
+    return _deliver(container, made.read_bytes(), target, destination)
+
+
+def _free_target(container: Container, destination: Destination) -> Path:
+    """Where the new file goes, if it may; the original must still be what was opened."""
+    target = _target(container.path, destination)
+    if not destination.ignore_lock:
+        check_not_open(target)
+    _check_source(container)
+    return target
+
+
+def _deliver(
+    container: Container, package: bytes, target: Path, destination: Destination
+) -> Path | None:
+    """Write a package in one step; the copy that was kept of what stood there."""
     with _beside(target, package, _mode(target, container.path)) as temporary:
         if temporary.read_bytes() != package:
             raise SaveRefused(
@@ -93,16 +142,11 @@ def save_package(
         _check_source(container)
         backup = None
         if destination.in_place:
-            backup = _keep_original(container, target, destination.keep_backups)
+            backup = _keep(container.data, target, destination.keep_backups)
+        elif destination.keep_replaced and target.exists():
+            backup = _keep(target.read_bytes(), target, destination.keep_backups)
         _put(temporary, target)
-    return SaveReport(
-        target,
-        backup,
-        tuple(sorted([*change.replaced, *change.added])),
-        tuple(sorted(change.dropped)),
-        caches,
-        notes,
-    )
+    return backup
 
 
 def _target(source: Path, destination: Destination) -> Path:
@@ -204,12 +248,12 @@ def _mode(target: Path, source: Path) -> int:
     return stat.S_IMODE(like.stat().st_mode)
 
 
-def _keep_original(container: Container, target: Path, keep_backups: bool) -> Path:
+def _keep(data: bytes, target: Path, keep_backups: bool) -> Path:
     backup, number = target.with_name(f"{target.name}.bak"), 1
     while keep_backups and backup.exists():
         number += 1
         backup = target.with_name(f"{target.name}.bak{number}")
-    with _beside(backup, container.data, _mode(target, container.path)) as temporary:
+    with _beside(backup, data, _mode(target, target)) as temporary:
         _put(temporary, backup)
     return backup
 

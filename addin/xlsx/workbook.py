@@ -71,6 +71,8 @@ class Workbook(WorkbookState):
         super().__init__(container, structure)
         self._read_only = True
         self._ignore_lock = False
+        #: Whether another file that a save replaces stays as ``.bak``, as the original does in place.
+        self.keep_replaced = False
         self._print_areas: dict[str, str] = {}
         self._cache_report: CacheReport | None = None
 
@@ -299,6 +301,7 @@ class Workbook(WorkbookState):
                 in_place,
                 read_only=self._read_only,
                 ignore_lock=self._ignore_lock,
+                keep_replaced=self.keep_replaced,
             ),
             check=self._misread_cells,
             caches=report,

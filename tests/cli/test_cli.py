@@ -341,7 +341,16 @@ def test_plan_effects_and_reversals_are_in_the_json_of_a_plain_recalculation(exa
 @pytest.fixture(scope="module")
 def studied(example) -> Path:
     """The calculated example with its accuracy study beside it, as workbook and as JSON."""
-    done = torsionbook("accuracy", "train.out.xlsx", "--quick", "--json", "study.json", cwd=example)
+    done = torsionbook(
+        "accuracy",
+        "train.out.xlsx",
+        "--quick",
+        "--json",
+        "study.json",
+        "--out",
+        "studied",
+        cwd=example,
+    )
     assert done.returncode == 0, done.stderr
     (example / "study.txt").write_text(done.stdout, encoding="utf-8")
     return example
@@ -353,7 +362,7 @@ def test_the_study_prints_its_table_and_one_line_in_words(studied):
     content = json.loads((studied / "study.json").read_text(encoding="utf-8"))
     jsonschema.validate(content, results_schema())
     assert content["accuracy"]["sentence"] in said
-    assert "written: train.out.accuracy.xlsx" in said
+    assert f"written: {Path('studied') / 'train.out.xlsx'}" in said
     rows = content["accuracy_cost"]
     for method in ("exponential", "newmark"):
         of_method = [row for row in rows if row["method"] == method]
@@ -368,7 +377,7 @@ def test_the_study_prints_its_table_and_one_line_in_words(studied):
 def test_the_study_changes_its_own_sheet_and_no_other_result(studied):
     before, after = (
         openpyxl.load_workbook(studied / name, data_only=True)
-        for name in ("train.out.xlsx", "train.out.accuracy.xlsx")
+        for name in ("train.out.xlsx", "studied/train.out.xlsx")
     )
     content = json.loads((studied / "study.json").read_text(encoding="utf-8"))
     part = part_named("Accuracy")

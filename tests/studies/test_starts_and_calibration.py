@@ -75,7 +75,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         said("starts", book, "--json", path / "starts.json", "--jobs", "1"), encoding="utf-8"
     )
     said(
-        "calibrate", path / "train.starts.xlsx", "--json", path / "calibrate.json", "--case",
+        "calibrate", path / "train.out.xlsx", "--json", path / "calibrate.json", "--case",
         path / "calibrated.json", "--jobs", "1", "--in-place",
     )  # fmt: skip
     return path
@@ -109,7 +109,7 @@ def test_the_start_of_the_case_is_a_row_with_its_own_numbers(folder: Path) -> No
 
 
 def test_cells_of_the_start_matrix_equal_the_json(folder: Path) -> None:
-    found, book = read(folder / "starts.json"), folder / "train.starts.xlsx"
+    found, book = read(folder / "starts.json"), folder / "train.out.xlsx"
     shown = rows_of(book, "StartMatrix")
     assert len(shown) == len(found["start_matrix"])
     for cell, row in zip(shown, found["start_matrix"], strict=True):
@@ -128,7 +128,7 @@ def test_cells_of_the_start_matrix_equal_the_json(folder: Path) -> None:
 
 def test_the_ledger_adds_up_from_the_cells(folder: Path) -> None:
     """An engineer's check with the numbers on the sheets: Σ n q by hand."""
-    book = folder / "train.starts.xlsx"
+    book = folder / "train.out.xlsx"
     ledger = rows_of(book, "DamageLedger")
     row = next(r for r in ledger if r["Element"] == "HP compressor shaft")
     duty = [r for r in rows_of(book, "RemainingStarts") if r["Element"] == row["Element"]]
@@ -202,7 +202,7 @@ def test_a_train_without_judged_shaft(tmp_path: Path) -> None:
 
 
 def test_cells_of_the_calibration_equal_the_json(folder: Path) -> None:
-    found, book = read(folder / "calibrate.json"), folder / "train.starts.xlsx"
+    found, book = read(folder / "calibrate.json"), folder / "train.out.xlsx"
     for cell, row in zip(
         rows_of(book, "CalibratedParameters"), found["calibrated_parameters"], strict=True
     ):

@@ -170,9 +170,10 @@ def test_a_wrong_option_is_a_wrong_usage(content: dict[str, Any], tmp_path: Path
 def test_a_workbook_without_the_sheets_says_how_to_get_them(tmp_path: Path) -> None:
     plain = tmp_path / "plain.xlsx"
     plain.write_bytes(template_path("example_proposed.xlsx").read_bytes())
-    told = _run("sensitivities", str(plain))
+    told = _run("tolerances", str(plain))
     assert told.exit_code == 1
-    assert "--studies" in told.output
+    assert "has no sheet Tolerances" in told.output
+    assert "--add" in told.output
 
 
 @pytest.mark.slow

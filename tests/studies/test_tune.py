@@ -99,7 +99,7 @@ def test_the_json_is_what_the_engine_finds(content: dict[str, Any], folder: Path
 def test_cells_of_the_workbook_equal_the_json_in_the_units_shown(
     content: dict[str, Any], folder: Path
 ) -> None:
-    shown = rows_of(folder / "train.tune.xlsx", "TuningResults")
+    shown = rows_of(folder / "train.out.xlsx", "TuningResults")
     assert len(shown) == len(content["tuning_results"])
     for cells, row in zip(shown, content["tuning_results"], strict=True):
         assert (cells["Rank"], cells["Combination"]) == (row["rank"], row["combination"])
@@ -111,12 +111,12 @@ def test_cells_of_the_workbook_equal_the_json_in_the_units_shown(
         assert cells["Allowable starts"] == "not judged"  # no shaft has a stress diameter
         assert "allowable_starts" not in row
         assert cells["Limits broken"] == row["limits_broken"]
-    crossings = rows_of(folder / "train.tune.xlsx", "TuningCrossings")
+    crossings = rows_of(folder / "train.out.xlsx", "TuningCrossings")
     assert len(crossings) == len(content["tuning_crossings"])
     for cells, row in zip(crossings, content["tuning_crossings"], strict=True):
         assert cells["Frequency"] == pytest.approx(row["frequency"])
         assert cells["Sweep rate"] == pytest.approx(row["sweep_rate"])
-    bands = rows_of(folder / "train.tune.xlsx", "ForbiddenBands")
+    bands = rows_of(folder / "train.out.xlsx", "ForbiddenBands")
     for cells, row in zip(bands, content["forbidden_bands"], strict=True):
         assert [cells["From"], cells["To"]] == pytest.approx([row["from"], row["to"]])
 
@@ -129,7 +129,7 @@ def test_the_rated_torque_of_the_offer_decides(content: dict[str, Any]) -> None:
 
 @pytest.mark.slow
 def test_maps_and_charts_follow_the_study(folder: Path) -> None:
-    path = folder / "train.tune.xlsx"
+    path = folder / "train.out.xlsx"
     (axes,) = rows_of(path, "TuningAxes")
     assert axes["First variable"] == f"{HIGH} stiffness, % of the unchanged case"
     assert (
@@ -184,7 +184,7 @@ def test_formulas_of_a_workbook_with_studies_keep_their_values(
 ) -> None:
     """Its tables have more columns together than the calculator takes."""
     book = tmp_path / "train.xlsx"
-    shutil.copyfile(folder / "train.tune.xlsx", book)
+    shutil.copyfile(folder / "train.out.xlsx", book)
     done = RUN.invoke(app, ["recalc", str(book), "--in-place"])
     assert done.exit_code == 0, done.output
     assert "without a value" not in done.output
@@ -209,7 +209,7 @@ def test_ready_cases_give_what_their_row_says(content: dict[str, Any], folder: P
 
 
 def test_the_inputs_are_not_touched_and_plain_results_stay(folder: Path) -> None:
-    before, after = (read_checked(folder / n) for n in ("train.xlsx", "train.tune.xlsx"))
+    before, after = (read_checked(folder / n) for n in ("train.xlsx", "train.out.xlsx"))
     assert not isinstance(before, Unreadable)
     assert not isinstance(after, Unreadable)
     assert after.data == before.data
@@ -272,7 +272,7 @@ def test_a_workbook_without_the_sheets_says_how_to_get_them(tmp_path: Path) -> N
     assert RUN.invoke(app, ["new", str(plain)]).exit_code == 0
     done = told(plain)
     assert done.exit_code == 1
-    assert "--studies --from plain.xlsx" in done.output
+    assert "Run it with --add" in done.output
 
 
 # --- maps -----------------------------------------------------------------------------------------

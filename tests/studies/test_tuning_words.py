@@ -45,9 +45,7 @@ def test_a_share_is_told_in_the_unit_of_the_element_and_a_value_in_that_of_its_r
 ) -> None:
     elements = rows_of(folder / "train.xlsx", "Elements")
     typed = next(e["Stiffness"] for e in elements if e["Element"] == "HS coupling")
-    words = [
-        str(row["Combination"]) for row in rows_of(folder / "train.tune.xlsx", "TuningResults")
-    ]
+    words = [str(row["Combination"]) for row in rows_of(folder / "train.out.xlsx", "TuningResults")]
     for one in words:
         if one == "as is":
             continue
@@ -55,12 +53,12 @@ def test_a_share_is_told_in_the_unit_of_the_element_and_a_value_in_that_of_its_r
         assert float(share[1].replace(",", "")) == pytest.approx(0.33 * typed, rel=1e-5), one
         assert re.search(r"Intermediate coupling stiffness (350|500\.5) kN m/rad", one), one
     assert len(words) == 1 + 2 * 3
-    options = [row["Option"] for row in rows_of(folder / "train.tune.xlsx", "TuningStarts")]
+    options = [row["Option"] for row in rows_of(folder / "train.out.xlsx", "TuningStarts")]
     assert "lbf in/rad" in str(options[0])
 
 
 def test_reasons_tell_stress_in_the_unit_of_the_material(folder: Path) -> None:
-    for row in rows_of(folder / "train.tune.xlsx", "TuningResults"):
+    for row in rows_of(folder / "train.out.xlsx", "TuningResults"):
         stress = re.search(r"largest stress ([\d,]+) psi", str(row["Reason"]))
         there = row["Peak-to-peak stress"]
         assert float(stress[1].replace(",", "")) == pytest.approx(there, rel=5e-3), row["Rank"]
@@ -74,7 +72,7 @@ def test_the_json_is_in_si_in_the_same_order(folder: Path) -> None:
     assert "lbf" not in text
     assert "psi" not in text
     assert "kN" not in text
-    rows = rows_of(folder / "train.tune.xlsx", "TuningResults")
+    rows = rows_of(folder / "train.out.xlsx", "TuningResults")
     for here, there in zip(told["tuning_results"], rows, strict=True):
         assert here["rank"] == there["Rank"]
         found = re.search(r"0\.33 × \(([\d,.]+) N m/rad\)", here["combination"])

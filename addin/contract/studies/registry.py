@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
 
 from addin.contract.charts import CHARTS, ChartSpec
 from addin.contract.field import IncompleteRecord
@@ -30,6 +31,9 @@ STUDY_FACTS: tuple[tuple[str, str], ...] = tuple(
         ("Tables", "SHA-256 of each table as written, shortened"),
     )
 )
+
+#: The hidden sheet of that table.
+STUDY_FACTS_SHEET = "StudyFacts"
 
 #: Every chart by name, those of the studies last.
 EVERY_CHART: Mapping[str, ChartSpec] = {
@@ -72,3 +76,43 @@ def with_studies(sheets: Sequence[Sheet]) -> list[Sheet]:
         *(sheet for sheet in added if sheet.kind == "result" and not sheet.behind),
         *sheets[results:],
     ]
+
+
+@dataclass(frozen=True)
+class MissingSheets:
+    """What a workbook lacks for a study."""
+
+    sheets: tuple[str, ...]  #: Sheets to add. [names]
+    inputs: tuple[str, ...]  #: Those of them that hold inputs. [names]
+    tables: tuple[str, ...]  #: Tables that are not there. [names]
+
+
+def missing_sheets(tables: Collection[str], study: StudySpec) -> MissingSheets:
+    """The sheets of a study that a workbook has not.
+
+    Parameters
+    ----------
+    tables : collection of str
+        Tables of the workbook. [names]
+    study : StudySpec
+        The study.
+
+    Returns
+    -------
+    MissingSheets
+    """
+    there = {name.casefold() for name in tables}
+    needed = (*study.input_names, *study.result_names)
+    absent = tuple(name for name in needed if name.casefold() not in there)
+    sheets = [
+        sheet
+        for spec in STUDIES
+        for sheet in spec.sheets
+        if any(name in absent for name in sheet.tables)
+    ]
+    facts = (STUDY_FACTS_SHEET,) if sheets and "studyfacts" not in there else ()
+    return MissingSheets(
+        (*(sheet.name for sheet in sheets), *facts),
+        tuple(sheet.name for sheet in sheets if sheet.kind == "input"),
+        absent,
+    )

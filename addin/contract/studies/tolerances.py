@@ -126,7 +126,7 @@ _RESULTS: tuple[TableSpec, ...] = (
         "StartsOfSample", sheet="Tolerance results", caption="Allowable starts",
         help="Allowable starts: percentiles with 95 % intervals, and the probability of reaching "
         "StartsRequired.",
-        row_name=("Element",), changes_shown=("P10", "P50", "P90", "Probability"), room=4,
+        row_name=("Element",), changes_shown=("P10", "P50", "P90", "Probability"), room=8,
         columns=(
             text(
                 "Element", "Judged shaft; train = the worst of all.", kind="element",

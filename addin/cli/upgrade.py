@@ -1,0 +1,54 @@
+"""`torsionbook upgrade`: a workbook of an earlier release as one of this version."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from addin.cli.options import IgnoreLockOption
+from addin.cli.status import failed, failing_on
+from addin.cli.terminal import print_written, read_or_stop
+from addin.contract.problems import printable
+from addin.reading.one_file import file_problem
+from addin.reading.workbook import WorkbookInput
+from addin.template.filled import MixedUnits
+from addin.template.rebuilt import CannotBeRebuilt
+from addin.template.upgraded import upgraded_workbook
+from addin.xlsx import PackageError
+from addin.xlsx.save import Destination, put_in_place
+
+
+def upgrade(
+    file: Annotated[Path, typer.Argument(help="The workbook.", show_default=False)],
+    ignore_lock: IgnoreLockOption = False,
+) -> None:
+    """Move the inputs of a workbook, and your own sheets, into a workbook of this version.
+
+    The workbook stays as FILE.bak. What could not be taken along is listed. Results are calculated
+    by the next `torsionbook recalc FILE`; the inputs, and so the numbers, are the same.
+
+    Example: `torsionbook upgrade train.xlsx`
+    """
+    read = read_or_stop(file)
+    if not isinstance(read, WorkbookInput) or file.suffix.lower() != ".xlsx":
+        raise failed(
+            f"{file} is no .xlsx workbook. Make a new one with its inputs: torsionbook new NEW --from {file}"
+        )
+    with (
+        failing_on(CannotBeRebuilt, MixedUnits, about=file),
+        tempfile.TemporaryDirectory(prefix="torsionbook-") as folder,
+    ):
+        try:
+            read.workbook.allow_saving(ignore_lock=ignore_lock)
+            done = upgraded_workbook(read, Path(folder))
+            place = Destination(file, True, ignore_lock=ignore_lock, keep_backups=True)
+            backup = put_in_place(read.workbook.container, done.path, place)
+        except (PackageError, OSError) as wrong:
+            raise failed(file_problem(file, wrong).message) from wrong
+    for sentence in done.notes:
+        typer.echo(f"{file}: note: {printable(sentence)}", err=True)
+    print_written([file])
+    typer.echo(f"The workbook as it was: {backup}. Calculate: torsionbook recalc {file}")
