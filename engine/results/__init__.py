@@ -8,6 +8,7 @@ module                 responsibility
                        no verdict is given
 `verdicts`             the checks at a glance: margin, forced response, start, peaks, yield,
                        reversal, starts
+`case_matrix`          the verdicts of every typed condition as a matrix
 `tables`               results as the result tables of the contract: rows of plain values under
                        their JSON keys
 `details`              what no result table of a run holds: energy shares, nodes, plans, the
