@@ -74,7 +74,7 @@ _DECISIVE = {
 #: Check that takes the worst of the typed conditions into the verdicts of the case.
 CONDITIONS = "Other conditions"
 #: Conditions that a sentence names; table `CaseMatrix` has all.
-_NAMED = 1
+_NAMED = 2
 
 
 def verdicts_of(results: Results) -> tuple[Verdict, ...]:
