@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from engine.case.data import CaseData
+from engine.case.checks.find_problems import find_problems
+from engine.case.data import CaseData, StartConditionRow
 from engine.case.study_inputs import ScatterRow, StudyInputs
+from engine.errors import Problem
 from engine.studies.sensitivities.differences import differences
 from engine.studies.sensitivities.plan import derivative_units, plan_derivatives
 from engine.studies.sensitivities.sensitivities import Derivatives, gather_derivatives
@@ -32,11 +34,25 @@ def tune(case: CaseData, studies: StudyInputs, first: int | None = None) -> Tuni
     return rank_combinations(case, plan, tried)
 
 
-def start_matrix(case: CaseData, studies: StudyInputs, first: int | None = None) -> StartMatrix:
+def with_conditions(case: CaseData, rows: Sequence[StartConditionRow]) -> CaseData:
+    """A case with rows in `StartConditions`. [SI]"""
+    return CaseData(**vars(case) | {"start_conditions": tuple(rows)})
+
+
+def condition_problems(case: CaseData, rows: Sequence[StartConditionRow]) -> tuple[Problem, ...]:
+    """What is wrong with rows of `StartConditions`. [problems]"""
+    found = find_problems(with_conditions(case, rows))
+    return tuple(p for p in found if p.table == "StartConditions")
+
+
+def start_matrix(
+    case: CaseData, rows: Sequence[StartConditionRow], first: int | None = None
+) -> StartMatrix:
     """A start matrix of all starts, or of the first ones. [SI]"""
-    plan = plan_matrix(case, studies)
-    rows = [calculate_condition(case, condition) for condition in plan.units[:first]]
-    return gather_matrix(case, studies, plan, rows)
+    case = with_conditions(case, rows)
+    plan = plan_matrix(case)
+    done = [calculate_condition(case, condition) for condition in plan.units[:first]]
+    return gather_matrix(case, plan, done)
 
 
 def derivatives(case: CaseData) -> Derivatives:

@@ -28,8 +28,8 @@ from engine.results.details import (
 )
 from engine.results.results import Results
 from engine.results.tables import result_tables
-from engine.run import run
 from engine.start.start import ForceHistories
+from engine.studies.starts.case_verdicts import run_with_conditions
 
 Floats = NDArray[np.float64]
 Rows = Sequence[Mapping[str, Any]]
@@ -198,7 +198,7 @@ def calculate(
     ModelError
         If the train as a whole cannot be calculated.
     """
-    results = run(case, on_stage)
+    results = run_with_conditions(case, on_stage)
     digest = case_sha256 or results.case_sha256
     return present_results(results, case, input_warnings, digest, overrides or {})
 

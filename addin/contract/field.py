@@ -274,6 +274,11 @@ class TableSpec:
         return row + 3 + self.room + 1
 
     @property
+    def judges(self) -> bool:
+        """Whether its rows are checks, the numbers of each in a dimension of their own."""
+        return any(field.key == "check" for field in self.columns)
+
+    @property
     def says_unlimited(self) -> bool:
         """Whether its JSON rows tell unlimited starts from those not judged."""
         return any(field.key == "unlimited" for field in self.json_only)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from addin.contract import number_formats as shown
 from addin.contract.field import Field, TableSpec, choice, integer, number, sentence, table, text
 from engine.case.choices import (
     Begins,
     BelowEndurance,
     Clearing,
+    ConditionKind,
     DischargePath,
     EffectChoice,
     ElementKind,
@@ -22,6 +24,7 @@ from engine.case.choices import (
 )
 from engine.case.effects import EFFECTS
 
+_OF_CASE = "as in the case"
 _CURVE_SPEED = "Speed in % of the station's synchronous speed, in rising order for each station."
 
 
@@ -537,6 +540,48 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
             choice(
                 "Choice", tuple(EffectChoice), "on and off force the effect; auto lets the plan decide.",
                 blank="auto: the plan decides",
+            ),
+        ),
+    ),
+    table(
+        "StartConditions", sheet="Case", caption="Start conditions (optional)",
+        help="The case under other conditions, each calculated with its own verdicts; and how often each start occurs. "
+        "Blank = the case alone.",
+        rows=20, row_name=("Condition",), later=True,
+        columns=(
+            text("Condition", "Name of the condition."),
+            choice(
+                "Kind", tuple(ConditionKind), "Start, or continuous operation alone.", blank="start",
+            ),
+            number(
+                "Voltage", "fraction", "Voltage as a share of that of the torque curves.",
+                blank=_OF_CASE,
+            ),
+            number(
+                "Damping ratio", "fraction",
+                "Damping ratio of all elastic modes under this condition, hot or cold.",
+                blank=_OF_CASE,
+            ),
+            number(
+                "Stiffness factor", "ratio", "On the stiffness of every coupling, hot or cold.", blank="1",
+            ),
+            number(
+                "Load", "fraction", "Share of LoadTorque that acts; 0 = unloaded.", blank="100 %",
+            ),
+            number(
+                "Trip speed", "running speed",
+                "Speed at which it is aborted; 100 % = synchronous speed.", blank=_OF_CASE,
+                us="%", si="%",
+            ),
+            text(
+                "Event", "Event of table EventTorque or MotorEvents, in the place of a start.", blank="a start",
+            ),
+            number(
+                "Per year", "count", "Starts per year under this condition.", blank="0",
+                format=shown.AS_TYPED,
+            ),
+            number(
+                "So far", "count", "Starts so far under this condition.", blank="0",
             ),
         ),
     ),

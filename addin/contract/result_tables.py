@@ -6,6 +6,8 @@ A new column is the field of the engine's record, the key in `engine.results.tab
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from addin.contract import live_formulas as live
 from addin.contract import number_formats as shown
 from addin.contract.field import (
@@ -102,64 +104,136 @@ def _worst_instant(largest: str, suffix: str = "") -> tuple[Field, ...]:
     )  # fmt: skip
 
 
+#: A number that is judged is in the unit of its own dimension.
+_JUDGED_IN = text(
+    "dimension", "Dimension of result and limit, which are in the SI unit of that dimension."
+)
+
+
+def _checks(name: str) -> tuple[Field, ...]:
+    """The columns of a table whose rows are checks."""
+    return (
+        text("Check", "What is judged.", "Name of the check", "docs/method.md"),
+        mixed(
+            "Result", "Result of the check.",
+            "The governing number: least margin, largest stress / its allowable, least torque / its "
+            "limit, fewest starts (rounded down to whole starts)",
+            "docs/method.md; the source of the result table it is taken from",
+            of_case=(
+                "SeparationMargins.Margin", "SteadyState.Peak-to-peak stress",
+                "SteadyState.Zero-to-peak stress", "StartupPeaks.Maximum torque",
+                "TorqueReversals.Minimum torque", "AllowableStarts.Allowable starts",
+                "StartsFactor",
+            ),
+            error=ReportedError.WORDS,
+        ),
+        mixed(
+            "Limit", "Limit of the check.",
+            "Required margin; UTS/25; limits of the maker; StartsRequired",
+            f"{STEADY}; {MIL}; table Elements",
+            of_case=(
+                "SeparationMargins.Required", "SteadyState.Allowable",
+                "Elements.Peak torque limit", "Elements.Reversal limit", "Materials.Yield",
+                "StartsRequired",
+            ),
+        ),
+        verdict(
+            "Verdict", "fail, incomplete, pass within its error, accepted by forced response, or pass.",
+            "pass where the result meets the limit; pass within its error where by less than its error; "
+            "accepted by forced response as in SeparationMargins; incomplete where a part is not judged; fail; "
+            "not judged without a limit. Overall = the worst",
+            f"{STEADY} (a forced vibration analysis where the margin cannot be attained)",
+            of_row=(f"{name}.Result", f"{name}.Limit"),
+        ),
+        sentence(
+            "Where", "Mode, element or speed that governs.",
+            "Mode, element or speed of the governing number", "docs/method.md",
+            of_row=(f"{name}.Result",), width=32.0,
+        ),
+        sentence(
+            "Coverage", "How much of the train is judged.",
+            "Elements with a limit for this check, of all that the check is for; modes and excitations of a "
+            "margin; crossings of a start",
+            "docs/method.md", of_case=("Elements.Kind", *LIMITS), width=14.0,
+        ),
+        sentence(
+            "Not judged", "What is not judged, and the peak torque of each element over the rated torque.",
+            "Elements without a limit for this check; the input that is missing",
+            "docs/method.md", of_case=("Elements.Kind", *LIMITS), width=20.0,
+        ),
+    )  # fmt: skip
+
+
+_CONDITIONS = "docs/start-matrix.md, Several cases"
+#: What a condition changes of the case.
+_CHANGED = tuple(
+    f"StartConditions.{column}"
+    for column in (
+        "Kind",
+        "Voltage",
+        "Damping ratio",
+        "Stiffness factor",
+        "Load",
+        "Trip speed",
+        "Event",
+    )
+)
+
+
+def _on_one_line(field: Field) -> Field:
+    """A column whose words do not wrap: rows of other parts of the sheet stay as low as they are."""
+    return replace(field, width=0.0) if field.kind == "sentence" else field
+
+
+def _of_checks(name: str, help: str) -> Field:
+    """The worst verdict of some checks of a condition."""
+    return verdict(
+        name, help, "The worst of the checks", _CONDITIONS, of_row=("CaseVerdicts.Verdict",),
+    )  # fmt: skip
+
+
 #: Result tables of workbook and JSON.
 RESULT_TABLES: tuple[TableSpec, ...] = (
     table(
         "Verdicts", sheet="Summary", caption="Verdicts",
         help="Each check with its limit and verdict.",
-        row_name=("Check",), rank=0, room=12,
-        json_only=(
-            text("dimension", "Dimension of result and limit, which are in the SI unit of that dimension."),
-        ),
+        row_name=("Check",), rank=0, room=12, json_only=(_JUDGED_IN,), columns=_checks("Verdicts"),
+    ),
+    table(
+        "CaseMatrix", sheet="Summary", caption="Other conditions",
+        help="The worst verdict of each kind of check under every condition of table StartConditions.",
+        row_name=("Condition",), changes_shown=("Verdict",), rank=0, later=True,
         columns=(
-            text("Check", "What is judged.", "Name of the check", "docs/method.md"),
-            mixed(
-                "Result", "Result of the check.",
-                "The governing number: least margin, largest stress / its allowable, least torque / its "
-                "limit, fewest starts (rounded down to whole starts)",
-                "docs/method.md; the source of the result table it is taken from",
-                of_case=(
-                    "SeparationMargins.Margin", "SteadyState.Peak-to-peak stress",
-                    "SteadyState.Zero-to-peak stress", "StartupPeaks.Maximum torque",
-                    "TorqueReversals.Minimum torque", "AllowableStarts.Allowable starts",
-                    "StartsFactor",
-                ),
-                error=ReportedError.WORDS,
+            text(
+                "Condition", "The condition.", "Name, as typed", _CONDITIONS, of_row=("StartConditions.Condition",),
+                width=24.0,
             ),
-            mixed(
-                "Limit", "Limit of the check.",
-                "Required margin; UTS/25; limits of the maker; StartsRequired",
-                f"{STEADY}; {MIL}; table Elements",
-                of_case=(
-                    "SeparationMargins.Required", "SteadyState.Allowable",
-                    "Elements.Peak torque limit", "Elements.Reversal limit", "Materials.Yield",
-                    "StartsRequired",
-                ),
+            _of_checks("Margin", "Separation margin."),
+            _of_checks("Response", "Forced response in continuous operation."),
+            _of_checks("Verdict", "All its checks."),
+            sentence(
+                "Where", "Checks that decide.", "Checks with the worst verdict",
+                _CONDITIONS, of_row=("CaseVerdicts.Check",), width=32.0,
             ),
-            verdict(
-                "Verdict", "fail, incomplete, pass within its error, accepted by forced response, or pass.",
-                "pass where the result meets the limit; pass within its error where by less than its error; "
-                "accepted by forced response as in SeparationMargins; incomplete where a part is not judged; fail; "
-                "not judged without a limit. Overall = the worst",
-                f"{STEADY} (a forced vibration analysis where the margin cannot be attained)",
-                of_row=("Verdicts.Result", "Verdicts.Limit"),
+            _of_checks(
+                "Start", "Outcome, torques, torque reversal and allowable starts of the start or the event.",
             ),
             sentence(
-                "Where", "Mode, element or speed that governs.",
-                "Mode, element or speed of the governing number", "docs/method.md",
-                of_row=("Verdicts.Result",), width=32.0,
+                "Changed", "What differs from the case.", "The row of the condition, in words", _CONDITIONS,
+                of_row=_CHANGED, width=20.0,
             ),
-            sentence(
-                "Coverage", "How much of the train is judged.",
-                "Elements with a limit for this check, of all that the check is for; modes and excitations of a "
-                "margin; crossings of a start",
-                "docs/method.md", of_case=("Elements.Kind", *LIMITS), width=14.0,
+        ),
+    ),
+    table(
+        "CaseVerdicts", sheet="Case", caption="Verdicts of each condition",
+        help="Every check of the case under every condition of table StartConditions.",
+        row_name=("Condition", "Check"), rank=0, later=True, json_only=(_JUDGED_IN,),
+        columns=(
+            text(
+                "Condition", "The condition.", "Name, as typed", _CONDITIONS, of_row=("StartConditions.Condition",),
+                of_case=_CHANGED, width=24.0,
             ),
-            sentence(
-                "Not judged", "What is not judged, and the peak torque of each element over the rated torque.",
-                "Elements without a limit for this check; the input that is missing",
-                "docs/method.md", of_case=("Elements.Kind", *LIMITS), width=20.0,
-            ),
+            *map(_on_one_line, _checks("CaseVerdicts")),
         ),
     ),
     table(

@@ -143,7 +143,7 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
         "summary",
         {"A": 1.5, "B": 24, "C": 10, "D": 7, "E:F": 10, "G": 1.5, "H": 20, "I:J": 9.5, "K": 13,
          "L": 32, "M": 14, "N": 20},
-        {"Verdicts": "H11"},
+        {"Verdicts": "H11", "CaseMatrix": f"H{NOTES_END + 1}"},
         (ChartAt("train", "B12", 452, 236),),
         freeze="",
         header_rows=2,
@@ -160,6 +160,26 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
               "text); the unit is in the cell to the right of the number.",
         printed_for=ALWAYS,
         print_to=45,
+    ),
+    Sheet(
+        "Conditions",
+        "input",
+        {"A": 1.5, "B": 26, "C": 10, "D:H": 11, "I": 24, "J:K": 10},
+        {"StartConditions": "B5"},
+        on="Case",
+        intro="Optional: the case under other conditions, such as 80 % voltage, hot, unloaded, aborted, a short "
+        "circuit, continuous operation. Each is calculated; the worst governs on sheet Summary.",
+        printed_for=NEVER,  # sheet Summary prints what each changes
+    ),
+    Sheet(
+        "Case verdicts",
+        "result",
+        {"A": 1.5, "B": 26, "C": 32, "D:E": 14, "F": 22, "G": 70, "H": 30, "I": 70},
+        {"CaseVerdicts": "B5"},
+        on="Case",
+        intro="The checks under every condition, each judged as if the whole case were typed so; for work at the "
+        "screen, sheet Summary prints the worst of them.",
+        printed_for=NEVER,
     ),
     Sheet(
         "Train",

@@ -53,7 +53,7 @@ class CannotBeCompared(Exception):
 
 @dataclass(frozen=True)
 class RoundedNumber:
-    """A number of table `Verdicts`, which a workbook shows in words with few digits."""
+    """A number of a check, which a workbook shows in words with few digits."""
 
     number: float  #: It. [SI]
     words: str  #: As shown.
@@ -176,7 +176,9 @@ def _as_recorded(
     source: Path, read: WorkbookInput, units: ShownUnits, recorded: Provenance
 ) -> ComparedFile:
     tables = {spec.name: recorded_rows(read.workbook, spec, units) for spec in COMPARED}
-    tables["Verdicts"] = [_with_judged(row) for row in tables["Verdicts"]]
+    for spec in COMPARED:
+        if spec.judges:
+            tables[spec.name] = [_with_judged(row) for row in tables[spec.name]]
     return ComparedFile(
         source, read.data, read.typed, units, tables,
         "as recorded in the file, whose digest matches its inputs",
@@ -234,7 +236,7 @@ def _plain_tables(tables: Mapping[str, list[dict[str, Any]]]) -> dict[str, Rows]
 
 def _plain_row(name: str, row: Mapping[str, Any]) -> dict[str, Any]:
     plain = {k: v.item() if hasattr(v, "item") else v for k, v in row.items()}
-    if name == "Verdicts":
+    if table(name).judges:
         for column in ("Result", "Limit"):
             value = plain.get(column)
             if isinstance(value, int | float) and not isinstance(value, bool):
@@ -250,7 +252,7 @@ def _plain_row(name: str, row: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _with_judged(row: Mapping[str, Any]) -> dict[str, Any]:
-    """A row of table `Verdicts` with its numbers read out of the words."""
+    """A row of a check with its numbers read out of the words."""
     return dict(row) | {k: _judged(row[k]) for k in ("Result", "Limit") if k in row}
 
 

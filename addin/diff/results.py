@@ -50,7 +50,7 @@ def compare_results(
     """
     changes, same = [], 0
     for spec in COMPARED:
-        if spec.name == "Verdicts":
+        if spec.judges:
             continue
         more, count = compare_rows(
             spec, first.get(spec.name, ()), second.get(spec.name, ()), units, renamed
@@ -162,19 +162,8 @@ def compare_verdicts(
     list of VerdictChange
         The checks of either file first.
     """
-    changes = []
-    old, new = first.get("Verdicts", ()), second.get("Verdicts", ())
-    names = [[row_name("Verdicts", row) for row in rows] for rows in (old, new)]
-    for i, j in match_rows(*names):
-        was, now = old[i] if i is not None else {}, new[j] if j is not None else {}
-        dimension = str(now.get("dimension") or was.get("dimension") or "") or _guessed(was, now)
-        words = [
-            _judged_in_words(value, dimension, units)
-            for value in (was.get("Result"), now.get("Result"), now.get("Limit", was.get("Limit")))
-        ]
-        check = str(now.get("Check") or was.get("Check"))
-        verdicts = (str(row.get("Verdict") or "") for row in (was, now))
-        changes.append(VerdictChange("Verdicts", check, *verdicts, *words))
+    changes = _compare_checks("Verdicts", first, second, units)
+    changes += (c for c in _compare_checks("CaseVerdicts", first, second, units) if c.changed)
     for name in ("SeparationMargins", "SteadyState", "TorqueReversals"):
         spec = result_table(name)
         rows = [_translated(spec.columns, row, renamed) for row in first.get(name, ())]
@@ -187,6 +176,23 @@ def compare_verdicts(
             if before != after:
                 row = _row_words(spec, others[j])
                 changes.append(VerdictChange(name, row, str(before or ""), str(after or "")))
+    return changes
+
+
+def _compare_checks(name: str, first: Tables, second: Tables, units: Units) -> list[VerdictChange]:
+    """Every check of a table of checks."""
+    old, new = first.get(name, ()), second.get(name, ())
+    changes = []
+    for i, j in match_rows(*([row_name(name, row) for row in rows] for rows in (old, new))):
+        was, now = old[i] if i is not None else {}, new[j] if j is not None else {}
+        dimension = str(now.get("dimension") or was.get("dimension") or "") or _guessed(was, now)
+        words = [
+            _judged_in_words(value, dimension, units)
+            for value in (was.get("Result"), now.get("Result"), now.get("Limit", was.get("Limit")))
+        ]
+        named = [now.get(column) or was.get(column) for column in result_table(name).row_name]
+        verdicts = (str(row.get("Verdict") or "") for row in (was, now))
+        changes.append(VerdictChange(name, ", ".join(map(str, named)), *verdicts, *words))
     return changes
 
 

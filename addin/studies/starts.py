@@ -10,9 +10,12 @@ from addin.contract.study_spec import CUT_SHORT
 from addin.studies.study import CutShort, Option, Study, StudyResult, StudyTask, TerminalTable
 from addin.workers.parallel_map import Cancelled
 from engine.case.case import Case
+from engine.case.study_inputs import StudyInputs
+from engine.errors import Problem
 from engine.fatigue.damage import starts_in_words
+from engine.start.settings import has_start
 from engine.studies.starts.condition_result import ConditionResult, calculate_condition
-from engine.studies.starts.conditions import StartCondition, condition_problems
+from engine.studies.starts.conditions import StartCondition
 from engine.studies.starts.damage_ledger import damage_ledger, ledger_rows, remaining_rows
 from engine.studies.starts.matrix import gather_matrix, start_rows, voltage_rows
 from engine.studies.starts.plan import plan_matrix
@@ -24,8 +27,8 @@ def _one(unit: tuple[Case, StartCondition]) -> ConditionResult:
 
 
 def _calculate(task: StudyTask) -> StudyResult:
-    case, inputs = task.case, task.inputs
-    plan = plan_matrix(case, inputs, with_standard=bool(task.settings.get("standard")))
+    case = task.case
+    plan = plan_matrix(case, with_standard=bool(task.settings.get("standard")))
     number = len(plan.units)
     rows = task.map_until_cancelled(
         _one,
@@ -34,7 +37,7 @@ def _calculate(task: StudyTask) -> StudyResult:
     )
     if not rows:
         raise Cancelled(why=f"None of {number} starts was calculated.")
-    matrix = gather_matrix(case, inputs, plan, rows)
+    matrix = gather_matrix(case, plan, rows)
     ledger = damage_ledger(matrix)
     has_duty = any(row.condition.has_duty for row in matrix.rows)
     sentences = [matrix.sentence]
@@ -42,7 +45,7 @@ def _calculate(task: StudyTask) -> StudyResult:
         sentences.append(ledger.sentence)
     else:
         sentences.append(
-            "No duty on sheet Duty: the damage ledger is empty. Type Per year and So far."
+            "No duty in table StartConditions: the damage ledger is empty. Type Per year and So far."
         )
     return StudyResult(
         result=(matrix, ledger),
@@ -92,11 +95,22 @@ def _terminal(study: StudyResult, options: Mapping[str, Any]) -> Iterator[Termin
     )
 
 
+def _problems(case: Case, inputs: StudyInputs) -> tuple[Problem, ...]:
+    """A matrix needs a start; the rows themselves are checked with the case."""
+    if has_start(case):
+        return ()
+    words = (
+        "the case has no rows in table MotorTorque, so there is no start whose voltage, load or "
+        "trip speed could be changed. Give the motor's torque curve on sheet Torque and motor."
+    )
+    return (Problem("StartConditions", None, "", None, "a case with a motor torque curve", words),)
+
+
 _HELP = """\
 Calculate the start matrix and the damage ledger: starts at every voltage, and the life left under a duty.
 
-Start conditions and how often each occurs are in table StartConditions of sheet Duty; without
-rows: 80 to 110 % voltage, loaded and unloaded, and aborted starts. Writes sheets Start matrix and
+Start conditions and how often each occurs are in table StartConditions of sheet Case; without
+rows of starts: 80 to 110 % voltage, loaded and unloaded, and aborted starts. Writes sheets Start matrix and
 Damage ledger.
 
 Example: `torsionbook starts train.xlsx --add` writes train.out.xlsx."""
@@ -104,7 +118,7 @@ Example: `torsionbook starts train.xlsx --add` writes train.out.xlsx."""
 
 STARTS = Study(
     spec=STARTS_SPEC,
-    check=condition_problems,
+    check=_problems,
     takes_worst_phase=True,
     calculate=_calculate,
     help=_HELP,

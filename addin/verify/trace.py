@@ -166,7 +166,7 @@ class _Traced:
                 context.setdefault("Element", context[header])
             elif header in context:
                 context.setdefault("Station", context[header])
-        if spec.name == "Verdicts":
+        if spec.judges:
             context |= self._of_verdict(str(context.get("Where", "")), names)
         for element in self.read.data.elements:
             if element.element == context.get("Element") and element.material:
@@ -199,7 +199,7 @@ class _Traced:
         """Inputs of one cell: its row's own, the case's, and the tables of which every row counts."""
         assert field.trace is not None
         of_row, of_case = list(field.trace.of_row), list(field.trace.of_case)
-        if spec.name == "Verdicts":
+        if spec.judges:
             check = str(context.get("Check", ""))
             wanted = next(
                 (t for words, t in _TABLES_OF_CHECKS.items() if check.startswith(words)), None

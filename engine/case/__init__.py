@@ -7,6 +7,7 @@ module             responsibility
 `choices`          words that inputs are chosen from
 `gear_ratios`      speed ratios of the stations: typed, or carried through shafts and gears
 `data`             what the engineer states: train, motor, loads, start, material, wanted accuracy
+`conditions`       the scalars of a case that a row of StartConditions changes
 `coverage`         which elements a check can judge: those that the train calls for, and those
                    without a limit for it
 `defaults`         what a blank cell stands for, and how small a number still counts
@@ -21,7 +22,6 @@ module             responsibility
 `plausibility`     numbers that look like a slip: a unit, a percent sign, a forgotten row
 `practice_limits`  what the literature says of torque reversal, with its sources
 `result_words`     words that stand in results, beside numbers or in their place
-`study_inputs`     inputs of the studies: couplings, scatter, start conditions,
-                   measurements
+`study_inputs`     inputs of the studies: couplings, scatter, measurements
 =================  ===============================================================================
 """

@@ -26,6 +26,13 @@ class EffectChoice(StrEnum):
     OFF = "off"
 
 
+class ConditionKind(StrEnum):
+    """What a row of `StartConditions` is; blank = start."""
+
+    START = "start"
+    STEADY = "steady"
+
+
 class ContactLaw(StrEnum):
     """Contact damping of teeth.
 

@@ -455,6 +455,28 @@ class ExcitationRow:
 
 
 @dataclass(frozen=True)
+class StartConditionRow:
+    """One row of `StartConditions`: the case under another condition, and how often it happens."""
+
+    condition: str | None = None  #: Name of the condition, unique.
+    #: ``start`` (blank), or ``steady``: continuous operation alone.
+    kind: str | None = None
+    #: Over the voltage of the torque curves; blank = as in the case. [1]
+    voltage: float | None = None
+    #: Of all elastic modes, hot or cold; blank = as in the case. [1]
+    damping_ratio: float | None = None
+    #: On the stiffness of every coupling, hot or cold; blank = 1. [1]
+    stiffness_factor: float | None = None
+    load: float | None = None  #: Share of LoadTorque that acts: 1 loaded (blank), 0 unloaded. [1]
+    #: Of the reference shaft, where the start is aborted; blank = as in the case. [rad/s]
+    trip_speed: float | None = None
+    per_year: float | None = None  #: Such starts a year; blank = 0. [1/year]
+    so_far: float | None = None  #: Such starts the train has seen; blank = 0. [1]
+    #: Event of `EventTorque` or `MotorEvents` that happens in the place of a start; blank = a start.
+    event: str | None = None
+
+
+@dataclass(frozen=True)
 class EffectChoiceRow:
     """One row of `EffectChoices`."""
 
@@ -483,6 +505,7 @@ TABLES: dict[str, tuple[str, type]] = {
     "SNPoints": ("sn_points", SNPointRow),
     "Excitations": ("excitations", ExcitationRow),
     "EffectChoices": ("effect_choices", EffectChoiceRow),
+    "StartConditions": ("start_conditions", StartConditionRow),
 }
 
 #: Fields that say who and for whom, not what: they do not enter the digest.
@@ -592,6 +615,7 @@ class CaseData:
     sn_points: tuple[SNPointRow, ...] = ()  #: Likewise. [rows]
     excitations: tuple[ExcitationRow, ...] = ()  #: Likewise. [rows]
     effect_choices: tuple[EffectChoiceRow, ...] = ()  #: Likewise. [rows]
+    start_conditions: tuple[StartConditionRow, ...] = ()  #: Likewise. [rows]
 
     @property
     def ratings(self) -> Ratings:

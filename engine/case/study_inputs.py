@@ -1,4 +1,4 @@
-"""Inputs of the studies: couplings, scatter, start conditions, measurements.
+"""Inputs of the studies: couplings, scatter, measurements.
 
 A case says what the train is, a study what is asked of it. One row class stands for one input
 table of the study sheets; the field names are their JSON keys. Frozen, in SI; None was left blank.
@@ -86,24 +86,6 @@ class ScatterRow:
 
 
 @dataclass(frozen=True)
-class StartConditionRow:
-    """One row of `StartConditions`: a start condition, and how often it happens."""
-
-    condition: str | None = None  #: Name of the start condition, unique.
-    #: Over the voltage of the torque curves; blank = as in the case. [1]
-    voltage: float | None = None
-    #: Of all elastic modes, hot or cold; blank = as in the case. [1]
-    damping_ratio: float | None = None
-    load: float | None = None  #: Share of LoadTorque that acts: 1 loaded (blank), 0 unloaded. [1]
-    #: Of the reference shaft, where the start is aborted; blank = as in the case. [rad/s]
-    trip_speed: float | None = None
-    per_year: float | None = None  #: Such starts a year; blank = 0. [1/year]
-    so_far: float | None = None  #: Such starts the train has seen; blank = 0. [1]
-    #: Event of `EventTorque` or `MotorEvents` that happens in the place of a start; blank = a start.
-    event: str | None = None
-
-
-@dataclass(frozen=True)
 class MeasuredFrequencyRow:
     """One row of `MeasuredFrequencies`."""
 
@@ -154,7 +136,6 @@ class StudyInputs:
     tuning: tuple[TuningRow, ...] = ()  #: Rows of the tables of the same name. [rows]
     catalogue: tuple[CatalogueRow, ...] = ()  #: Likewise. [rows]
     scatter: tuple[ScatterRow, ...] = ()  #: Likewise. [rows]
-    start_conditions: tuple[StartConditionRow, ...] = ()  #: Likewise. [rows]
     measured_frequencies: tuple[MeasuredFrequencyRow, ...] = ()  #: Likewise. [rows]
     measured_peaks: tuple[MeasuredPeakRow, ...] = ()  #: Likewise. [rows]
     #: Rows of input tables that have no class here, by table: of studies that bring their own. [rows]
@@ -176,7 +157,6 @@ STUDY_TABLES: dict[str, tuple[str, type]] = {
     "Tuning": ("tuning", TuningRow),
     "Catalogue": ("catalogue", CatalogueRow),
     "Scatter": ("scatter", ScatterRow),
-    "StartConditions": ("start_conditions", StartConditionRow),
     "MeasuredFrequencies": ("measured_frequencies", MeasuredFrequencyRow),
     "MeasuredPeaks": ("measured_peaks", MeasuredPeakRow),
 }

@@ -9,6 +9,7 @@ module                 responsibility
 `verdicts`             the checks at a glance: margin, forced response, start, peaks, yield,
                        reversal, starts
 `maker_sheet`          what the makers of couplings, gears and shafts must know
+`case_matrix`          the verdicts of every typed condition as a matrix
 `tables`               results as the result tables of the contract: rows of plain values under
                        their JSON keys
 `details`              what no result table of a run holds: energy shares, nodes, plans, the

@@ -43,6 +43,13 @@ class Verdict:
 
 
 @dataclass(frozen=True)
+class CaseVerdict(Verdict):
+    """One check of the case under one condition of `StartConditions`."""
+
+    condition: str = ""  #: Name of the condition.
+
+
+@dataclass(frozen=True)
 class AccuracyRow:
     """What one calculation was worth and what it cost."""
 
@@ -97,6 +104,8 @@ class Results(AtSpeed):
     #: Estimated error and time of each analysis, as calculated. [1, s]
     accuracy: tuple[AccuracyRow, ...] = ()
     verdicts: tuple[Verdict, ...] = ()  #: The checks at a glance.
+    #: The same of every typed condition, one condition after the other. [rows]
+    case_verdicts: tuple[CaseVerdict, ...] = ()
     warnings: tuple[str, ...] = ()  #: What a reader must know beside the numbers.
 
     @property

@@ -23,6 +23,7 @@ from engine.model.sections import sections_of
 from engine.motor.from_case import motor_curves, motor_time_constants
 from engine.numerics.same_bits import product
 from engine.operation.margins import percent_speed
+from engine.results.case_matrix import case_matrix
 from engine.results.maker_sheet import maker_sheet
 from engine.results.results import AccuracyRow, AtSpeed, Results
 from engine.results.verdicts import event_verdict, standard_rows, yield_torque
@@ -38,6 +39,8 @@ def result_tables(results: Results) -> Mapping[str, list[Row]]:
     """The result tables of the contract: name → rows with JSON keys."""
     return {
         "Verdicts": _rows(results.verdicts),
+        "CaseMatrix": _rows(case_matrix(results.case, results.case_verdicts)),
+        "CaseVerdicts": [{"condition": r.condition, **vars(r)} for r in results.case_verdicts],
         "StandardRequirements": _rows(standard_rows(results.case, results.verdicts[1:])),
         **speed_tables(results),
         "SectionResults": section_results(results.case),

@@ -8,6 +8,7 @@ judged. The first row is the worst of all.
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -37,7 +38,7 @@ from engine.operation.standards import (
 )
 from engine.operation.steady_state import STRESS_ROUNDING, SteadyState, SteadyStateRow
 from engine.results.implausible_results import implausible_results
-from engine.results.results import Results, Verdict
+from engine.results.results import AtSpeed, CaseVerdict, Results, Verdict
 from engine.start.crossings import Crossing
 from engine.start.lowest_torque import lowest_torques
 from engine.start.peaks import ElementPeak
@@ -70,10 +71,29 @@ _DECISIVE = {
 }
 
 
+#: Check that takes the worst of the typed conditions into the verdicts of the case.
+CONDITIONS = "Other conditions"
+#: Conditions that a sentence names; table `CaseMatrix` has all.
+_NAMED = 2
+
+
 def verdicts_of(results: Results) -> tuple[Verdict, ...]:
-    """All checks, the overall one first."""
+    """All checks, the overall one first; of a case with conditions the worst of them as one check."""
+    checks = [*checks_of(results), *_conditions(results.case_verdicts)]
+    checks += _asked_by_standard(results.case, checks)
+    implausible = "; ".join(one.finding for one in implausible_results(results))
+    return with_overall(checks, implausible)
+
+
+def speed_checks(results: AtSpeed) -> list[Verdict]:
+    """The checks of continuous operation."""
+    return [_margin(results.margins), *_steady(results.case, results.steady)]
+
+
+def checks_of(results: Results) -> list[Verdict]:
+    """The checks of one run, without what a standard asks for beyond them."""
     case, start = results.case, results.start
-    checks = [_margin(results.margins), *_steady(case, results.steady)]
+    checks = speed_checks(results)
     if calls_for_start(case):
         checks += [
             _outcome(case, start, results.crossings),
@@ -82,17 +102,49 @@ def verdicts_of(results: Results) -> tuple[Verdict, ...]:
             *_reversal(case, start, results.reversals, _unbounded(results)),
             *_starts(results),
         ]
-    checks += [*_events(case, results.events), *_life(results)]
-    checks += _asked_by_standard(case, checks)
-    if implausible := implausible_results(results):
-        where = "; ".join(one.finding for one in implausible)
-        overall = Verdict("Overall", None, None, "text", Judgement.CHECK_INPUTS, where)
-        return (overall, *map(_without_blanks, checks))
-    verdict = overall_verdict(c.verdict for c in checks)
-    decisive = [c.check for c in checks if overall_verdict([c.verdict]) == verdict]
-    where = "" if verdict in ACCEPTABLE else f"{_DECISIVE[verdict]}{', '.join(decisive)}"
+    return [*checks, *event_checks(case, results.events), *_life(results)]
+
+
+def with_overall(checks: Sequence[Verdict], implausible: str = "") -> tuple[Verdict, ...]:
+    """Checks with the overall verdict before them; `implausible` says what no train has."""
+    verdict, where = Judgement.CHECK_INPUTS, implausible
+    if not implausible:
+        verdict = overall_verdict(c.verdict for c in checks)
+        decisive = [c for c in checks if overall_verdict([c.verdict]) == verdict]
+        names = [f"{c.check} ({c.where})" if c.check == CONDITIONS else c.check for c in decisive]
+        where = "" if verdict in ACCEPTABLE else f"{_DECISIVE[verdict]}{', '.join(names)}"
     overall = Verdict("Overall", None, None, "text", verdict, where)
     return (overall, *map(_without_blanks, checks))
+
+
+def _conditions(rows: Sequence[CaseVerdict]) -> Iterator[Verdict]:
+    """The worst of the typed conditions, with the names of those that govern, of most such checks first."""
+    overall = [row for row in rows if row.check == "Overall"]
+    if not overall:
+        return
+    open_ = [
+        row.condition
+        for row in overall
+        if row.verdict in (Judgement.INCOMPLETE, Judgement.CHECK_INPUTS)
+    ]
+    # results that no train has are no verdict
+    judged = {
+        row.condition: Judgement.INCOMPLETE if row.condition in open_ else row.verdict
+        for row in overall
+    }
+    worst = overall_verdict(judged.values())
+    deciding = Counter(row.condition for row in rows if overall_verdict([row.verdict]) == worst)
+    governing = [name for name, verdict in judged.items() if verdict == worst]
+    governing.sort(key=lambda name: -deciding[name])
+    where = "" if worst in ACCEPTABLE else _some(governing)
+    coverage = _share(overall, open_, "conditions")
+    yield Verdict(CONDITIONS, None, None, "text", worst, where, coverage, _some(open_))
+
+
+def _some(names: Sequence[str]) -> str:
+    """The first of some names, and how many more there are."""
+    more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
+    return f"{', '.join(names[:_NAMED])}{more}"
 
 
 def _without_blanks(check: Verdict) -> Verdict:
@@ -517,7 +569,7 @@ def _worst_peak(
     return Verdict(name, size, limit, dimension, verdict, where, coverage, named)
 
 
-def _events(case: CaseData, events: Sequence[OperatingEvent]) -> Iterator[Verdict]:
+def event_checks(case: CaseData, events: Sequence[OperatingEvent]) -> Iterator[Verdict]:
     """Peaks of every event in operation, and the events that were not calculated."""
     if not events:
         return

@@ -172,7 +172,7 @@ def test_a_blank_duty_is_the_standard_matrix(tmp_path: Path) -> None:
     voltages = [r["voltage"] for r in found["start_matrix"]]
     assert voltages == [0.8, 0.85, 0.9, 0.95, 1.0, 1.05, 1.1] * 2
     assert found["standard"] is True
-    assert "No duty on sheet Duty" in found["sentence"]
+    assert "No duty in table StartConditions" in found["sentence"]
     assert [r["voltage"] for r in found["starts_by_voltage"]] == voltages[:7]
     assert any("No aborted start just past" in w for w in found["warnings"])
 
@@ -310,11 +310,11 @@ def test_check_tells_wrong_rows_of_both(tmp_path: Path) -> None:
     source = write(
         tmp_path / "case.json",
         measured_frequencies=[{"mode": 99, "frequency": 30}],
-        start_conditions=[{"condition": "a", "per_year": -1}],
+        scatter=[{"quantity": "stiffness", "spread": -1}],
     )
     text = said("check", source, code=1)
     assert "MeasuredFrequencies, row 1, Mode" in text
-    assert "StartConditions, row 1, Per year" in text
+    assert "Scatter, row 1, Spread" in text
 
 
 def test_a_study_of_near_starts_needs_one_phase(tmp_path: Path) -> None:

@@ -26,6 +26,7 @@ _RUN = "The run of the case with this voltage, damping, load and trip speed; doc
 _ROW = (
     "StartConditions.Voltage",
     "StartConditions.Damping ratio",
+    "StartConditions.Stiffness factor",
     "StartConditions.Load",
     "StartConditions.Trip speed",
 )
@@ -47,47 +48,6 @@ def _asked(column: str, rule: str) -> Trace:
 
 _STRESS_EQUATION = "τ = 16 ΔT D/(π(D⁴ − d⁴)), ΔT from rest to the end of this start"
 _STARTS_EQUATION = "1/q; unlimited where q = 0, not judged where the start is not completed"
-
-_OF_CASE = "as in the case"
-
-_INPUTS: tuple[TableSpec, ...] = (
-    table(
-        "StartConditions", sheet="Duty", caption="Start conditions",
-        help="Start conditions and how often each occurs; blank = the standard matrix of voltages "
-        "and loads.",
-        rows=20, row_name=("Condition",),
-        columns=(
-            text("Condition", "Name of the start condition."),
-            number(
-                "Voltage", "fraction", "Voltage as a share of that of the torque curves.",
-                blank=_OF_CASE,
-            ),
-            number(
-                "Damping ratio", "fraction",
-                "Damping ratio of all elastic modes under this condition, hot or cold.",
-                blank=_OF_CASE,
-            ),
-            number(
-                "Load", "fraction", "Share of LoadTorque that acts; 0 = unloaded.", blank="100 %",
-            ),
-            number(
-                "Trip speed", "running speed",
-                "Speed at which it is aborted; 100 % = synchronous speed.", blank=_OF_CASE,
-                us="%", si="%",
-            ),
-            number(
-                "Per year", "count", "Starts per year under this condition.", blank="0",
-                format=shown.AS_TYPED,
-            ),
-            number(
-                "So far", "count", "Starts so far under this condition.", blank="0",
-            ),
-            text(
-                "Event", "Event of table EventTorque or MotorEvents, in the place of a start.", blank="a start",
-            ),
-        ),
-    ),
-)  # fmt: skip
 
 _RESULTS: tuple[TableSpec, ...] = (
     table(
@@ -207,7 +167,7 @@ _RESULTS: tuple[TableSpec, ...] = (
     ),
     table(
         "DamageLedger", sheet="Damage ledger", caption="Damage ledger",
-        help="Life used and life left of each judged shaft, for the duty on sheet Duty.",
+        help="Life used and life left of each judged shaft, for the duty in table StartConditions.",
         row_name=("Element",), changes_shown=("Used", "Remaining years", "Verdict"), room=8,
         json_only=(
             number("used_low", "count", "Damage so far, at the lower end of its error."),
@@ -346,15 +306,6 @@ _CHART_ROWS = 17
 
 _SHEETS: tuple[Sheet, ...] = (
     Sheet(
-        "Duty",
-        "input",
-        {"A": 1.5, "B": 34, "C:H": 11, "I": 30},
-        {"StartConditions": "B5"},
-        freeze="A8",
-        intro="Start conditions and how often each occurs; inputs of torsionbook starts FILE "
-        "(start matrix and damage ledger).",
-    ),
-    Sheet(
         "Start matrix",
         "result",
         {"A": 1.5, "B": 30, "C:E": 9.5, "F": 10, "G": 26, "H:J": 9.5, "K:L": 18, "M:Q": 11.5,
@@ -376,7 +327,7 @@ _SHEETS: tuple[Sheet, ...] = (
         {"A": 1.5, "B": 20, "C": 26, "D:K": 10, "L": 10, "M": 32},
         {"DamageLedger": "B7", "RemainingStarts": f"B{_LEDGER.below(7)}"},
         freeze="",
-        intro="Life used of each judged shaft by the duty on sheet Duty: Palmgren-Miner, order of "
+        intro="Life used of each judged shaft by the duty in table StartConditions: Palmgren-Miner, order of "
         "starts ignored; life ends at damage 1/StartsFactor.",
     ),
 )  # fmt: skip
@@ -424,7 +375,7 @@ STARTS = StudySpec(
     command="starts",
     sheet="Start matrix",
     last="L",
-    inputs=_INPUTS,
+    inputs=(),
     results=_RESULTS,
     sheets=_SHEETS,
     details=_DETAILS,

@@ -18,6 +18,8 @@ module           responsibility
                  train
 `sections`       checks of the sections that stepped shafts are made of
 `gears`          checks of gear meshes: numbers, ratios, the line of action, gears on bearings
+`start_conditions`  checks of table StartConditions: names, what each kind of row may state, and the
+                 case it makes
 `find_problems`  every check a case must pass, all of them at once
 ===============  =================================================================================
 """

@@ -8,6 +8,7 @@ read is not reported a second time as missing.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from itertools import chain
 
 from engine.case.checks.effects import check_effect_choices
 from engine.case.checks.events import check_events
@@ -18,6 +19,7 @@ from engine.case.checks.motors import check_motors
 from engine.case.checks.problem import first_of_each_cell
 from engine.case.checks.scalars import check_scalars
 from engine.case.checks.sections import check_sections
+from engine.case.checks.start_conditions import check_start_conditions
 from engine.case.checks.supply import check_supply
 from engine.case.checks.torques import check_excitations, check_torques
 from engine.case.checks.train import (
@@ -65,7 +67,9 @@ def find_problems(
     tuple of Problem
         Empty if the case may be calculated; one problem a cell, the first found. [count]
     """
-    problems = first_of_each_cell((p for check in CHECKS for p in check(case)), bad_cells)
+    found = (p for check in CHECKS for p in check(case))
+    of_conditions = check_start_conditions(case, find_problems)
+    problems = first_of_each_cell(chain(found, of_conditions), bad_cells)
     unusable = {"Stations", "Elements"} & ({p.table for p in problems} | {b[0] for b in bad_cells})
     if not unusable:
         problems.extend(check_connected(case))

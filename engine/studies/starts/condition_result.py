@@ -18,7 +18,7 @@ from engine.run import run
 from engine.start.pieces import analysis_for_start
 from engine.start.start import Start
 from engine.start.start_fatigue import is_counted, judged_shafts
-from engine.studies.starts.conditions import StartCondition, condition_case
+from engine.studies.starts.conditions import StartCondition, condition_case, couplings_of
 
 #: Outcome of a condition whose run raised an error, or that was not begun.
 NOT_CALCULATED = "not calculated"
@@ -108,15 +108,30 @@ def calculate_condition(case: CaseData, condition: StartCondition) -> ConditionR
         changed = Case(**vars(condition_case(case, condition)))
         if condition.event:
             (event,) = operating_events(changed, analysis_for_start(changed))
-            return _event_row(case, condition, event)
+            return event_row(case, condition, event)
         results = run(changed)
     except TorsionError as error:
         return ConditionResult(condition, NOT_CALCULATED, NOT_CALCULATED, remarks=(str(error),))
-    return _row(case, condition, results)
+    return start_row(case, condition, results)
 
 
-def _event_row(case: CaseData, condition: StartCondition, event: OperatingEvent) -> ConditionResult:
-    """The row of an event."""
+def event_row(case: CaseData, condition: StartCondition, event: OperatingEvent) -> ConditionResult:
+    """The row of an event that was calculated as the condition asks.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+    condition : StartCondition
+        The condition. [SI]
+    event : OperatingEvent
+        Its event. [SI]
+
+    Returns
+    -------
+    ConditionResult
+        Its row. [SI]
+    """
     response = event.response
     begins = {row.event: row.in_start for row in case.motor_events}
     outcome = EVENT if begins.get(event.name) is None else EVENT_IN_START
@@ -152,7 +167,23 @@ def _event_row(case: CaseData, condition: StartCondition, event: OperatingEvent)
     )
 
 
-def _row(case: CaseData, condition: StartCondition, results: Results) -> ConditionResult:
+def start_row(case: CaseData, condition: StartCondition, results: Results) -> ConditionResult:
+    """The row of a start that was calculated as the condition asks.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+    condition : StartCondition
+        The condition. [SI]
+    results : Results
+        The run of the changed case. [SI]
+
+    Returns
+    -------
+    ConditionResult
+        Its row. [SI]
+    """
     start = results.start
     assert start is not None
     outcome, synchronous = start.outcome, case.ratings.synchronous_speed
@@ -271,6 +302,9 @@ def _remarks(
         yield outcome.sentence
     if results.starts is None and shafts:
         yield "Starts are not judged: cycle counting is forced off in EffectChoices."
+    if condition.stiffness_factor != 1.0:
+        names = ", ".join(couplings_of(case))
+        yield f"Stiffness of couplings ({names}) × {condition.stiffness_factor:.4g}."
     if condition.damping_ratio is not None and case.mode_damping and not case.damping_ratio:
         yield "ModeDamping is unchanged: without DampingRatio in the case it cannot be scaled."
     elif condition.damping_ratio is not None and case.mode_damping:

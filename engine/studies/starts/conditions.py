@@ -1,46 +1,17 @@
-"""Start conditions as they are typed in `StartConditions`: their checks, and the case each makes."""
+"""Start conditions as they are typed in `StartConditions`: the case each makes."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from engine.case.checks.find_problems import find_problems
-from engine.case.checks.problem import (
-    COUNTS,
-    Allowed,
-    Cells,
-    Limit,
-    each_row,
-    first_of_each_cell,
-    suggestion,
-)
-from engine.case.data import TABLED_EVENT, CaseData, value_of
-from engine.case.study_inputs import DAMPING_RATIO, LOAD_TORQUE, StartConditionRow, StudyInputs
-from engine.errors import Problem
-from engine.start.settings import has_start
-from engine.studies.variation import Change, varied_case
+from engine.case.choices import ConditionKind, ElementKind
+from engine.case.conditions import with_damping, with_start
+from engine.case.data import TABLED_EVENT, CaseData, StartConditionRow
+from engine.case.study_inputs import LOAD_TORQUE, STIFFNESS
+from engine.studies.variation import Change, refusal, varied_case
 
-TABLE = "StartConditions"
 #: Instants of one period at which a standard trip is tried. [count]
 TRIP_INSTANTS = 8
-#: Numbers that no column of the case would check; more load is a percent sign forgotten.
-_LIMITS = (
-    Limit(
-        "Load",
-        Allowed(lambda share: 0.0 <= share <= 2.0, "from 0 to 2 (200 % of LoadTorque)"),
-        action="Write 80 % or 0.8.",
-    ),
-    Limit("Per year", COUNTS, action="Type the number of such starts."),
-    Limit("So far", COUNTS, action="Type the number of such starts."),
-)
-#: Scalars of the case that a row changes → the column it is typed in.
-_COLUMN_OF = {
-    "Voltage": "Voltage",
-    "DampingRatio": "Damping ratio",
-    "ModeDamping": "Damping ratio",
-    "TripSpeed": "Trip speed",
-}
 
 
 @dataclass(frozen=True)
@@ -51,6 +22,7 @@ class StartCondition:
     voltage: float = 1.0  #: Over the voltage of the torque curves. [1]
     #: Of all elastic modes; None = what the case says, which may be blank. [1]
     damping_ratio: float | None = None
+    stiffness_factor: float = 1.0  #: On the stiffness of every coupling. [1]
     load: float = 1.0  #: Share of LoadTorque. [1]
     #: Where it is aborted, of the reference shaft; None = it is not. [rad/s]
     trip_speed: float | None = None
@@ -59,6 +31,7 @@ class StartCondition:
     per_year: float = 0.0  #: Duty. [1/year, count]
     so_far: float = 0.0  #: Likewise. [1/year, count]
     event: str = ""  #: Event in operation in the place of a start; empty = a start.
+    steady: bool = False  #: Continuous operation alone, without a start.
     per_life: float = 0.0  #: How often that happens in the life of the train. [count]
     row: int | None = None  #: Row of `StartConditions`; None = of the standard matrix.
     why: str = ""  #: Why the standard matrix has it; empty for a row.
@@ -79,109 +52,6 @@ class StartCondition:
             )
             for k in range(TRIP_INSTANTS)
         )
-
-
-# --- what was typed -------------------------------------------------------------------------------
-
-
-def condition_problems(case: CaseData, studies: StudyInputs) -> tuple[Problem, ...]:
-    """Everything wrong with `StartConditions`.
-
-    Parameters
-    ----------
-    case : CaseData
-        A checked case. [SI]
-    studies : StudyInputs
-        Its rows. [SI]
-
-    Returns
-    -------
-    tuple of Problem
-        Empty if the matrix may be calculated; at most one problem a cell. [count]
-    """
-    problems = first_of_each_cell(_problems(case, studies.start_conditions), ())
-    return tuple(sorted(problems, key=lambda p: p.row or 0))
-
-
-def _problems(case: CaseData, rows: Sequence[StartConditionRow]) -> Iterator[Problem]:
-    if not has_start(case):
-        words = (
-            "the case has no rows in table MotorTorque, so there is no start whose voltage, load or "
-            "trip speed could be changed. Give the motor's torque curve on sheet Torque and motor."
-        )
-        yield Cells(TABLE).problem("", None, "a case with a motor torque curve", words)
-        return
-    names: dict[str, int | None] = {}
-    for cells, row in each_row(TABLE, rows):
-        yield from _name(cells, row, names)
-        yield from cells.numbers(row, _LIMITS)
-        if row.load not in (None, 1.0) and not case.load_torque:
-            words = (
-                f"found {row.load:.6g}, but table LoadTorque is empty. Clear the cell, or give the "
-                "load curve on sheet Torque and motor."
-            )
-            yield cells.problem("Load", row.load, "blank", words)
-        if row.event:
-            yield from _event(case, cells, row)
-        yield from _of_the_changed_case(case, cells, replace(row, load=None))
-
-
-def _event(case: CaseData, cells: Cells, row: StartConditionRow) -> Iterator[Problem]:
-    """An event in operation: it is there, nothing of a start is typed, and it is counted once."""
-    if row.event not in case.event_names:
-        allowed = "an event of table EventTorque or MotorEvents"
-        yield cells.wrong("Event", row.event, allowed, suggestion(str(row.event), case.event_names))
-    for column in ("Voltage", "Load", "Trip speed"):
-        value = value_of(row, column)
-        if value is not None:
-            yield cells.problem(
-                column,
-                value,
-                "blank where Event is given",
-                f"it has no effect on event '{row.event}', which is calculated as the other sheets have it. Clear the cell.",
-            )
-    if row.event in case.events_per_life:
-        for column in ("Per year", "So far"):
-            value = value_of(row, column)
-            if value is not None:
-                yield cells.problem(
-                    column,
-                    value,
-                    "blank where the event has Per life",
-                    f"event '{row.event}' would be counted twice: its Per life is given on sheet Torque and motor. Clear one of "
-                    "the two cells.",
-                )
-
-
-def _name(cells: Cells, row: StartConditionRow, names: dict[str, int | None]) -> Iterator[Problem]:
-    if not row.condition:
-        action = "Name this start condition, such as 'weak supply, loaded'."
-        yield cells.blank("Condition", "a name", action)
-    elif row.condition in names:
-        words = (
-            f"found '{row.condition}', also in row {names[row.condition]}; it must be a unique "
-            "name. Rename one, or combine both in one row."
-        )
-        yield cells.problem("Condition", row.condition, "a name of its own", words)
-    else:
-        names[row.condition] = cells.row
-
-
-def _of_the_changed_case(case: CaseData, cells: Cells, row: StartConditionRow) -> Iterator[Problem]:
-    """What the checks of a case say of the changed one, in the column where it was typed."""
-    for problem in find_problems(condition_case(case, condition_of_row(case, cells.row, row))):
-        column = _COLUMN_OF.get(problem.table) or _COLUMN_OF.get(problem.column)
-        if column is None:
-            continue  # wrong with the case itself, which is reported elsewhere
-        sentence = problem.message
-        if problem.table == "ModeDamping":
-            sentence = (
-                f"found {row.damping_ratio:.6g}: ModeDamping is scaled with DampingRatio, and its row "
-                f"{problem.row} becomes {problem.found:.6g}, which must be {problem.allowed}. Lower "
-                "the damping ratio."
-            )
-        content = row.damping_ratio if problem.table == "ModeDamping" else problem.found
-        yield cells.problem(column, content, problem.allowed, sentence, problem.quoted)
 
 
 def condition_of_row(case: CaseData, number: int | None, row: StartConditionRow) -> StartCondition:
@@ -205,6 +75,7 @@ def condition_of_row(case: CaseData, number: int | None, row: StartConditionRow)
         return StartCondition(
             name=row.condition or f"row {number}",
             damping_ratio=row.damping_ratio,
+            stiffness_factor=row.stiffness_factor or 1.0,
             per_year=row.per_year or 0.0,
             so_far=row.so_far or 0.0,
             event=row.event,
@@ -216,25 +87,29 @@ def condition_of_row(case: CaseData, number: int | None, row: StartConditionRow)
         name=row.condition or f"row {number}",
         voltage=voltage if row.voltage is None else row.voltage,
         damping_ratio=row.damping_ratio,
+        stiffness_factor=row.stiffness_factor or 1.0,
         load=1.0 if row.load is None else row.load,
         trip_speed=case.trip_speed if row.trip_speed is None else row.trip_speed,
         per_year=row.per_year or 0.0,
         so_far=row.so_far or 0.0,
+        steady=row.kind == ConditionKind.STEADY,
         row=number,
     )
+
+
+def typed_conditions(case: CaseData) -> tuple[StartCondition, ...]:
+    """Every row of `StartConditions` with its blanks filled, in their order. [SI]"""
+    rows = enumerate(case.start_conditions, start=1)
+    return tuple(condition_of_row(case, number, row) for number, row in rows)
 
 
 # --- one start ------------------------------------------------------------------------------------
 
 
 def condition_case(case: CaseData, condition: StartCondition) -> CaseData:
-    """The case as a start condition changes it.
+    """The case as a condition changes it; see `with_start` and `with_damping`.
 
-    A damping ratio stands in the place of DampingRatio, and `ModeDamping` is scaled in the same
-    proportion: hot or cold oil changes all modes alike. Where the case states no DampingRatio there
-    is no proportion, and `ModeDamping` stays. Dampers and loss factors stay, too. A trip speed is
-    asked for: an effect choice that forces aborted starts off is not kept beside it. Of the events in operation
-    only that of the condition is left.
+    Of the events in operation only that of the condition is left, and no other condition.
 
     Parameters
     ----------
@@ -248,23 +123,23 @@ def condition_case(case: CaseData, condition: StartCondition) -> CaseData:
     CaseData
         The changed case, not yet checked. [SI]
     """
-    new = _without_other_events(CaseData(**vars(case)), condition.event)
-    if not condition.event:
-        new = replace(new, voltage=condition.voltage, trip_speed=condition.trip_speed)
-    if condition.trip_speed is not None:
-        choices = tuple(
-            c for c in new.effect_choices if (c.effect, c.choice) != ("aborted start", "off")
-        )
-        new = replace(new, effect_choices=choices)
+    new = replace(CaseData(**vars(case)), start_conditions=())
+    new = _without_other_events(new, condition.event)
+    if not (condition.event or condition.steady):
+        new = with_start(new, condition.voltage, condition.trip_speed)
     changes = []
     if condition.load != 1.0:
         stations = dict.fromkeys(str(p.station) for p in case.load_torque)
         changes = [Change(LOAD_TORQUE, name, condition.load) for name in stations]
-    ratio = condition.damping_ratio
-    if ratio is not None and case.damping_ratio:
-        changes.append(Change(DAMPING_RATIO, "", ratio / case.damping_ratio))
-    new = varied_case(new, changes) if changes else new
-    return new if ratio is None else replace(new, damping_ratio=ratio)
+    if condition.stiffness_factor != 1.0:
+        changes += [Change(STIFFNESS, n, condition.stiffness_factor) for n in couplings_of(case)]
+    return with_damping(varied_case(new, changes) if changes else new, condition.damping_ratio)
+
+
+def couplings_of(case: CaseData) -> tuple[str, ...]:
+    """Couplings that have a stiffness, which Stiffness factor changes. [names]"""
+    names = (str(e.element) for e in case.elements if e.kind == ElementKind.COUPLING)
+    return tuple(name for name in names if refusal(case, name, STIFFNESS) is None)
 
 
 def _without_other_events(case: CaseData, event: str) -> CaseData:

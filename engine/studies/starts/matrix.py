@@ -1,7 +1,7 @@
 """Starts at every voltage, hot and cold, loaded and unloaded, whole and aborted.
 
-Each start condition is the case with four things changed: voltage, damping ratio (`ModeDamping` in
-proportion), load torque, trip speed. Each goes through the whole `engine.run.run`, effects planned
+Each start condition is the case with five things changed: voltage, damping ratio (`ModeDamping` in
+proportion), stiffness of couplings, load torque, trip speed. Each goes through the whole `engine.run.run`, effects planned
 anew, so that a row of the matrix says what the same case would say alone.
 """
 
@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 from engine.case.data import CaseData
 from engine.case.result_words import NoNumber
-from engine.case.study_inputs import StudyInputs, study_digest
+from engine.case.study_inputs import study_digest
 from engine.start.start_fatigue import WHOLE_STARTS, judged_shafts
 from engine.studies.starts.condition_result import NOT_CALCULATED, ConditionResult, ConditionShaft
 from engine.studies.starts.conditions import StartCondition
@@ -39,7 +39,6 @@ class StartMatrix:
 
 def gather_matrix(
     case: CaseData,
-    studies: StudyInputs,
     plan: MatrixPlan,
     rows: Sequence[ConditionResult],
 ) -> StartMatrix:
@@ -49,8 +48,6 @@ def gather_matrix(
     ----------
     case : CaseData
         The case. [SI]
-    studies : StudyInputs
-        Its rows. [SI]
     plan : MatrixPlan
         What was to be calculated. [SI]
     rows : sequence of ConditionResult
@@ -74,7 +71,7 @@ def gather_matrix(
         complete=len(rows) == len(plan.units),
         sentence=_sentence(ordered, shafts),
         notes=plan.notes,
-        study_sha256=study_digest(*studies.start_conditions),
+        study_sha256=study_digest(*case.start_conditions),
     )
 
 
@@ -223,7 +220,7 @@ def voltage_rows(matrix: StartMatrix) -> list[dict[str, object]]:
     for r in matrix.rows:
         c = r.condition
         word = {1.0: "loaded", 0.0: "unloaded"}.get(c.load)
-        alike = c.trip_speed is None and c.damping_ratio is None
+        alike = c.trip_speed is None and c.damping_ratio is None and c.stiffness_factor == 1.0
         if word is None or not alike or r.outcome not in WHOLE_STARTS:
             continue
         row = by_voltage.setdefault(c.voltage, {"voltage": c.voltage})

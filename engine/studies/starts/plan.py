@@ -24,14 +24,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from engine.case.data import CaseData
-from engine.case.study_inputs import StudyInputs
 from engine.model.load import loads_of
 from engine.model.modal_analysis import analyse
 from engine.model.motor import motors_of
 from engine.model.rigid_runup import rigid_runup
 from engine.operation.margins import percent_speed
 from engine.start.settings import settings_of
-from engine.studies.starts.conditions import StartCondition, condition_case, condition_of_row
+from engine.studies.starts.conditions import StartCondition, condition_case, typed_conditions
 
 #: Over the voltage of the torque curves: from the dip of a weak supply under the starting current to
 #: a supply 10 % too high. [1]
@@ -63,15 +62,13 @@ class MatrixPlan:
 # --- the plan -------------------------------------------------------------------------------------
 
 
-def plan_matrix(case: CaseData, studies: StudyInputs, *, with_standard: bool = False) -> MatrixPlan:
+def plan_matrix(case: CaseData, *, with_standard: bool = False) -> MatrixPlan:
     """Which starts are calculated.
 
     Parameters
     ----------
     case : CaseData
-        A checked case with a start. [SI]
-    studies : StudyInputs
-        Its checked rows; without any, the standard matrix. [SI]
+        A checked case with a start; without conditions of kind start, the standard matrix. [SI]
     with_standard : bool, optional
         Add the standard matrix to the rows. [flag]
 
@@ -80,10 +77,10 @@ def plan_matrix(case: CaseData, studies: StudyInputs, *, with_standard: bool = F
     MatrixPlan
         The conditions. [SI]
     """
-    rows = studies.start_conditions
-    conditions = [condition_of_row(case, number, row) for number, row in enumerate(rows, start=1)]
+    conditions = [c for c in typed_conditions(case) if not c.steady]
+    is_typed = bool(conditions)
     conditions += _counted_events(case, conditions)
-    if rows and not with_standard:
+    if is_typed and not with_standard:
         return MatrixPlan(tuple(conditions), standard=False)
     taken = {c.name for c in conditions}
     standard, notes = _standard(case)

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from engine.case.case import Case
-from engine.case.study_inputs import StartConditionRow, StudyInputs
+from engine.case.data import StartConditionRow
 from engine.studies.starts.condition_result import NOT_CALCULATED, ConditionResult, ConditionShaft
 from engine.studies.starts.conditions import StartCondition
 from engine.studies.starts.damage_ledger import damage_ledger, ledger_rows, remaining_rows
@@ -158,7 +158,7 @@ def test_a_shaft_that_yields_is_not_a_pass() -> None:
 def test_a_start_above_shear_yield_is_told_to_the_ledger() -> None:
     case = sample_case("proposed")
     weak = tuple(replace(m, yield_=0.02 * (m.uts or 0.0)) for m in case.materials)
-    duty = StudyInputs(start_conditions=(StartConditionRow("a", per_year=1.0),))
+    duty = (StartConditionRow("a", per_year=1.0),)
     found = damage_ledger(start_matrix(Case(**(vars(case) | {"materials": weak})), duty))
     assert found.verdict == "not judged"
     assert "above shear yield" in found.sentence
@@ -247,7 +247,7 @@ def test_a_duty_on_the_papers_train() -> None:
         StartConditionRow("normal", per_year=20.0, so_far=100.0),
         StartConditionRow("weak, unloaded", voltage=0.8, load=0.0, per_year=40.0),
     )
-    found = start_matrix(case, StudyInputs(start_conditions=rows))
+    found = start_matrix(case, rows)
     normal, weak = (r.allowable_starts for r in found.rows)
     assert normal is not None
     assert weak is not None

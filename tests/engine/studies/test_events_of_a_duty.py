@@ -6,25 +6,29 @@ from dataclasses import replace
 
 import pytest
 
-from engine.case.data import EffectChoiceRow, MaterialRow, MotorEventRow, SNPointRow
-from engine.case.study_inputs import StartConditionRow, StudyInputs
+from engine.case.data import (
+    EffectChoiceRow,
+    MaterialRow,
+    MotorEventRow,
+    SNPointRow,
+    StartConditionRow,
+)
 from engine.results.tables import result_tables
 from engine.run import run
-from engine.studies.starts.conditions import condition_problems
 from engine.studies.starts.damage_ledger import damage_ledger, ledger_rows, remaining_rows
 from engine.studies.starts.matrix import start_rows
 from engine.studies.starts.plan import plan_matrix
 from tests.engine.results.test_motor_events import FAULT as SHORT
 from tests.engine.results.test_motor_events import motor
 from tests.engine.results.test_operating_events import DIP, FAULT, rows, train
-from tests.whole_studies import start_matrix
+from tests.whole_studies import condition_problems, start_matrix, with_conditions
 
 SHAFT = "Low-speed shaft"
 PLAIN = StartConditionRow("plain", per_year=10.0, so_far=40.0)
 
 
-def asked(*conditions: StartConditionRow) -> StudyInputs:
-    return StudyInputs(start_conditions=conditions)
+def asked(*conditions: StartConditionRow) -> tuple[StartConditionRow, ...]:
+    return conditions
 
 
 #: Starts damage it, too.
@@ -98,14 +102,16 @@ def test_what_happens_in_a_life_is_taken_from_what_is_left() -> None:
     assert start["remaining_starts"] == pytest.approx(row["left"] / start["damage"], rel=1e-12)
     assert event["per_life"] == 5.0
     assert "is kept for events" in ledger.sentence
-    assert "Fault" in [c.name for c in plan_matrix(case, StudyInputs()).conditions]
+    assert "Fault" in [c.name for c in plan_matrix(case).conditions]
     none = damage_ledger(start_matrix(per_life(1.01 / damage), asked(PLAIN)))
     assert ledger_rows(none)[0]["verdict"] == "fail"
 
 
 def test_an_event_of_a_row_is_not_added_again() -> None:
     case = per_life(5.0)
-    plan = plan_matrix(case, asked(PLAIN, StartConditionRow("named", event="Fault")))
+    plan = plan_matrix(
+        with_conditions(case, asked(PLAIN, StartConditionRow("named", event="Fault")))
+    )
     assert [(c.name, c.per_life) for c in plan.conditions] == [("plain", 0.0), ("named", 5.0)]
 
 

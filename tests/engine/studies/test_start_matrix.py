@@ -12,21 +12,19 @@ import pytest
 from scipy.special import fresnel
 
 from engine.case.case import Case
-from engine.case.data import CaseData, EffectChoiceRow, ModeDampingRow
-from engine.case.study_inputs import StartConditionRow, StudyInputs
+from engine.case.data import CaseData, EffectChoiceRow, ModeDampingRow, StartConditionRow
 from engine.run import run
 from engine.studies.starts.condition_result import (
     NOT_CALCULATED,
     ConditionResult,
     ConditionShaft,
-    _row,
     calculate_condition,
+    start_row,
 )
 from engine.studies.starts.conditions import (
     TRIP_INSTANTS,
     StartCondition,
     condition_case,
-    condition_problems,
 )
 from engine.studies.starts.matrix import gather_matrix, start_rows, voltage_rows
 from engine.studies.starts.plan import (
@@ -36,13 +34,13 @@ from engine.studies.starts.plan import (
     plan_matrix,
 )
 from tests.sample_case import sample_case
-from tests.whole_studies import start_matrix
+from tests.whole_studies import condition_problems, start_matrix, with_conditions
 
 SYNCHRONOUS = 60.0 * math.pi
 
 
-def asked(*rows: StartConditionRow) -> StudyInputs:
-    return StudyInputs(start_conditions=rows)
+def asked(*rows: StartConditionRow) -> tuple[StartConditionRow, ...]:
+    return rows
 
 
 @pytest.fixture(scope="module")
@@ -54,7 +52,7 @@ def case() -> Case:
 
 
 def test_blank_table_is_the_standard_matrix(case: Case) -> None:
-    plan = plan_matrix(case, StudyInputs())
+    plan = plan_matrix(case)
     whole = [c for c in plan.conditions if c.trip_speed is None]
     assert [c.voltage for c in whole] == list(STANDARD_VOLTAGES) * 2
     assert [c.load for c in whole] == [1.0] * 7 + [0.0] * 7
@@ -73,9 +71,7 @@ def test_aborted_just_past_each_crossing(case: Case) -> None:
     S, C = fresnel(u)
     late = float(u[np.argmax(np.hypot(C + 0.5, S + 0.5))]) / math.sqrt(2.0)
     assert pytest.approx(late, abs=2e-4) == LATEST_RESPONSE
-    trips = {
-        c.why: c.trip_speed for c in plan_matrix(case, StudyInputs()).conditions if c.trip_speed
-    }
+    trips = {c.why: c.trip_speed for c in plan_matrix(case).conditions if c.trip_speed}
     crossings = [c for c in run(case).crossings if c.percent_speed is not None]
     assert len(crossings) == 3
     for crossing in crossings:
@@ -86,20 +82,20 @@ def test_aborted_just_past_each_crossing(case: Case) -> None:
 
 
 def test_a_train_without_load_is_not_calculated_twice(case: Case) -> None:
-    plan = plan_matrix(replace(CaseData(**vars(case)), load_torque=()), StudyInputs())
+    plan = plan_matrix(replace(CaseData(**vars(case)), load_torque=()))
     assert len([c for c in plan.conditions if c.trip_speed is None]) == 7
     assert any("no LoadTorque" in note for note in plan.notes)
 
 
 def test_no_trip_beyond_the_speed_where_full_voltage_ends(case: Case) -> None:
-    plan = plan_matrix(sample_case("proposed", end_speed=0.6 * SYNCHRONOUS), StudyInputs())
+    plan = plan_matrix(sample_case("proposed", end_speed=0.6 * SYNCHRONOUS))
     assert all((c.trip_speed or 0.0) <= 0.6 * SYNCHRONOUS for c in plan.conditions)
     assert any("just past mode 1" in note for note in plan.notes)
     # nor does any of its instants lie beyond: what is left of the period is cut off
     end = 0.5005 * SYNCHRONOUS
     trips = [
         c
-        for c in plan_matrix(sample_case("proposed", end_speed=end), StudyInputs()).conditions
+        for c in plan_matrix(sample_case("proposed", end_speed=end)).conditions
         if c.why == "fixed speed"
     ]
     assert [c.trip_speed for c in trips] == pytest.approx([0.5 * SYNCHRONOUS])
@@ -108,12 +104,10 @@ def test_no_trip_beyond_the_speed_where_full_voltage_ends(case: Case) -> None:
 
 def test_no_instant_of_a_trip_past_a_crossing_is_beyond_the_end(case: Case) -> None:
     """The end of the start is put inside the period in which that trip is tried."""
-    past = next(
-        c for c in plan_matrix(case, StudyInputs()).conditions if c.why.startswith("just past")
-    )
+    past = next(c for c in plan_matrix(case).conditions if c.why.startswith("just past"))
     assert past.trip_speed is not None
     end = past.trip_speed + 0.4 * past.trip_span
-    plan = plan_matrix(sample_case("proposed", end_speed=end), StudyInputs())
+    plan = plan_matrix(sample_case("proposed", end_speed=end))
     (cut,) = (c for c in plan.conditions if c.why == past.why)
     assert cut.trip_speed == pytest.approx(past.trip_speed)
     assert cut.trip_speed + cut.trip_span == pytest.approx(end)
@@ -122,9 +116,9 @@ def test_no_instant_of_a_trip_past_a_crossing_is_beyond_the_end(case: Case) -> N
 
 def test_rows_stand_alone_unless_the_standard_is_asked_for(case: Case) -> None:
     row = StartConditionRow("100 % voltage, loaded", per_year=10.0)
-    assert len(plan_matrix(case, asked(row)).conditions) == 1
-    both = plan_matrix(case, asked(row), with_standard=True).conditions
-    assert len(both) == 1 + len(plan_matrix(case, StudyInputs()).conditions)
+    assert len(plan_matrix(with_conditions(case, asked(row))).conditions) == 1
+    both = plan_matrix(with_conditions(case, asked(row)), with_standard=True).conditions
+    assert len(both) == 1 + len(plan_matrix(case).conditions)
     assert len({c.name for c in both}) == len(both)
 
 
@@ -158,7 +152,7 @@ def test_the_interval_of_the_damage_holds_both_errors(case: Case) -> None:
     assert step
     for change in (step, 0.5):  # as it is, and where the two steps are far apart
         wide = replace(plain, starts_error=((stated.element, change),))
-        shaft = _row(case, StartCondition("plain"), wide).shafts[0]
+        shaft = start_row(case, StartCondition("plain"), wide).shafts[0]
         assert shaft.damage_high >= stated.damage * (1.0 + change) * (1.0 - 1e-12)
         assert shaft.damage_high >= stated.damage_high > stated.damage
         assert shaft.damage_low <= stated.damage * (1.0 - change) * (1.0 + 1e-12)
@@ -197,7 +191,7 @@ def test_the_shaft_with_the_most_damage_governs_not_the_one_with_the_most_stress
 
 def test_a_standard_trip_is_tried_over_one_period_of_the_mode(case: Case) -> None:
     """The speed gained in 1/f: torque over inertia by hand, from the points of the curves."""
-    plan = plan_matrix(case, StudyInputs())
+    plan = plan_matrix(case)
     inertia = sum((s.inertia or 0.0) * (s.speed_ratio or 1.0) ** 2 for s in case.stations)
     ratio = {s.station: s.speed_ratio or 1.0 for s in case.stations}
     f = run(case).modes.elastic_frequency
@@ -302,8 +296,8 @@ def test_a_stalled_start_is_not_judged_and_never_unlimited(case: Case) -> None:
         assert all(s.allowable_starts is None and not s.unlimited for s in row.shafts)
     assert stalled.shafts[0].damage > 0.0
     assert "counted up to" in stalled.note
-    (told,) = start_rows(gather_matrix(case, StudyInputs(), plan_matrix(case, asked(
-        StartConditionRow("weak", voltage=0.5))), [stalled]))  # fmt: skip
+    (told,) = start_rows(gather_matrix(case, plan_matrix(with_conditions(case, asked(
+        StartConditionRow("weak", voltage=0.5)))), [stalled]))  # fmt: skip
     assert told["allowable_starts"] is None
     assert "unlimited" not in told
     assert told["judged"] is False
@@ -329,10 +323,10 @@ def test_a_train_without_judged_shaft_has_no_starts_and_says_so(case: Case) -> N
 
 def test_units_of_work_travel_and_may_come_in_any_order(case: Case) -> None:
     studies = asked(StartConditionRow("a", voltage=0.9), StartConditionRow("b", voltage=1.1))
-    plan = plan_matrix(case, studies)
+    plan = plan_matrix(with_conditions(case, studies))
     sent = pickle.loads(pickle.dumps([(case, c) for c in plan.conditions]))
     rows = [pickle.loads(pickle.dumps(calculate_condition(*unit))) for unit in reversed(sent)]
-    assert gather_matrix(case, studies, plan, rows) == start_matrix(case, studies)
+    assert gather_matrix(with_conditions(case, studies), plan, rows) == start_matrix(case, studies)
 
 
 def test_the_order_of_rows_changes_no_row(case: Case) -> None:
@@ -369,7 +363,7 @@ def test_of_several_instants_the_worst_stands_in_the_row(case: Case) -> None:
     plan = MatrixPlan((condition,), standard=True)
     assert plan.units == instants
     for some in (rows, rows[::-1]):
-        (found,) = gather_matrix(case, StudyInputs(), plan, some).rows
+        (found,) = gather_matrix(case, plan, some).rows
         assert found.condition == condition
         assert found.governing == "A"
         assert found.allowable_starts == pytest.approx(1.0 / 9e-4)
@@ -388,7 +382,7 @@ def test_of_several_instants_the_worst_stands_in_the_row(case: Case) -> None:
         mesh_minimum_torque=-5.0, mesh="Mesh", impacts=4,
     )  # fmt: skip
     others = [replace(r, peak_torque=8e3, mesh_minimum_torque=2.0, mesh="Mesh") for r in rows]
-    (found,) = gather_matrix(case, StudyInputs(), plan, [*others[:1], rows[1], *others[2:]]).rows
+    (found,) = gather_matrix(case, plan, [*others[:1], rows[1], *others[2:]]).rows
     assert (found.governing, found.allowable_starts) == ("A", pytest.approx(1.0 / 9e-4))
     assert (found.peak_torque, found.peak_over_rated, found.peak_element) == (9e3, 3.0, "B")
     assert (found.peak_to_peak_stress, found.mesh_minimum_torque, found.impacts) == (2e8, -5.0, 4)
@@ -396,7 +390,7 @@ def test_of_several_instants_the_worst_stands_in_the_row(case: Case) -> None:
     assert "Cycles above the first S-N point (A, B)" in found.note
     assert "Nominal peak above shear yield (B)" in found.note
     stalled = replace(rows[0], outcome="stalled", judged=False, allowable_starts=None)
-    (found,) = gather_matrix(case, StudyInputs(), plan, [stalled, *rows[1:]]).rows
+    (found,) = gather_matrix(case, plan, [stalled, *rows[1:]]).rows
     assert not found.judged
 
 
@@ -416,7 +410,7 @@ def test_the_worst_instant_is_that_of_most_damage_not_of_most_stress() -> None:
 
     answers = {2: (9e-4, 1.0), 5: (1e-4, 2.0)}
     rows = [row(one, *answers.get(k, (1e-5, 0.5))) for k, one in enumerate(condition.instants)]
-    (found,) = gather_matrix(sample_case("proposed"), StudyInputs(), plan, rows).rows
+    (found,) = gather_matrix(sample_case("proposed"), plan, rows).rows
     assert found.allowable_starts == pytest.approx(1.0 / 9e-4)
     assert [s.damage for s in found.shafts] == [9e-4]
     assert [s.allowable_starts for s in found.shafts] == pytest.approx([1.0 / 9e-4])
@@ -426,7 +420,7 @@ def test_the_worst_instant_is_that_of_most_damage_not_of_most_stress() -> None:
 @pytest.mark.slow
 def test_a_standard_trip_is_the_worst_of_its_instants(case: Case) -> None:
     """What a trip does hangs on the phase of the ringing: eight within one period of the mode."""
-    plan = plan_matrix(case, StudyInputs())
+    plan = plan_matrix(case)
     condition = next(c for c in plan.conditions if c.why.startswith("just past mode 1"))
     assert len(condition.instants) == TRIP_INSTANTS
     f = float(run(case).modes.elastic_frequency[0])
@@ -434,18 +428,18 @@ def test_a_standard_trip_is_the_worst_of_its_instants(case: Case) -> None:
     starts = [r.allowable_starts or math.inf for r in rows]
     assert max(starts) > 2.0 * min(starts)
     alone = replace(plan, conditions=(condition,))
-    (worst,) = gather_matrix(case, StudyInputs(), alone, rows).rows
+    (worst,) = gather_matrix(case, alone, rows).rows
     assert worst.allowable_starts == min(starts)
     assert worst.condition == condition
     assert worst.note.startswith("Worst of 8 trip instants within one period")
     times = [float(r.note.split(" after ")[1].split(" s")[0]) for r in rows]
     assert times[-1] - times[0] == pytest.approx(7.0 / 8.0 / f, rel=0.1)
-    (gone,) = gather_matrix(case, StudyInputs(), alone, rows[:-1]).rows
+    (gone,) = gather_matrix(case, alone, rows[:-1]).rows
     assert gone.outcome == NOT_CALCULATED
 
 
 def test_stopping_leaves_rows_that_say_so(case: Case) -> None:
-    matrix = start_matrix(case, StudyInputs(), first=2)
+    matrix = start_matrix(case, (), first=2)
     assert not matrix.complete
     assert [r.outcome != NOT_CALCULATED for r in matrix.rows[:3]] == [True, True, False]
     assert matrix.rows[2].note == "Stopped before this start."
@@ -492,10 +486,10 @@ def test_wrong_rows_are_told(row: StartConditionRow, column: str, says: str) -> 
 
 
 def test_everything_wrong_is_told_at_once(case: Case) -> None:
-    row = StartConditionRow(None, 80.0, 2.0, -1.0, 1e4, -1.0, math.nan)
+    row = StartConditionRow(None, None, 80.0, 2.0, -0.8, -1.0, 1e4, -1.0, math.nan)
     found = condition_problems(case, asked(row))
     assert {p.column for p in found} == {
-        "Condition", "Voltage", "Damping ratio", "Load", "Trip speed", "Per year", "So far",
+        "Condition", "Voltage", "Damping ratio", "Stiffness factor", "Load", "Trip speed", "Per year", "So far",
     }  # fmt: skip
 
 
@@ -504,9 +498,10 @@ def test_load_of_a_train_without_load_and_a_train_without_motor(case: Case) -> N
     (found,) = condition_problems(bare, asked(StartConditionRow("a", load=0.0)))
     assert "table LoadTorque is empty" in found.message
     still = replace(CaseData(**vars(case)), motor_torque=(), load_torque=())
-    (found,) = condition_problems(still, StudyInputs())
-    assert "no rows in table MotorTorque" in found.message
-    assert condition_problems(case, StudyInputs()) == ()
+    (found,) = condition_problems(still, asked(StartConditionRow("a")))
+    assert "table MotorTorque is empty" in found.message
+    assert condition_problems(still, asked(StartConditionRow("a", "steady"))) == ()
+    assert condition_problems(case, ()) == ()
 
 
 def test_rows_by_voltage(case: Case) -> None:
