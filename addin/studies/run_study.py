@@ -115,7 +115,7 @@ def study_one(
             book, refused = there, (file_problem(source, failed),)
         if refused and files.json_file is None:
             lacking = missing_sheets(there.workbook.tables, study.spec).inputs
-            asked = () if files.add is None or files.add_inputs else lacking
+            asked = () if files.add is None or files.add_inputs or there.problems else lacking
             problems = (*_unread(study, there), *refused)
             return StudyOutcome(source, None, problems, _warned(there), lacking=asked)
         result, problems, words = calculate_study(study, book, parallel_map, settings, on_stage)
@@ -188,10 +188,12 @@ def _with_sheets(
 ) -> tuple[WorkbookInput, tuple[CellProblem, ...]]:
     """The workbook with the sheets of the study, or why it has none."""
     lacking = missing_sheets(read.workbook.tables, study.spec)
-    if not lacking.tables or read.problems:
+    if not lacking.tables:
         return read, ()
     if not lacking.sheets or files.add is None or (lacking.inputs and not files.add_inputs):
         return read, (_refused(read, study, lacking),)
+    if read.problems:
+        return read, ()
     return files.add(read, study.spec, folder), ()
 
 

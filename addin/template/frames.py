@@ -12,7 +12,7 @@ from xlsxwriter.utility import xl_cell_to_rowcol, xl_rowcol_to_cell
 from addin.charts.rows import Rows
 from addin.contract.banner import CHANGED_WORDS, DOCUMENT_AT, OVERALL_AT
 from addin.contract.print_areas import Standing, holds_data, print_area_text, printed_areas
-from addin.contract.sheet import ROW_HEIGHT, Sheet
+from addin.contract.sheet import NEVER, ROW_HEIGHT, Sheet
 from addin.contract.sheets import KIND_WORDS, STRIP, TAB_COLOURS
 from addin.template.charts import Place
 from addin.template.examples import Example
@@ -147,7 +147,8 @@ class Frames:
         page.repeat_rows(0, sheet.header_rows - 1)
         parts = [part for part in self.parts if part.worksheet == sheet.worksheet]
         if parts:  # `_print_areas` says what of them
-            page.set_print_scale(min(_print_scale(part, _PAPER[self.system]) for part in parts))
+            printed = [part for part in parts if part.printed_for != NEVER] or parts
+            page.set_print_scale(min(_print_scale(part, _PAPER[self.system]) for part in printed))
             return
         if sheet.breaks or sheet.row_breaks:
             page.set_v_pagebreaks([column_number(letters) for letters in sheet.breaks])

@@ -30,8 +30,6 @@ from engine.studies.variation import names_with
 _COUPLINGS = 2
 #: Stiffnesses that are tried of each, of its own. [%]
 _STIFFNESSES = "50; 70; 100; 140; 200"
-#: Voltages of the start conditions, of that of the torque curves. [%]
-_VOLTAGES = (80, 90, 100, 110)
 #: How sure stiffness and damping are where nothing better is known. [%]
 _STIFFNESS_SPREAD, _DAMPING_SPREAD = 5.0, 30.0
 
@@ -120,7 +118,6 @@ def default_rows(tables: Sequence[str], case: CaseData) -> dict[str, Rows]:
     rows = {
         "Tuning": _couplings(case),
         "Scatter": _scatter(case),
-        "StartConditions": _conditions(case),
     }
     return {name: rows[name] for name in tables if rows.get(name)}
 
@@ -128,8 +125,6 @@ def default_rows(tables: Sequence[str], case: CaseData) -> dict[str, Rows]:
 #: Units of those rows.
 _UNITS = {
     ("Scatter", "Spread"): "%",
-    ("StartConditions", "Voltage"): "%",
-    ("StartConditions", "Damping ratio"): "%",
 }
 
 
@@ -152,23 +147,6 @@ def _scatter(case: CaseData) -> Rows:
         if names_with(case, quantity):
             rows.append(
                 {"Quantity": quantity, "Distribution": "uniform", "Spread": _DAMPING_SPREAD}
-            )
-    return rows
-
-
-def _conditions(case: CaseData) -> Rows:
-    """The voltages; hot and cold by the damping, where one damping ratio stands for the train."""
-    rows: list[dict[str, Value]] = [
-        {"Condition": f"{voltage} % voltage", "Voltage": float(voltage)} for voltage in _VOLTAGES
-    ]
-    if case.damping_ratio:
-        for name, sign in (("hot, less damping", -1.0), ("cold, more damping", 1.0)):
-            share = 1.0 + sign * _DAMPING_SPREAD / 100.0
-            rows.append(
-                {
-                    "Condition": name,
-                    "Damping ratio": float(f"{100 * case.damping_ratio * share:.4g}"),
-                }
             )
     return rows
 

@@ -44,7 +44,7 @@ MOVED = {
     "NaturalFrequencies": "B29", "ModeShapes": "L31",
     "SeparationMargins": "B28",
     "SteadyState": "C11",
-    "EffectChoices": "C44",
+    "EffectChoices": "C44", "StartConditions": "F9", "CaseVerdicts": "F9",
     "Audit": "B9",
 }  # fmt: skip
 #: On sheet `Results`, where `MOVED` has `SteadyState`: its column `Torque` and the row of its first results.

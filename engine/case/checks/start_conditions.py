@@ -142,7 +142,7 @@ def _of_the_changed_case(
         if column is None or value_of(row, column) is None:
             continue  # wrong with the case itself, which is reported elsewhere
         sentence = problem.message
-        if problem.table == "ModeDamping":
+        if problem.table == "ModeDamping" and isinstance(problem.found, (int, float)):
             sentence = (
                 f"found {row.damping_ratio:.6g}: ModeDamping is scaled with DampingRatio, and its row "
                 f"{problem.row} becomes {problem.found:.6g}, which must be {problem.allowed}. Lower "
