@@ -243,7 +243,7 @@ def stages(place: Path, repeats: int) -> Table:
 
     places = {
         "read and check": (recalc, "read_checked"),
-        "calculate": (addin.calculation.calculation, "run"),
+        "calculate": (addin.calculation.calculation, "run_with_conditions"),
         "rows of result and chart tables": (book.Workbook, "write_tables"),
         "formulas: values renewed (formualizer)": (book.Workbook, "refresh_formula_caches"),
         "charts: values renewed": (book.Workbook, "refresh_chart_caches"),

@@ -39,9 +39,11 @@ def counted(monkeypatch):
     import addin.calculation.calculation
 
     calls = []
-    real = addin.calculation.calculation.run
+    real = addin.calculation.calculation.run_with_conditions
     monkeypatch.setattr(
-        addin.calculation.calculation, "run", lambda *words: calls.append(words[0]) or real(*words)
+        addin.calculation.calculation,
+        "run_with_conditions",
+        lambda *words: calls.append(words[0]) or real(*words),
     )
     return calls
 

@@ -44,7 +44,7 @@ def folder(tmp_path) -> Path:
     [
         ("addin.reading.one_file.read_checked", "recalc a.xlsx"),
         pytest.param(
-            "addin.calculation.calculation.run",
+            "addin.calculation.calculation.run_with_conditions",
             "recalc a.xlsx --json a.json",
             marks=pytest.mark.slow,
         ),

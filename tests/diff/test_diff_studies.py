@@ -64,7 +64,7 @@ def found(first: Path, second: Path) -> Differences:
 
 @pytest.mark.slow
 def test_rows_of_study_sheets_are_matched_by_their_names(found: Differences) -> None:
-    told = [(c.kind, c.table, c.row, c.column, c.before, c.after) for c in found.studies.inputs]
+    told = [(c.kind, c.table, c.row, c.column, c.before, c.after) for c in found.inputs]
     assert ("changed", "StartConditions", "normal", "Per year", 10.0, 12.0) in told
     assert sorted((k, r) for k, _, r, *_ in told if k != "changed") == [
         ("row added", "new"), ("row removed", "weak"),
