@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import pkgutil
 from collections import Counter
+from dataclasses import replace
 from functools import cache
 
 import addin.studies
@@ -15,6 +16,7 @@ from addin.contract.study_spec import StudySpec
 from addin.reading.one_file import Unreadable
 from addin.reading.typed_case import CaseInput
 from addin.studies.study import Study
+from engine.case.case import Case
 from engine.errors import Problem
 
 
@@ -76,9 +78,12 @@ def of_studies(read: CaseInput | Unreadable) -> tuple[CellProblem, ...]:
     -------
     tuple of CellProblem
         Of studies whose tables have rows, those that no other study reads if there are such: scatter alone
-        asks for no calibration. Empty where the case itself is wrong.
+        asks for no calibration. Empty where the case itself is wrong, conditions apart.
     """
-    if isinstance(read, Unreadable) or read.studies is None or read.problems:
+    if isinstance(read, Unreadable) or read.studies is None:
+        return ()
+    # no study table names a condition
+    if any(problem.table != "StartConditions" for problem in read.problems):
         return ()
     inputs = read.studies.inputs
     readers = Counter(name for spec in STUDIES for name in spec.input_names)
@@ -87,7 +92,7 @@ def of_studies(read: CaseInput | Unreadable) -> tuple[CellProblem, ...]:
         own = [name for name in spec.input_names if readers[name] == 1] or spec.input_names
         if any(inputs.rows(name) for name in own):
             stated.append(spec)
-    case = read.case()
+    case = Case(**vars(replace(read.data, start_conditions=())))
     problems: list[Problem] = []
     for spec in stated:
         problems += study_of(spec).check(case, inputs)

@@ -93,7 +93,7 @@ def test_a_workbook_is_sampled_and_its_cells_are_those_of_the_json(
     )
     assert len(_table(book, "ToleranceDistribution")) == 99
     assert found["sentence"] in {
-        str(cell.value) for row in book["Lists"].iter_rows() for cell in row
+        str(cell.value) for row in book["StudyFacts"].iter_rows() for cell in row
     }
 
 

@@ -62,17 +62,17 @@ def test_a_study_of_other_rows_is_out_of_date_and_named(book: Path) -> None:
     told = notes(book, 1)
     (wrong,) = [line for line in told if "out of date" in line]
     assert "sheet Start matrix" in wrong
-    assert "the rows of table StartConditions were changed" in wrong
+    assert "it was calculated from inputs with SHA-256" in wrong
     assert "torsionbook starts again" in wrong
 
 
 @pytest.mark.slow
 def test_a_cell_that_cannot_be_read_is_not_the_blank_it_was(book: Path) -> None:
-    """So far was blank and counts as blank in the digest; who typed words there meant something."""
-    typed(book, "StartConditions", "So far", "lots")
+    """A blank counts as blank in the digest; who typed words there meant something."""
+    typed(book, "Tuning", "From", "lots")
     told = notes(book, 1)
     (wrong,) = [line for line in told if "out of date" in line]
-    assert "table StartConditions now has an unreadable cell (row 1, So far)" in wrong
+    assert "table Tuning now has an unreadable cell (row 1, From)" in wrong
 
 
 @pytest.mark.slow
