@@ -40,9 +40,6 @@ class StudySpec:
     sheets: tuple[Sheet, ...]  #: Its sheets, of inputs and of results.
     details: Shape = field(default_factory=dict)  #: What its JSON has beside its tables.
     reads: tuple[str, ...] = ()  #: Input tables of other studies that it reads as well. [names]
-    of_conditions: bool = (
-        False  #: It calculates the rows of StartConditions; the others, the case alone.
-    )
     height: float = 42.0  #: Of the line that says what was found. [points]
     #: Further sheets of its results with the last columns of their lines. [names, letters]
     also: tuple[tuple[str, str], ...] = ()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 from addin.contract.digests import short_digest
@@ -15,7 +15,7 @@ from addin.contract.tables import STUDY_RESULT_TABLES
 from addin.reading.workbook import WorkbookInput
 from addin.recorded.results import recorded_fact, recorded_rows
 from addin.recorded.study_digests import edited_tables
-from engine.case.data import CaseData, case_digest
+from engine.case.data import case_digest
 from engine.case.study_inputs import StudyInputs, study_digest
 
 #: What the stamp of a study says of its rows.
@@ -60,17 +60,6 @@ def rows_digest(tables: Sequence[str], inputs: StudyInputs) -> str:
     return study_digest(*(row for name in tables for row in inputs.rows(name)))
 
 
-def inputs_digest(study: StudySpec, case: CaseData) -> str:
-    """Digest of what a study calculates of a case: without its conditions, unless it calculates those.
-
-    Returns
-    -------
-    str
-        64 hexadecimal digits. [hex]
-    """
-    return case_digest(case if study.of_conditions else replace(case, start_conditions=()))
-
-
 def recorded_studies(read: WorkbookInput, units: ShownUnits) -> tuple[RecordedStudy, ...]:
     """The studies that stand in a workbook, in the order of their sheets.
 
@@ -87,6 +76,7 @@ def recorded_studies(read: WorkbookInput, units: ShownUnits) -> tuple[RecordedSt
         Of studies that have been made.
     """
     inputs = StudyInputs() if read.studies is None else read.studies.inputs
+    digest = case_digest(read.data)
     specs = {spec.name: spec for spec in STUDY_RESULT_TABLES}
     recorded = []
     for study in STUDIES:
@@ -99,9 +89,9 @@ def recorded_studies(read: WorkbookInput, units: ShownUnits) -> tuple[RecordedSt
         names = study.result_names
         tables = {name: recorded_rows(read.workbook, specs[name], units) for name in names}
         rows = rows_digest(study.input_names, inputs)
-        outdated = _outdated(
-            study.input_names, made, inputs_digest(study, read.data), stamp, rows
-        ) or _unread(study.input_names, read)
+        outdated = _outdated(study.input_names, made, digest, stamp, rows) or _unread(
+            study.input_names, read
+        )
         edited = edited_tables(read.workbook, (specs[name] for name in names), units, written)
         is_part = sentence.startswith(CUT_SHORT)
         recorded.append(

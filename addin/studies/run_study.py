@@ -21,7 +21,7 @@ from addin.contract.version import product_version
 from addin.reading.one_file import WORKBOOK_ENDINGS, Unreadable, file_problem, read_checked
 from addin.reading.typed_case import CaseInput
 from addin.reading.workbook import WorkbookInput
-from addin.recorded.studies import inputs_digest, rows_digest
+from addin.recorded.studies import rows_digest
 from addin.studies.study import Study, StudyPart, StudyResult, StudyTask
 from addin.workers.parallel_map import ParallelMap
 from addin.writing.recalculate import beside as result_beside
@@ -433,7 +433,7 @@ def _write(
 ) -> tuple[str, ...]:
     """Write a study into the workbook it was read from; sentences the user should read."""
     assert isinstance(read, WorkbookInput)
-    made, digest = Stamp.now(), inputs_digest(study.spec, read.data)
+    made, digest = Stamp.now(), case_digest(read.data)
     rows = rows_digest(study.inputs, StudyInputs() if read.studies is None else read.studies.inputs)
     facts = {
         f"{study.key}_Sentence": result.sentence,

@@ -376,7 +376,6 @@ STARTS = StudySpec(
     sheet="Start matrix",
     last="L",
     inputs=(),
-    of_conditions=True,
     results=_RESULTS,
     sheets=_SHEETS,
     details=_DETAILS,
