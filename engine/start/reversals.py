@@ -36,8 +36,11 @@ from engine.start.trajectory import Turning
 #: Torque nearer to zero than this share of the largest of its element is rounding: teeth apart, or a train at rest.
 ROUNDING = 1e-9
 
-#: Halvings of a bracket of a zero crossing: from any step down to the rounding of the time.
+#: Halvings of a step about a zero crossing: down to rounding, were none of them Newton's.
 BISECTIONS = 60
+
+#: A crossing is found when it moves by no more than this share of its step. [1]
+ROOT_ROUNDING = 1e-12
 
 
 @dataclass(frozen=True)
@@ -238,10 +241,12 @@ def passages_below(start: Start, index: int, turning: Turning) -> tuple[Floats, 
         # all turning points are there, most samples are not: instants are on the smooth step
         # between two turning points, which changes durations by some per cent
         t, y, slope = when, torque, np.zeros(len(when))
-    began = _roots(t, y, slope, when, torque, down)
     closed = up < len(torque)
+    began, ends = np.split(
+        _roots(t, y, slope, when, torque, np.concatenate([down, up[closed]])), [len(down)]
+    )
     ended = np.full(len(up), when[-1])
-    ended[closed] = _roots(t, y, slope, when, torque, up[closed])
+    ended[closed] = ends
     return began, ended
 
 
@@ -291,23 +296,36 @@ def _roots(
     torque: Floats,
     after: Ints,
 ) -> Floats:
-    """Where the dense output crosses zero between turning points `after` − 1 and `after`."""
-    before = np.maximum(after - 1, 0)
-    low, high = when[before], when[after]
+    """Where the cubic between samples crosses zero between turning points `after` − 1 and `after`."""
+    low, high = when[np.maximum(after - 1, 0)], when[after]
     falls = torque[after] < 0.0
-    for _ in range(BISECTIONS):
-        middle = 0.5 * (low + high)
-        value = _dense(t, y, slope, middle)
-        passed = np.where(falls, value < 0.0, value > 0.0)
-        high, low = np.where(passed, middle, high), np.where(passed, low, middle)
-    return np.asarray(0.5 * (low + high))
-
-
-def _dense(t: Floats, y: Floats, slope: Floats, at: Floats) -> Floats:
-    """The cubic between samples."""
-    i = np.clip(np.searchsorted(t, at, side="right") - 1, 0, len(t) - 2)
+    # samples between the two are monotonic too: the first beyond zero ends the step with the crossing
+    first, last = np.searchsorted(t, low, side="right"), np.searchsorted(t, high)
+    while np.any(first < last):
+        middle = (first + last) // 2
+        passed = np.where(falls, y[middle] < 0.0, y[middle] > 0.0)
+        first = np.where(passed, first, np.minimum(middle + 1, last))
+        last = np.where(passed, middle, last)
+    i = np.clip(last - 1, 0, len(t) - 2)
     h = t[i + 1] - t[i]
-    s = (at - t[i]) / h
-    rise = y[i + 1] - y[i]
-    a, b = h * slope[i], h * slope[i + 1]
-    return np.asarray(y[i] + s * (a + s * (3.0 * rise - 2.0 * a - b + s * (a + b - 2.0 * rise))))
+    rise, at_start, at_end = y[i + 1] - y[i], h * slope[i], h * slope[i + 1]
+    cubic = y[i], at_start, 3.0 * rise - 2.0 * at_start - at_end, at_start + at_end - 2.0 * rise
+    scale = np.where(h > 0.0, h, 1.0)
+    low, high = (np.clip((end - t[i]) / scale, 0.0, 1.0) for end in (low, high))
+    return np.asarray(t[i] + h * _root(cubic, np.where(falls, -1.0, 1.0), low, high))
+
+
+def _root(cubic: tuple[Floats, ...], sign: Floats, low: Floats, high: Floats) -> Floats:
+    """Root of each cubic, which times `sign` rises from `low` to `high`: Newton's, kept between the two by halving."""
+    p, q, r, u = (sign * one for one in cubic)
+    root = 0.5 * (low + high)
+    for _ in range(BISECTIONS):
+        value, slope = p + root * (q + root * (r + root * u)), q + root * (2.0 * r + 3.0 * root * u)
+        low, high = np.where(value < 0.0, root, low), np.where(value < 0.0, high, root)
+        new = root - value / np.where(slope > 0.0, slope, 1.0)
+        new = np.where((slope > 0.0) & (new >= low) & (new <= high), new, 0.5 * (low + high))
+        moves = np.abs(new - root) > ROOT_ROUNDING
+        root = new
+        if not moves.any():
+            break
+    return np.asarray(root)
