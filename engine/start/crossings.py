@@ -8,18 +8,19 @@ against pulsating torque, acceleration ("Philosophy of resonant response locatio
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
+from engine.arrays import Floats
 from engine.case.choices import ElementKind
 from engine.case.data import CaseData
 from engine.case.defaults import NOTABLE_REVERSAL
 from engine.fatigue.stress import stress_of_unit_torque
 from engine.model.modal_train import ModalTrain
-from engine.model.motor import motors_of
+from engine.model.motor import Motor, motors_of
 from engine.numerics.same_bits import interp, square
 from engine.operation.margins import percent_speed
 from engine.operation.steady_state import modal_element_torque
@@ -110,12 +111,17 @@ def crossings_of(
     frequencies = [twice_slip for twice_slip, _, _ in below]
     # elastic torques are all of a mode only where nothing else holds energy
     is_modal = not start.contacts and not modal.train.bodies and (model is None or model is modal)
+    # torques of the elements a unit of each mode, where elements stand for it
+    torques = None if is_modal else modal_element_torque(modal.train, modes)
+    motors = motors_of(case, modal.train)
     crossings, turning, doubts = [], start.turning_of_element(), doubts_of_minima(start)
+    # largest speed so far: rises, where the speed itself may fall
+    reached = np.maximum.accumulate(start.trajectory.mean_speed)
     for i, (twice_slip, r, k) in enumerate(below):
         percent = percent_speed(twice_slip, line_frequency)
         speed = synchronous_speed * max(1.0 - twice_slip / (2.0 * line_frequency), 0.0)
-        time = None if percent is None else _passing(start, speed)
-        window = _window(start, frequencies, i, line_frequency, synchronous_speed)
+        time = None if percent is None else _passing(start, reached, speed)
+        window = _window(start, reached, frequencies, i, line_frequency, synchronous_speed)
         crossing = Crossing(
             mode=r - modes.n_rigid + 1,
             frequency=float(modes.frequency[r]),
@@ -136,7 +142,7 @@ def crossings_of(
                 acceleration=acceleration,
                 sweep_rate=k * line_frequency * acceleration / synchronous_speed,
             )
-            grown = _amplification(case, modal, start, (crossing, r), window, is_modal)
+            grown = _amplification(case, modal, start, motors, (crossing, r), window, torques)
             crossing = replace(crossing, amplification=grown)
         mesh = _mesh_torque(case, turning, doubts, window)
         note = _note(crossing, float(damping.ratio[r]), line_frequency, mesh, is_modal)
@@ -148,21 +154,21 @@ def _amplification(
     case: CaseData,
     modal: ModalTrain,
     start: Start,
+    motors: Sequence[Motor],
     of: tuple[Crossing, int],
     window: tuple[float, float] | None,
-    is_modal: bool,
+    torques: Floats | None,
 ) -> float | None:
     """Amplification of a crossing, a mode with its index; see `Crossing.amplification`."""
     crossing, mode = of
-    synchronous, motors = case.ratings.synchronous_speed, motors_of(case, modal.train)
-    if window is None or crossing.time is None or not synchronous or not motors:
+    if window is None or crossing.time is None or not motors:
         return None
     history, multiple = start.trajectory, crossing.multiple_of_slip
 
     def speed_at(time: float) -> float:
         return float(interp(time, history.time, history.mean_speed))
 
-    if is_modal:
+    if torques is None:
         now = speed_at(crossing.time)
         driving = max(motors, key=lambda m: modal_torque((m,), modal, mode, now, multiple))
         found = modal_amplitude(start, driving, modal, mode, window, multiple)
@@ -176,37 +182,52 @@ def _amplification(
     )
     if index is None or crossing.peak_to_peak_torque is None or static == 0.0:
         return None
-    of_mode = float(modal_element_torque(modal.train, modal.modes)[index, mode])
-    reference = static * of_mode / square(float(modal.modes.omega[mode]))
+    reference = static * float(torques[index, mode]) / square(float(modal.modes.omega[mode]))
     return 0.5 * crossing.peak_to_peak_torque / reference if reference > 0.0 else None
 
 
-def _passing(start: Start, speed: float) -> float | None:
+def _passing(start: Start, reached: Floats, speed: float) -> float | None:
     """First time the mean speed reaches a value."""
-    w = start.trajectory.mean_speed
-    above = np.flatnonzero(w >= speed)
-    if not len(above):
+    t, w, i = (
+        start.trajectory.time,
+        start.trajectory.mean_speed,
+        int(np.searchsorted(reached, speed)),
+    )
+    if i == len(t):
         return None
-    i = int(above[0])
-    t = start.trajectory.time
     if i == 0:
         return float(t[0])
     return float(t[i - 1] + (speed - w[i - 1]) / (w[i] - w[i - 1]) * (t[i] - t[i - 1]))
 
 
 def _window(
-    start: Start, frequencies: list[float], i: int, line_frequency: float, synchronous_speed: float
+    start: Start,
+    reached: Floats,
+    frequencies: list[float],
+    i: int,
+    line_frequency: float,
+    synchronous_speed: float,
 ) -> tuple[float, float] | None:
     """Time in which crossing i responds: from just above it to half-way to the next one below, by 2 × slip frequency."""
     f, twice = frequencies[i], 2.0 * line_frequency
     higher = frequencies[i + 1] if i + 1 < len(frequencies) else math.inf
     begin = min(WINDOW_BEGINS * f, math.sqrt(f * higher))
     end = math.sqrt(f * frequencies[i - 1]) if i > 0 else 0.0
-    t0 = 0.0 if begin >= twice else _passing(start, synchronous_speed * (1.0 - begin / twice))
-    if t0 is None:
-        return None
-    t1 = _passing(start, synchronous_speed * (1.0 - end / twice))
+    t0 = 0.0
+    if begin < twice:
+        first = _passing(start, reached, synchronous_speed * (1.0 - begin / twice))
+        if first is None:
+            return None
+        t0 = first
+    t1 = _passing(start, reached, synchronous_speed * (1.0 - end / twice))
     return t0, start.outcome.time if t1 is None else t1
+
+
+def _inside(turning: Turning, window: tuple[float, float]) -> Floats:
+    """Turning points of a torque within a time, both ends included. [N m]"""
+    when, torque = turning
+    first, last = np.searchsorted(when, window[0]), np.searchsorted(when, window[1], side="right")
+    return torque[first:last]
 
 
 def _mesh_torque(
@@ -219,10 +240,11 @@ def _mesh_torque(
     if window is None:
         return ""
     found = []
-    for index, (when, torque) in turning.items():
-        name = str(case.elements[index].element)
-        inside = torque[(when >= window[0]) & (when <= window[1])]
-        if case.elements[index].kind != ElementKind.GEAR_MESH or not len(inside):
+    for index, points in turning.items():
+        if case.elements[index].kind != ElementKind.GEAR_MESH:
+            continue
+        name, torque, inside = str(case.elements[index].element), points[1], _inside(points, window)
+        if not len(inside):
             continue
         lowest, doubt = float(inside.min()), doubts.get(name)
         hysteresis = NOTABLE_REVERSAL * float(np.max(np.abs(torque)))
@@ -240,8 +262,8 @@ def _response(
     spans: dict[int, float] = {}
     stresses: dict[int, float] = {}
     lowest: list[float] = []
-    for index, (when, value) in turning.items():
-        inside = value[(when >= window[0]) & (when <= window[1])]
+    for index, points in turning.items():
+        inside = _inside(points, window)
         if not len(inside):
             continue
         element = case.elements[index]

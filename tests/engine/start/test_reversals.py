@@ -6,6 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from scipy.interpolate import CubicHermiteSpline
 
 from engine.case.case import Case
@@ -13,7 +15,12 @@ from engine.case.data import ElementRow, MeshRow
 from engine.case.defaults import NOTABLE_REVERSAL
 from engine.case.practice_limits import PRACTICE_LIMITS
 from engine.start.event_results import ContactRecord
-from engine.start.reversals import Reversal, reversing_elements, torque_reversals
+from engine.start.reversals import (
+    Reversal,
+    passages_below,
+    reversing_elements,
+    torque_reversals,
+)
 from engine.start.start import Start
 from engine.start.trajectory import turning_of
 from tests.sample_case import sample_case
@@ -130,6 +137,28 @@ def test_a_start_that_falls_below_zero_at_once_counts_from_rest(start):
     assert r.first_time == pytest.approx(0.0, abs=1e-12)
     assert r.reversals == 1
     assert r.longest_reversal == pytest.approx(1.0, rel=1e-9)
+
+
+@settings(max_examples=60)
+@given(values=st.lists(st.floats(-1.0, 1.0), min_size=4, max_size=40), seed=st.integers(0, 999))
+def test_every_passage_begins_and_ends_at_a_root_of_the_cubics(start, values, seed):
+    """Few samples: turning points and several roots lie within one step."""
+    rng = np.random.default_rng(seed)
+    t = np.cumsum(rng.uniform(0.01, 1.0, len(values)))
+    torque, rate = 1e3 * np.array(values), rng.uniform(-4e3, 4e3, len(values))
+    wave = with_torque(start, t, torque, rate)
+    points = wave.turning_of_element()[MESH]
+    began, ended = passages_below(wave, MESH, points)
+    curve = CubicHermiteSpline(t, torque, rate)
+    roots = np.concatenate([curve.roots(extrapolate=False), t[[0, -1]]])
+    span = t[-1] - t[0]
+    for one in (*began, *ended):
+        # a root of nearly no slope is known only as far as the torque is: by its value then
+        near = np.min(np.abs(roots - one)) <= 1e-9 * span
+        assert near or abs(float(curve(one))) <= 1e-9 * np.max(np.abs(points[1]))
+    assert np.all(began <= ended)
+    for first, last in zip(began, ended, strict=True):
+        assert np.min(curve(np.linspace(first, last, 4001))) < 0.0
 
 
 def test_the_sample_train_against_brute_force():
