@@ -128,7 +128,7 @@ same-bits: $(DEV_READY) $(LOOPS)
 	$(PY) scripts/same_bits.py
 
 sanitize: $(DEV_READY) $(LOOPS)
-	scripts/sanitize.sh $(PY)
+	scripts/sanitize.sh $(PY) $(PROCESSES)
 
 smoke: wheel
 	scripts/smoke_wheel.sh $(PY) build/dist/*.whl

@@ -124,7 +124,7 @@ def read_call(content: Any, place: str) -> Call:
     return Call(name.upper(), arguments)
 
 
-def error(message: str, code: str = "#VALUE!") -> Answer:
+def error(message: str, code: str = "#VALUE!", *, busy: bool = False) -> Answer:
     """The answer of a call that has no value.
 
     Parameters
@@ -133,8 +133,10 @@ def error(message: str, code: str = "#VALUE!") -> Answer:
         Why. [sentence]
     code : str
         What a cell shows that can only show codes. [code]
+    busy : bool
+        Whether the same call may be answered a little later. [flag]
     """
-    return {"error": {"message": message, "code": code}}
+    return {"error": {"message": message, "code": code} | ({"busy": True} if busy else {})}
 
 
 class _Unsent:
@@ -177,7 +179,9 @@ class UnsentCells:
                 )
             elif self._is_sent or self._unsent.cells + cells > MOST_UNSENT:
                 self.refused = error(
-                    "The server is busy sending results. Try again in a few seconds.", "#N/A"
+                    "The server is busy sending results. Try again in a few seconds.",
+                    "#N/A",
+                    busy=True,
                 )
             else:
                 self._cells += cells
@@ -288,7 +292,8 @@ class Calls:
         try:
             value = await self._starts.ready(model, asked.tell, what)
         except (Busy, TooLong, RuntimeError) as wrong:
-            return {i: error(str(wrong), "#N/A") for i in wanted}
+            busy = isinstance(wrong, Busy)
+            return {i: error(str(wrong), "#N/A", busy=busy) for i in wanted}
         brought = partial(handed, model, what, value)
         return await self._in_thread(self._long, asked, wanted, brought)
 
@@ -328,7 +333,9 @@ class Calls:
         finally:
             given_up.set()
         if len(answers) < len(wanted):
-            late = error(self._too_late(has_begun), "#N/A")
+            # alone it would take as long again
+            busy = not has_begun or len(wanted) > 1
+            late = error(self._too_late(has_begun), "#N/A", busy=busy)
             return {i: answers.get(i, late) for i in wanted}
         return answers
 

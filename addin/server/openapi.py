@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from addin.contract.json_shapes import TEXT, Shape, list_of, whole_object
+from addin.contract.json_shapes import FLAG, TEXT, Shape, list_of, whole_object
 from addin.contract.version import product_version
 from addin.worksheet.registry import FUNCTIONS
 
@@ -152,7 +152,7 @@ def _schemas() -> dict[str, Any]:
             {"name": {**TEXT, "enum": list(FUNCTIONS)}}, {"arguments": list_of(_ref("Argument"))}
         ),
         "Batch": _object({"calls": list_of(_ref("Call"))}),
-        "Error": _object({"error": _object({"message": sentence}, {"code": TEXT})}),
+        "Error": _object({"error": _object({"message": sentence}, {"code": TEXT, "busy": FLAG})}),
         "Value": whole_object({"value": {**list_of(list_of(cell)), "minItems": 1}}),
         "Answers": _object({"results": list_of({"anyOf": [_ref("Value"), _ref("Error")]})}),
         "Model": _object(

@@ -8,11 +8,14 @@ from typing import Any
 from addin.server import tasks
 from addin.server.settings import OURS
 from addin.workers.pool import Closed, Died, Job, Pool, Task, TimeIsUp
+from addin.worksheet.models import OWNER
 from addin.worksheet.registry import FunctionError
 
 LOG = logging.getLogger("torsionbook.server")
 #: A process that has used more memory than this is replaced after its task. [B]
 MOST_MEMORY = 1_200_000_000
+#: How many times as many calculations as one client has may wait for all together. [1]
+CLIENTS = 4
 #: The message when the server ends.
 STOPPING = "The server is being stopped. Try again in a minute."
 
@@ -33,7 +36,7 @@ class Work(Pool):
     processes : int
         How many calculate at a time. [count]
     waiting : int
-        How many tasks may wait. [count]
+        How many tasks of one client may wait; `CLIENTS` times as many of all. [count]
     time_limit : float
         Longest time of one task, waiting not counted. [s]
     """
@@ -51,17 +54,28 @@ class Work(Pool):
         Raises
         ------
         Busy
-            If too many wait already.
+            If too many wait already, of this client or of all.
         """
         if self._is_closed:
             raise Busy(STOPPING)
+        owner = OWNER.get()
         self._queue = [job for job in self._queue if job.waits]
-        if len(self._queue) >= self._most:
-            raise Busy(
-                f"The server queue is full ({self._most} calculations). Try again in a minute."
-            )
+        for waiting, most in (
+            (sum(job.task.owner == owner for job in self._queue), self._most),
+            (len(self._queue), CLIENTS * self._most),
+        ):
+            if waiting >= most:
+                raise Busy(
+                    f"The server queue is full ({most} calculations). Try again in a minute."
+                )
         job = self.begin(
-            Task(tasks.answer_of, (name, payload), has_stages=True, time_limit=self._time_limit)
+            Task(
+                tasks.answer_of,
+                (name, payload),
+                has_stages=True,
+                time_limit=self._time_limit,
+                owner=owner,
+            )
         )
         self._queue.append(job)
         return job

@@ -33,7 +33,7 @@ class Limits:
     requests: int = 2_000  #: Most requests being answered at a time; further ones get 503.
     #: Most requests at a time with more than `LARGE` to read; further ones get 503.
     large: int = 32
-    waiting: int = 64  #: Most long calculations waiting for a process.
+    waiting: int = 64  #: Most long calculations of one client waiting for a process.
     streams: int = 500  #: Most long calls at a time of one WebSocket.
     message: int = 4_000_000  #: Largest message of a WebSocket. [B]
     #: Most WebSockets that have not sent their key; with one more the oldest is closed.

@@ -200,7 +200,8 @@ class Stream:
             else:
                 self._begin(identity, message, len(text))
         except Refused as wrong:
-            self._out.put_nowait(({"id": identity, **error(wrong.message)}, None))
+            refusal = error(wrong.message, busy=wrong.status == 503)
+            self._out.put_nowait(({"id": identity, **refusal}, None))
 
     def _reading(self) -> Any:
         reading = self._socket.scope.get("reading")
@@ -242,11 +243,11 @@ class Stream:
         try:
             answering.found = await work(answering)
         except Refused as wrong:
-            answering.found = error(wrong.message)
+            answering.found = error(wrong.message, busy=wrong.status == 503)
         except FunctionError as wrong:
             answering.found = error(wrong.message, wrong.code)
         except (Busy, TooLong, RuntimeError) as wrong:
-            answering.found = error(str(wrong), "#N/A")
+            answering.found = error(str(wrong), "#N/A", busy=isinstance(wrong, Busy))
         except Exception:
             LOG.exception("a stream failed")
             answering.found = error(OURS)

@@ -13,7 +13,7 @@ import queue
 import signal
 import threading
 import time
-from collections import deque
+from collections import OrderedDict, deque
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future
 from dataclasses import dataclass
@@ -75,6 +75,7 @@ class Task:
     has_stages: bool = False  #: Whether `do` takes, second, a function that it tells its stages.
     #: Longest time, waiting not counted; None where it may take as long as it needs. [s]
     time_limit: float | None = None
+    owner: str = ""  #: Who asks. Those who ask take turns. [name]
 
 
 @dataclass(frozen=True)
@@ -215,6 +216,38 @@ class Job:
         return not (self.future.running() or self.future.done())
 
 
+class JobQueue:
+    """Jobs that wait: those who ask take turns, and the jobs of each keep their order."""
+
+    def __init__(self) -> None:
+        self._jobs: OrderedDict[str, deque[Job]] = OrderedDict()
+        self._ends = 0
+        self._changed = threading.Condition()
+
+    def put(self, job: Job | None) -> None:
+        """Add a job; None ends one of those who get them, when no job is left."""
+        with self._changed:
+            if job is None:
+                self._ends += 1
+            else:
+                self._jobs.setdefault(job.task.owner, deque()).append(job)
+            self._changed.notify()
+
+    def get(self) -> Job | None:
+        """The next job, once there is one, or None at the end."""
+        with self._changed:
+            while not (self._jobs or self._ends):
+                self._changed.wait()
+            if not self._jobs:
+                self._ends -= 1
+                return None
+            owner, jobs = self._jobs.popitem(last=False)
+            job = jobs.popleft()
+            if jobs:
+                self._jobs[owner] = jobs  # behind all others
+            return job
+
+
 class Pool(Workers):
     """Processes on this machine, started as they are needed.
 
@@ -236,7 +269,7 @@ class Pool(Workers):
     ) -> None:
         super().__init__()
         self._serve = partial(_serve, warm_up=warm_up, most_memory=most_memory)
-        self._jobs: queue.SimpleQueue[Job | None] = queue.SimpleQueue()
+        self._jobs = JobQueue()
         self._idle: deque[_Process] = deque()
         self._is_closed = False
         self._threads = [

@@ -65,8 +65,7 @@ def test_arguments_are_ranges_with_help_and_errors_as_texts(adapter):
 
 
 def test_answers_are_those_of_the_registry(adapter):
-    handle = answered(adapter, "TV_MODEL", *model_arguments())[0][0]
-    assert handle == call("TV_MODEL", model_arguments())[0][0]
+    handle = call("TV_MODEL", model_arguments())[0][0]
     for name in ("TV_FREQUENCIES", "TV_STARTS"):
         plain = [["" if v is None else v for v in row] for row in call(name, [handle])]
         assert answered(adapter, name, [[handle]]) == plain
@@ -75,6 +74,14 @@ def test_answers_are_those_of_the_registry(adapter):
 def test_what_is_wrong_is_told(adapter):
     with pytest.raises(xlwings.XlwingsError, match="OD: found 0; it must be above 0"):
         answered(adapter, "TV_STIFFNESS", [[0.0]], [[0.0]], [[500.0]], [[79300.0]])
+
+
+def test_a_table_with_a_zero_that_may_be_a_blank_has_no_answer(adapter):
+    arguments = model_arguments()
+    handed = [[[0 if v is None else v for v in row] for row in one] for one in arguments]
+    with pytest.raises(xlwings.XlwingsError, match="Argument 1 contains a 0 or a blank cell"):
+        answered(adapter, "TV_MODEL", *handed)
+    assert answered(adapter, "TV_CONVERT", [[0]], [["m"]], [["mm"]]) == [[0]]
 
 
 def test_without_a_licence_the_import_is_refused(monkeypatch):

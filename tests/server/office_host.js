@@ -45,18 +45,37 @@
           const range = { load(what) { asked.push([range, sheet, place, what]); } };
           return range;
         } }) } },
-        async sync() { for (const [range, sheet, place, what] of asked) range[what] = stand.sheets[sheet][place]; },
+        async sync() { for (const [range, sheet, place, what] of asked) for (const one of what.split(", ")) range[one] = stand.sheets[sheet][place][one]; },
       });
     },
   };
+
+  const KINDS = { number: "Double", string: "String", boolean: "Boolean" };
+  let placed = 0;
+
+  /** Tables stand on a sheet, and their blank cells are handed over as 0; the rest was typed into the formula. */
+  function onSheet(given) {
+    const addresses = given.map(value => {
+      if (!Array.isArray(value) || !Array.isArray(value[0])) return "";
+      const sheet = stand.sheets.Tables ||= {}, place = `T${placed += 1}`;
+      sheet[place] = {
+        values: value.map(row => row.map(cell => cell ?? "")),
+        valueTypes: value.map(row => row.map(cell => (cell === null ? "Empty" : KINDS[typeof cell] || "Error"))),
+      };
+      return `Tables!${place}`;
+    });
+    const handed = given.map((value, i) => (addresses[i] ? value.map(row => row.map(cell => cell ?? 0)) : value));
+    return { addresses, handed };
+  }
 
   const seen = failed => ({ error: failed.code || failed.name, message: failed.message });
 
   /** One cell with a function; a streaming one ends with its first answer that is no stage. */
   stand.cell = (id, given, more = {}) => new Promise(resolve => {
     const shown = [];
+    const { addresses, handed } = "addresses" in more ? { addresses: more.addresses ?? undefined, handed: given } : onSheet(given);
     const invocation = {
-      parameterAddresses: more.addresses,
+      parameterAddresses: addresses,
       setResult(value) {
         if (value instanceof Error) resolve({ ...seen(value), shown });
         else if (String(value[0][0]).startsWith("…")) shown.push(value[0][0]);
@@ -67,7 +86,7 @@
       setTimeout(() => { invocation.onCanceled(); setTimeout(() => resolve({ cancelled: true, shown }), 300); }, more.cancelAfter);
     }
     try {
-      Promise.resolve(functions[id](...given, invocation)).then(
+      Promise.resolve(functions[id](...handed, invocation)).then(
         value => { if (value !== undefined) resolve({ value }); },
         failed => resolve(seen(failed)),
       );

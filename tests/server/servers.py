@@ -35,6 +35,8 @@ class Address(str):
 #: Words of Python that start `torsionbook`, and one whose starts last minutes where `SLOW` is typed.
 PROGRAM = ("-m", "addin.cli")
 SLOW_PROGRAM = (str(Path(__file__).with_name("slow_server.py")),)
+#: One whose server refuses most of what is asked at once.
+SMALL_QUEUE = (str(Path(__file__).with_name("small_queue.py")),)
 
 
 @contextmanager

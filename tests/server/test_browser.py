@@ -154,11 +154,18 @@ def test_errors_are_excel_errors_with_their_sentence(excel):
         assert words in shown["message"]
 
 
+#: Cells of the stand-in's sheet: a zero and a blank, and others that are not.
+SHEET = """standIn.sheets = {"My sheet's": {
+  "B2:C2": {valueTypes: [["Double", "Empty"]], values: [[0, ""]]},
+  "D2": {valueTypes: [["Empty"]], values: [[""]]},
+  "B3:C3": {valueTypes: [["Double", "Double"]], values: [[0, 7]]},
+  "B2:B3": {valueTypes: [["Double"], ["Double"]], values: [[0], [0]]},
+}}"""
+
+
 def test_a_blank_that_excel_hands_over_as_zero_stays_blank(excel):
     """Types of the cells come from the sheet; without them nothing is guessed."""
-    excel.evaluate(
-        """standIn.sheets = {"My sheet's": {"B2:C2": [["Double", "Empty"]], "D2": [["Double"]]}}"""
-    )
+    excel.evaluate(SHEET)
     ask = {"addresses": ["'My sheet''s'!B2:C2", None, None]}
     assert cell(excel, "TV_CONVERT", [[[0, 0]], "m", "mm"], **ask)["value"] == [[0, ""]]
     several = excel.evaluate(
@@ -176,6 +183,57 @@ def test_a_blank_that_excel_hands_over_as_zero_stays_blank(excel):
     shown = cell(excel, "TV_CONVERT", [[[0, 0]], "m", "mm"], **ask)
     assert shown["error"] == "#N/A"
     assert "blank" in shown["message"]
+
+
+@pytest.mark.parametrize(
+    ("given", "addresses", "words"),
+    [
+        ([[0, 1]], None, "Argument 1 contains a 0"),  # a host that gives no addresses at all
+        (0, None, "Argument 1 contains a 0"),
+        (
+            [[0, 1]],
+            ["", "", ""],
+            "the cells of the sheet themselves",
+        ),  # a table that was calculated
+        ([[0, 1]], [], "the cells of the sheet themselves"),
+        ([[0, 1]], ["'My sheet''s'!B3:C3", "", ""], "is not what"),  # another value
+        ([[0, 7]], ["'My sheet''s'!B2:C2", "", ""], "is not what"),  # a number where a blank is
+        ([[0, 0]], ["'My sheet''s'!B2:B3", "", ""], "is not what"),  # another shape
+        ([[0, 0]], ["Nowhere!B2:C2", "", ""], "did not report"),  # no such sheet
+    ],
+)
+@pytest.mark.parametrize("name", ["TV_CONVERT", "TV_SN_LIFE"])
+def test_a_zero_of_which_the_host_tells_nothing_has_no_answer(excel, given, addresses, words, name):
+    """Neither for a function that is answered at once nor for one that may calculate a start."""
+    excel.evaluate(SHEET)
+    shown = cell(excel, name, [given, "m", "mm"], addresses=addresses)
+    assert shown["error"] == "#N/A", shown
+    assert words in shown["message"]
+
+
+def test_a_zero_that_is_none_but_typed_is_one(excel):
+    """A single number without an address, where the others have theirs, was typed into the formula."""
+    excel.evaluate(SHEET)
+    assert cell(excel, "TV_CONVERT", [0, "m", "mm"])["value"] == [[0]]
+    assert cell(excel, "TV_CONVERT", [[[0]], "m", "mm"])["value"] == [[0]]
+    assert cell(excel, "TV_CONVERT", [[[1, 2]], "m", "mm"], addresses=None)["value"] == [
+        [1000, 2000]
+    ]
+    blank = cell(excel, "TV_CONVERT", [[[0]], "m", "mm"], addresses=["'My sheet''s'!D2", "", ""])
+    assert blank.get("value") != [[0]]
+
+
+def test_a_margin_left_blank_is_never_required_as_nothing(excel):
+    """Finding F1: a blank MarginRequired taken for 0 lets every margin pass."""
+    stations, elements, case, *rest = model_arguments()
+    typed = [row for row in case if row[0] != "MarginRequired"]
+    blank, zero = ([*typed, ["MarginRequired", value, "%"]] for value in (None, 0))
+    handles = [
+        registry.call("TV_MODEL", [stations, elements, c, *rest])[0][0] for c in (blank, zero)
+    ]
+    assert handles[0] != handles[1]
+    shown = cell(excel, "TV_MODEL", [stations, elements, zero, *rest], addresses=None)
+    assert shown["error"] == "#N/A", shown
 
 
 def test_what_is_given_up_is_over_at_once_whatever_the_server_says(tab, served):

@@ -7,12 +7,16 @@
 
   /** Id in the Office host, name of the function, whether it may calculate a start. */
   const FUNCTIONS = "the functions";
-  /** How long calls are collected, and how many one request carries. [ms, count] */
-  const COLLECT = 5, MOST_CALLS = 1000;
+  /** How long calls are collected, how many one request carries, and how many requests go at a time. [ms, count] */
+  const COLLECT = 5, MOST_CALLS = 1000, REQUESTS = 2;
+  /** Long calls that the server has at a time: half as many as it lets wait. [count] */
+  const LONG_CALLS = 32;
+  /** Whoever cancels one cell may cancel the next as well: its place stays empty for so long. [ms] */
+  const LINGER = 200;
   /** A cell shows stages only of what takes longer than this. [ms] */
   const PATIENCE = 800;
-  /** How often, and after how long, a busy server is asked again. [count, ms] */
-  const TRIES = 4, PAUSE = 1000;
+  /** How often a busy server is asked again for a cell and for the page, after how long at first, and at most. [count, ms] */
+  const TRIES = 20, PAGE_TRIES = 4, PAUSE = 1000, LONGEST_PAUSE = 30000;
 
   const wrong = (message, code = "#N/A") => ({ message, code });
 
@@ -33,8 +37,14 @@
     return key() ? { ...more, "X-API-Key": key() } : more;
   }
 
+  /** Wait before a busy server is asked again: twice as long each time, and not all cells at once. */
+  function pause(tried) {
+    const longest = Math.min(PAUSE * 2 ** (tried - 1), LONGEST_PAUSE);
+    return new Promise(done => setTimeout(done, longest * (0.5 + 0.5 * Math.random())));
+  }
+
   /** Ask the server; its refusals come as errors with its own sentence. */
-  async function ask(path, options) {
+  async function ask(path, options, tries = PAGE_TRIES) {
     for (let tried = 1; ; tried += 1) {
       let response;
       try {
@@ -44,8 +54,8 @@
         throw wrong("The calculation server cannot be reached. Is it running, and its certificate trusted?");
       }
       if (response.ok) return response;
-      if (response.status === 503 && tried < TRIES) {
-        await new Promise(done => setTimeout(done, PAUSE * tried));
+      if (response.status === 503 && tried < tries) {
+        await pause(tried);
         continue;
       }
       let content = {};
@@ -55,19 +65,50 @@
     }
   }
 
-  /** Collects what is asked for in a moment and has it done together; at most so many at a time. */
-  function together(work, most = Infinity) {
+  /** Collects what is asked for in a moment and has it done together: so much at once, in so many pieces at a time. */
+  function together(work, most = Infinity, pieces = Infinity) {
     const waiting = [];
-    let timer = null;
+    let timer = null, going = 0;
     const begin = () => {
-      const taken = waiting.splice(0, most);
-      timer = waiting.length ? setTimeout(begin, 0) : null;
-      work(taken).catch(failed => taken.forEach(request => request.reject(failed.message ? failed : wrong(String(failed)))));
+      timer = null;
+      while (waiting.length && going < pieces) {
+        const taken = waiting.splice(0, most);
+        going += 1;
+        work(taken).catch(failed => taken.forEach(request => request.reject(failed.message ? failed : wrong(String(failed)))))
+          .finally(() => { going -= 1; begin(); });
+      }
     };
     return asked => new Promise((resolve, reject) => {
       waiting.push({ asked, resolve, reject });
-      if (timer === null) timer = setTimeout(begin, COLLECT);
+      if (timer === null && going < pieces) timer = setTimeout(begin, COLLECT);
     });
+  }
+
+  /** Cells that ask for the same share one answer; what nobody waits for any more is given up. */
+  function shared(begin) {
+    const going = new Map();
+    return (asked, stage = () => {}) => {
+      const name = JSON.stringify(asked);
+      let one = going.get(name);
+      if (!one) {
+        one = { stages: new Set(), last: "" };
+        going.set(name, one);
+        one.work = begin(asked, text => { one.last = text; one.stages.forEach(tell => tell(text)); });
+        const over = () => { if (going.get(name) === one) going.delete(name); };
+        one.work.done.then(over, over);
+      }
+      const tell = text => stage(text);
+      one.stages.add(tell);
+      if (one.last) tell(one.last);
+      return {
+        done: one.work.done,
+        cancel() {
+          if (!one.stages.delete(tell) || one.stages.size) return;
+          if (going.get(name) === one) going.delete(name);
+          one.work.cancel();
+        },
+      };
+    };
   }
 
   // --- short calls: one request for many cells -----------------------------------------------------
@@ -76,14 +117,28 @@
     const calls = taken.map(request => request.asked);
     const response = await ask("/api/v1/batch", {
       body: JSON.stringify({ calls }), headers: { "Content-Type": "application/json" },
-    });
+    }, TRIES);
     const { results } = await response.json();
     taken.forEach((request, i) => {
       if (results[i].error) request.reject(results[i].error); else request.resolve(results[i].value);
     });
-  }, MOST_CALLS);
+  }, MOST_CALLS, REQUESTS);
 
-  const call = (name, given) => send({ name, arguments: given });
+  /** A call that is asked again as long as the server is too busy for it. */
+  const short = shared(asked => {
+    const again = async tried => {
+      try {
+        return await send(asked);
+      } catch (failed) {
+        if (!failed.busy || tried >= TRIES) throw failed;
+        await pause(tried);
+        return again(tried + 1);
+      }
+    };
+    return { done: again(1), cancel() {} };
+  });
+
+  const call = (name, given) => short({ name, arguments: given }).done;
 
   // --- long calls: one WebSocket -------------------------------------------------------------------
 
@@ -147,6 +202,45 @@
     return { done, cancel };
   }
 
+  /** Long calls of cells that wait for one of the places at the server. */
+  const queue = [];
+  let places = LONG_CALLS;
+
+  function next() {
+    while (places && queue.length) {
+      places -= 1;
+      queue.shift()().then(given_up => setTimeout(() => { places += 1; next(); }, given_up ? LINGER : 0));
+    }
+  }
+
+  /** A long call of a cell, in its turn; a busy server is asked again. */
+  const long = shared((asked, stage) => {
+    let given_up = false, begun = null, giveUp;
+    const done = new Promise((resolve, reject) => {
+      giveUp = () => reject(Object.assign(wrong("Cancelled."), { cancelled: true }));
+      const turn = tried => async () => {
+        if (given_up) return false;
+        begun = stream(asked, { stage });
+        try {
+          resolve(await begun.done);
+        } catch (failed) {
+          if (!failed.busy || tried >= TRIES || given_up) {
+            reject(failed);
+          } else {
+            stage("the server is busy");
+            // its place is free meanwhile
+            pause(tried).then(() => { queue.push(turn(tried + 1)); next(); });
+          }
+        }
+        return given_up;
+      };
+      queue.push(turn(1));
+    });
+    next();
+    const cancel = () => { given_up = true; if (begun) begun.cancel(); giveUp(); };
+    return { done, cancel };
+  });
+
   // --- cells ---------------------------------------------------------------------------------------
 
   const CODES = {
@@ -166,31 +260,60 @@
   const rowsOf = value => (Array.isArray(value) ? value : [[value]]);
   const holdsZero = value => rowsOf(value).some(row => [].concat(row).some(cell => cell === 0));
 
-  /** Excel may hand over a blank cell as 0. Where that is possible the sheet itself is asked. */
+  const UNKNOWN = "Excel does not tell here which cells are blank and which are 0";
+  const DIRECTLY = "give the cells of the sheet themselves, not what a formula makes of them";
+
+  /** Excel may hand over a blank cell as 0: the sheet itself is asked. Where it does not say, there is no answer. */
   async function withBlanks(given, addresses) {
-    const asked = given.map((value, i) => (holdsZero(value) ? (addresses || [])[i] : null));
-    if (!asked.some(Boolean)) return given;
-    const types = await Promise.all(asked.map(address => (address ? typesAt(address) : null)));
+    const doubtful = given.map(holdsZero);
+    if (!doubtful.includes(true)) return given;
+    const known = Array.isArray(addresses);
+    const asked = given.map((value, i) => {
+      if (!doubtful[i]) return null;
+      const address = known && addresses[i];
+      // a single number without an address was typed into the formula, where addresses are given at all
+      if (!address && (!known || isTable(value))) {
+        throw wrong(`Argument ${i + 1} contains a 0, and ${UNKNOWN}: ${DIRECTLY}, or type a small number in place of a 0 that is meant.`);
+      }
+      return address || null;
+    });
+    const found = await Promise.all(asked.map(address => (address ? cellsAt(address) : null)));
     return given.map((value, i) => {
-      const kinds = types[i], rows = rowsOf(value);
-      if (!kinds || kinds.length !== rows.length) return value;
+      if (!found[i]) return value;
+      const rows = rowsOf(value), { valueTypes: kinds, values } = found[i];
+      const differs = kinds.length !== rows.length || rows.some((row, r) => kinds[r].length !== row.length
+        || row.some((cell, c) => !isSame(cell, kinds[r][c], values[r][c])));
+      if (differs) {
+        throw wrong(`Argument ${i + 1} is not what ${asked[i]} contains: Excel may be calculating. Calculate again; if it stays, ${DIRECTLY}.`);
+      }
       return rows.map((row, r) => row.map((cell, c) => (kinds[r][c] === "Empty" ? null : cell)));
     });
   }
 
-  /** What kind of value each cell of a range holds; the ranges of a moment are read together. */
-  const typesAt = together(async taken => {
+  const isTable = value => Array.isArray(value) && (value.length > 1 || rowsOf(value[0]).flat().length > 1);
+
+  /** Whether a value handed over can be that of a cell of the sheet. */
+  function isSame(cell, kind, value) {
+    if (kind === undefined) return false;
+    if (kind === "Empty") return cell === 0 || cell === null || cell === "" || cell === undefined;
+    return typeof cell !== "number" || cell === value;
+  }
+
+  /** What each cell of a range holds, and of which kind; the ranges of a moment are read together, each once. */
+  const cellsAt = together(async taken => {
     try {
       await Excel.run(async context => {
-        const ranges = taken.map(({ asked: address }) => {
+        const ranges = new Map();
+        for (const { asked: address } of taken) {
+          if (ranges.has(address)) continue;
           const cut = address.lastIndexOf("!");
           const sheet = address.slice(0, cut).replace(/^'|'$/g, "").replace(/''/g, "'");
           const range = context.workbook.worksheets.getItem(sheet).getRange(address.slice(cut + 1));
-          range.load("valueTypes");
-          return range;
-        });
+          range.load("valueTypes, values");
+          ranges.set(address, range);
+        }
         await context.sync();
-        taken.forEach((request, i) => request.resolve(ranges[i].valueTypes));
+        taken.forEach(request => request.resolve(ranges.get(request.asked)));
       });
     } catch {
       throw wrong("Excel did not report which cells are blank and which are 0. Calculate again.");
@@ -215,7 +338,7 @@
     try {
       const sent = await withBlanks(given, invocation.parameterAddresses);
       if (over) return;
-      begun = stream({ name, arguments: sent }, { stage: tell });
+      begun = long({ name, arguments: sent }, tell);
       const value = await begun.done;
       if (!over) { over = true; invocation.setResult(cells(value)); }
     } catch (failed) {
