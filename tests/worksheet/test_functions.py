@@ -16,6 +16,7 @@ from sheet_ranges import (
     model_arguments,
     replace_models,
     table,
+    with_conditions,
     with_event,
 )
 
@@ -73,6 +74,19 @@ def test_events_are_those_of_their_table(handle):
     assert head[:2] == ["Event", "Element"]
     assert {row[0] for row in rows} == {"Fault"}
     assert all(row[2] > 0.0 for row in rows)
+    assert call("TV_PEAKS", [changed]) == call("TV_PEAKS", [handle])
+
+
+def test_verdicts_of_conditions_are_those_of_their_table(handle, tmp_path):
+    with pytest.raises(FunctionError, match="fill table StartConditions"):
+        call("TV_CASE_VERDICTS", [handle])
+    changed = call("TV_MODEL", with_conditions(model_arguments()))[0][0]
+    head, *rows = call("TV_CASE_VERDICTS", [changed])
+    assert head[:5] == ["Condition", "Check", "Result", "Limit", "Verdict"]
+    assert {row[0] for row in rows} == {"weak supply", "hot"}
+    (hot,) = [row for row in rows if row[:2] == ["hot", "Separation margin"]]
+    assert hot[4] == "fail"
+    assert not [row for row in rows if row[0] == "hot" and row[1] == "Start"]  # steady: no start
     assert call("TV_PEAKS", [changed]) == call("TV_PEAKS", [handle])
 
 
