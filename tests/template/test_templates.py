@@ -244,7 +244,7 @@ def test_the_example_with_backlash_is_the_proposed_design_with_additions() -> No
     assert (gear.mass_drive, gear.mass_driven) == pytest.approx((3500 * POUND, 330 * POUND))
     stiffness = (gear.bearing_stiffness_drive, gear.bearing_stiffness_driven)
     assert stiffness == pytest.approx((2.3e6 * LBF_PER_INCH, 1.7e6 * LBF_PER_INCH))
-    rated = 15000 * 550 * 12 * LBF_IN / (60.0 * math.pi)
+    rated = 43770 * 12 * LBF_IN
     assert (more.field_slip, more.pull_out_torque) == pytest.approx((0.03, 2.0 * rated))
     book = openpyxl.load_workbook(template_path("example_backlash.xlsx"))
     notes = [c.value for c in book["Notes"]["B"]]

@@ -118,7 +118,7 @@ def test_verdicts_are_those_of_the_summary(handle, recalculated):
     assert "Start" in [row[0] for row in rows]
 
 
-@pytest.mark.parametrize(("name", "value"), [("Maximum time", 2.0), ("Trip speed", 40.0)])
+@pytest.mark.parametrize(("name", "value"), [("Maximum time", 2.0), ("Trip speed", 70.0)])
 def test_starts_that_did_not_come_to_their_end_are_not_judged(name, value):
     """Two seconds of an eight-second start meet no resonance: that is no unlimited number."""
     blocks = model_arguments()
@@ -244,7 +244,7 @@ def test_a_blank_never_becomes_zero(blank):
     assert "Stations, row 1, Inertia" in told.message
     elements = [list(row) for row in arguments[1]]
     stiff = elements[1].index("Stiffness")
-    number = next(i for i, row in enumerate(elements[2:]) if isinstance(row[stiff], float))
+    number = next(i for i, row in enumerate(elements[2:]) if isinstance(row[stiff], int | float))
     elements[2 + number][stiff] = blank
     told = refused("TV_MODEL", arguments[0], elements, *arguments[2:])
     assert f"Elements, row {number + 1}" in told.message
@@ -551,7 +551,7 @@ def test_calibration_explains_what_was_measured(handle):
     for name, before, after, change, low, high, _ in rows:
         assert after == pytest.approx(before * (1.0 + 0.01 * change)), name
         assert low < change < high
-    assert all(row[6] != "determined" for row in rows)  # three frequencies, ten stiffnesses
+    assert sum(row[6] == "determined" for row in rows) <= 3  # three frequencies, ten stiffnesses
     assert max(row[3] for row in rows) > 1.0
     same = call("TV_CALIBRATE", [handle, [f], None, None, "SI", False])
     assert all(row[3] == pytest.approx(0.0, abs=1e-9) for row in same)
