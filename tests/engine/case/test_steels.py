@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
@@ -87,3 +88,9 @@ def test_sections_may_be_of_a_steel_of_the_library() -> None:
     unknown = replace(rows[1], material="AISI 4340")
     (problem,) = find_problems(CaseData(**(vars(both) | {"sections": (unknown,)})))
     assert problem.column == "Material"
+
+
+def test_the_page_lists_the_library() -> None:
+    page = (Path(__file__).resolve().parents[3] / "docs" / "theory-fatigue.md").read_text("utf-8")
+    for name, (uts, strength, unit) in PRINTED.items():
+        assert f"| {name} | {uts:g}, {strength:g} {'MPa' if unit == 1e6 else 'ksi'} |" in page
