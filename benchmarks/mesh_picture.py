@@ -27,7 +27,7 @@ Floats = NDArray[np.float64]
 PICTURE = Path(__file__).resolve().parents[1] / "docs" / "images" / "backlash_start.png"
 EXAMPLE, MESH = "example_backlash.xlsx", "Mesh"
 #: The lowest mode is crossed within this time (sheet Start), and a part of it. [s]
-SHOWN, ENLARGED = (6.3, 7.5), (6.88, 6.96)
+SHOWN, ENLARGED = (5.2, 6.4), (5.68, 5.76)
 POINTS = 20_000
 #: Torque below this share of the largest is none: the teeth are in the gap.
 NONE = 1e-9

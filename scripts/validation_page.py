@@ -429,9 +429,9 @@ PAPER = "Szenasi & von Nimitz (1978)"
 PAPER_HEAD = """
 ## The paper's sample case
 
-The paper prints no mass-elastic data, torque curves, diameters or S-N data. Those of the examples were constructed so that three of its
-results come out, as the first column says; the others are predictions. Motor curves are read at the rotor's own speed, as they were when the
-data were chosen (`TorqueFollows`); the sheet Notes of the examples says what is published and what is constructed.
+The paper prints no mass-elastic data, torque curves, diameters or S-N data. Those of this case (`tests/sample_case.py`) were constructed so that
+three of its results come out, as the first column says; the others are predictions. Motor curves are read at the rotor's own speed, as they were when the
+data were chosen (`TorqueFollows`). The shipped examples have rounder numbers: Table 1 as printed, their other results on sheet Notes.
 """
 
 

@@ -23,6 +23,7 @@ from addin.contract.sources import (
 )
 from addin.contract.version import product_version
 from engine.case.result_words import NoNumber
+from engine.case.steels import KSI, Steel
 from engine.plan.decision import EffectDecision
 from engine.results.results import Results
 from engine.stepping.library import about
@@ -155,6 +156,14 @@ def _percent(share: float) -> str:
     return f"{shown:.{digits}f} %"
 
 
+def library_words(steel: Steel) -> str:
+    """The strengths that a steel of the library has, and where they come from."""
+    return (
+        f"UTS {steel.uts / 1e6:.4g} MPa ({steel.uts / KSI:.4g} ksi), yield {steel.yield_ / 1e6:.4g} MPa "
+        f"({steel.yield_ / KSI:.4g} ksi), of the library: {steel.source}"
+    )
+
+
 @cache
 def _libraries() -> str:
     """Their versions; they are looked up on the disk, once in a process."""
@@ -178,6 +187,9 @@ def _settings(results: Results) -> Iterator[tuple[str, str]]:
         yield "Method of the start", start.method
         yield "Outcome of the start", start.outcome.sentence
     yield "Rainflow residue", case.rainflow_residue or f"half cycles ({RAINFLOW.cited})"
+    for row in case.materials:
+        if row.library_steel is not None:
+            yield f"Strength of {row.material}", library_words(row.library_steel)
     yield "Mean stress", "ignored; amplitude = half range"
     yield (
         "Element torque in a start",

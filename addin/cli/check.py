@@ -31,6 +31,8 @@ def check(files: Files) -> None:
         else:
             typer.echo(f"{file}: no errors.")
             typer.echo(f"  At full speed: {printable(checked.full_speed)}.")
+            for steel in checked.steels:
+                typer.echo(f"  Strength of {printable(steel)}.")
             if checked.open_answers:
                 typer.echo(f"  Not yet available: {' '.join(checked.open_answers)}")
     if wrong:

@@ -133,6 +133,11 @@ def _summary(done: Sequence[RecalculationOutcome]) -> None:
             typer.echo(outcome.source.name)
             for header, cell in zip(headers, calculated[outcome.source], strict=True):
                 typer.echo(f"  {header:<17} {cell}")
+        if outcome.calculation is not None:
+            overall = outcome.calculation.results.verdicts[0]
+            if overall.verdict not in ACCEPTABLE and overall.where:
+                place = f"{outcome.source}: {overall.verdict}:" if as_table else f"  {'Why':<17}"
+                typer.echo(f"{place} {printable(overall.where)}")
         for sentence in outcome.warnings:
             typer.echo(f"{outcome.source}: note: {printable(sentence)}", err=True)
     print_written(path for outcome in done if outcome.calculation for path in outcome.written)

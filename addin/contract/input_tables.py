@@ -23,7 +23,9 @@ from engine.case.choices import (
     TorqueBase,
 )
 from engine.case.effects import EFFECTS
+from engine.case.steels import STEELS
 
+_LIBRARY = f"{', '.join(s.name for s in STEELS[:-1])} or {STEELS[-1].name}"
 _OF_CASE = "as in the case"
 _CURVE_SPEED = "Speed in % of the station's synchronous speed, in rising order for each station."
 
@@ -124,7 +126,7 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
             number("OD", "length", "Outer diameter."),
             number("End OD", "length", "Outer diameter at the To end, of a tapered section.", blank="OD"),
             number("ID", "length", "Bore.", blank="0"),
-            text("Material", "Name of the material, from table SectionMaterials.", blank="steel: 79.3 GPa, 7850 kg/m³"),
+            text("Material", "Name of the material, from table SectionMaterials; a steel of table Materials' library is steel.", blank="steel: 79.3 GPa, 7850 kg/m³"),
             number("Fillet", "length", "Fillet radius at the step to the next section.", blank="sharp"),
             number(
                 "Penetration", "fraction",
@@ -476,11 +478,12 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
         help="Strength of the shaft materials.",
         rows=5, row_name=("Material",), short_caption=True,
         columns=(
-            text("Material", "Name of the material."),
-            number("UTS", "pressure", "Ultimate tensile strength."),
+            text("Material", f"Name of the material. {_LIBRARY} may stand without UTS and Yield."),
+            number("UTS", "pressure", "Ultimate tensile strength.", blank="of a steel of the library, with Yield blank: its own"),
             number(
                 "Yield", "pressure",
                 "Yield strength in tension; shear stress is compared with half of it.",
+                blank="of a steel of the library, with UTS blank: its own",
             ),
             number(
                 "Endurance", "pressure", "Endurance limit (amplitude) in the basis given.",

@@ -65,7 +65,7 @@ ROWS, COLUMNS = 4, 6
 #: Computing times differ from run to run; times of a start are in s.
 WALL_TIME = "Time [ms]"
 #: Functions of tables that the shipped example leaves blank: their examples are answered with rows typed in.
-TYPED_IN = ("TV_EVENTS", "TV_SECTIONS", "TV_MOTOR_CIRCUIT", "TV_MOTOR_CURVES")
+TYPED_IN = ("TV_EVENTS", "TV_CASE_VERDICTS", "TV_SECTIONS", "TV_MOTOR_CIRCUIT", "TV_MOTOR_CURVES")
 
 
 def functions_page(answers: Mapping[str, Sequence[Sequence[object]]]) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from addin.calculation.audit import library_words
 from addin.calculation.full_speed_words import full_speed_words
 from addin.contract.problems import CellProblem
 from addin.reading.one_file import Unreadable
@@ -26,6 +27,7 @@ class CheckedInput:
     #: What the reader noted; of an input without problems also what looks like a slip of unit, column or row.
     notes: tuple[str, ...]
     full_speed: str = ""  #: The train at full speed in words, where nothing is wrong.
+    steels: tuple[str, ...] = ()  #: Strengths that come from the library of steels, in words.
     open_answers: tuple[str, ...] = ()  #: Answers that cannot be given, and the input each lacks.
 
 
@@ -46,4 +48,11 @@ def check_input(read: CaseInput | Unreadable) -> CheckedInput:
         )
     except (CaseError, ModelError) as error:
         return CheckedInput(case_problems(error), read.warnings)
-    return CheckedInput(problems, notes, full_speed_words(facts), tuple(missing_inputs(case)))
+    steels = tuple(
+        f"{row.material}: {library_words(row.library_steel)}"
+        for row in case.materials
+        if row.library_steel is not None
+    )
+    return CheckedInput(
+        problems, notes, full_speed_words(facts), steels, tuple(missing_inputs(case))
+    )

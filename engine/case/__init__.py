@@ -6,6 +6,7 @@ module             responsibility
 `time_constants`  measured time constants of a motor, short-circuited from open
 `choices`          words that inputs are chosen from
 `gear_ratios`      speed ratios of the stations: typed, or carried through shafts and gears
+`steels`           six steels, with the source of their strengths
 `data`             what the engineer states: train, motor, loads, start, material, wanted accuracy
 `conditions`       the scalars of a case that a row of StartConditions changes
 `coverage`         which elements a check can judge: those that the train calls for, and those

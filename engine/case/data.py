@@ -26,6 +26,7 @@ from engine.case.choices import (
     TorqueFollows,
 )
 from engine.case.gear_ratios import Joint, station_ratios
+from engine.case.steels import Steel, steel_named
 
 #: Name of the event in operation that table `TorqueTime` is where `InitialState` is ``running``.
 TABLED_EVENT = "TorqueTime"
@@ -419,7 +420,7 @@ class MotorEventRow:
 
 @dataclass(frozen=True)
 class MaterialRow:
-    """One row of `Materials`."""
+    """One row of `Materials`; where it only names a steel of the library, its strengths are those of the library."""
 
     material: str | None = None  #: Name.
     #: Ultimate and yield strength in tension; endurance limit in the basis below. [Pa]
@@ -429,6 +430,19 @@ class MaterialRow:
     #: ``torsion`` (default) or ``bending`` (endurance and S-N stresses are halved).
     basis: str | None = None
     below_endurance: str | None = None  #: ``none`` (default), ``same slope`` or ``2k-1``.
+
+    def __post_init__(self) -> None:
+        steel = steel_named(self.material)
+        if steel is not None and self.uts is None and self.yield_ is None:
+            object.__setattr__(self, "uts", steel.uts)
+            object.__setattr__(self, "yield_", steel.yield_)
+
+    @property
+    def library_steel(self) -> Steel | None:
+        """The steel of the library whose strengths the row has."""
+        steel = steel_named(self.material)
+        own = (self.uts, self.yield_)
+        return steel if steel is not None and own == (steel.uts, steel.yield_) else None
 
 
 @dataclass(frozen=True)

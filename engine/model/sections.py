@@ -17,10 +17,11 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 
 from engine.case.data import CaseData, SectionMaterialRow, SectionRow
+from engine.case.steels import DENSITY, SHEAR_MODULUS
 from engine.numerics.same_bits import fourth, power, total
 
 #: What sections are made of unless they name a material.
-STEEL = SectionMaterialRow("steel", 79.3e9, 7850.0)
+STEEL = SectionMaterialRow("steel", SHEAR_MODULUS, DENSITY)
 #: A taper is calculated in so many slices, each integrated at the points of Gauss with their weights. [1]
 TAPER_SLICES = 8
 GAUSS = ((0.5 - math.sqrt(0.15), 5.0 / 18.0), (0.5, 4.0 / 9.0), (0.5 + math.sqrt(0.15), 5.0 / 18.0))

@@ -41,6 +41,7 @@ CALLS = {
     "TV_SENSITIVITIES": [("", [])],
     "TV_EFFECTS": [("", [])],
     "TV_EVENTS": [("", [])],
+    "TV_CASE_VERDICTS": [("", [])],
 }
 #: The others: formula after the name, and what the registry gets.
 ALONE = {

@@ -19,6 +19,7 @@ from sheet_ranges import (
     TUNING,
     model_arguments,
     table,
+    with_conditions,
     with_event,
 )
 
@@ -79,6 +80,9 @@ def every_call(handle):
     found["TV_SN_LIFE"][1] = material
     found["TV_MODEL"] = model_arguments()
     found["TV_EVENTS"] = [registry.call("TV_MODEL", with_event(model_arguments()))[0][0]]
+    found["TV_CASE_VERDICTS"] = [
+        registry.call("TV_MODEL", with_conditions(model_arguments()))[0][0]
+    ]
     found["TV_STIFFNESS"] = [200.1, None, 501.7, 79300]
     found["TV_SECTIONS"] = [SECTIONS]
     found["TV_MOTOR_CIRCUIT"] = [MOTOR, 60]

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import re
 import zipfile
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -27,18 +29,13 @@ UNWANTED = re.compile(
     r"\b(OFFSET|INDIRECT|NOW|TODAY|RAND|RANDBETWEEN|CELL|INFO|XLOOKUP|FILTER|SORT|UNIQUE|LET|"
     r"LAMBDA|SEQUENCE|TEXTJOIN|IFS|MAXIFS|MINIFS|SWITCH|CONCAT)\("
 )
-#: The case of ../cases/SAMPLE_szenasi_von_nimitz.json in SI: a few numbers of each kind.
-SI = {
-    "inertia": {"Motor": 460.76, "Bull gear": 167.83, "Pinion": 0.6835, "HP comp": 8.3399},
-    "proposed": {"LS coupling": 28946010.0, "HS coupling": 906463.4, "HP compressor shaft": 7e6},
-    "modified": {"LS coupling": 24762330.0, "HS coupling": 299360.4, "HP compressor shaft": 7e6},
+#: Szenasi & von Nimitz (1978), Table 1: natural frequencies [Hz] and % speed where 2 × slip crosses them, as printed.
+TABLE_1 = {
+    "proposed": ((30, 75), (53, 56), (86, 28)),
+    "modified": ((21, 83), (39, 68), (69, 43)),
 }
-FREQUENCIES = {
-    "proposed": (30.0, 53.0, 86.0, 1067.38681, 1212.89755, 1264.60205, 1279.68229, 1452.8642,
-                 1465.88467, 2919.90488),
-    "modified": (21.0, 39.0, 69.0, 1064.79798, 1200.76212, 1248.59362, 1255.69018, 1413.63839,
-                 1417.39947, 2919.55326),
-}  # fmt: skip
+#: Exact by definition of pound, inch and standard gravity.
+POUND, LBF_IN, LBF_PER_INCH = 0.45359237, 4.4482216152605 * 0.0254, 4.4482216152605 / 0.0254
 NAMES = sorted(TEMPLATES)
 #: Sheets that hold results alone: nothing of them is printed until there are some.
 NOT_YET = ("Results", "Start", "Effects and accuracy")
@@ -192,30 +189,49 @@ def example_case(design: str) -> CaseData:
     return read.data
 
 
-@pytest.mark.parametrize("design", sorted(FREQUENCIES))
-def test_examples_are_the_sample_case(design: str) -> None:
-    case = example_case(design)
-    inertia = {row.station: row.inertia for row in case.stations}
-    stiffness = {row.element: row.stiffness for row in case.elements}
-    for name, value in SI["inertia"].items():
-        assert inertia[name] == pytest.approx(value, rel=1e-9)
-    for name, value in SI[design].items():
-        assert stiffness[name] == pytest.approx(value, rel=1e-9)
-    assert stiffness["Mesh"] == pytest.approx(6e9, rel=1e-9)
-    assert case.rated_torque == pytest.approx(58400.0, rel=1e-9)
-    assert case.damping_ratio == pytest.approx(0.015)
-    motor = [(r.speed, r.average, r.pulsating) for r in case.motor_torque]
-    assert motor[1] == pytest.approx((0.1, 0.56 * 58400.0, 0.16 * 58400.0))
-    load = [r for r in case.load_torque if r.station == "HP comp"]
-    assert load[-1].torque == pytest.approx(0.25 * 0.4 * 58400.0 / 5.6, rel=1e-9)
-    assert case.elements[-1].stress_diameter == pytest.approx(0.07, rel=1e-9)
-
-
-@pytest.mark.parametrize("design", sorted(FREQUENCIES))
-def test_examples_reproduce_table_1_to_six_digits(design: str) -> None:
+@pytest.mark.parametrize("design", sorted(TABLE_1))
+def test_examples_give_table_1_as_printed(design: str) -> None:
     modes = natural_modes(example_case(design)).modes
-    elastic = np.asarray(modes.frequency)[modes.n_rigid :]
-    assert elastic == pytest.approx(FREQUENCIES[design], rel=1e-6)
+    elastic = np.asarray(modes.frequency)[modes.n_rigid :][:3]
+    for f, (printed, speed) in zip(elastic, TABLE_1[design], strict=True):
+        assert f == pytest.approx(printed, abs=0.02)
+        # halves are rounded up, as in the paper: 82.5 % is printed as 83
+        assert math.floor(100.0 * (1.0 - f / 120.0) + 0.5) == speed
+
+
+def test_only_the_couplings_differ_between_the_designs() -> None:
+    """The paper: "only the couplings were modified"."""
+    proposed, modified = (vars(example_case(design)) for design in ("proposed", "modified"))
+    differ = {key for key in proposed if proposed[key] != modified[key]}
+    assert differ == {"elements", "title", "document"}
+    pairs = zip(proposed["elements"], modified["elements"], strict=True)
+    changed = [(a, b) for a, b in pairs if a != b]
+    assert {a.kind for a, _ in changed} == {"coupling"}
+    for a, b in changed:
+        assert replace(a, stiffness=b.stiffness) == b
+
+
+@pytest.mark.parametrize("name", sorted(EXAMPLES))
+def test_an_engineer_would_type_these_numbers(name: str) -> None:
+    """At most four digits that count, as on a drawing or a data sheet."""
+    numbers = [
+        value
+        for rows in ({"scalars": [EXAMPLES[name].scalars]} | EXAMPLES[name].tables).values()
+        for row in rows
+        for value in row.values()
+        if isinstance(value, int | float)
+    ]
+    assert len(numbers) > 100
+    assert [n for n in numbers if float(f"{n:.4g}") != n] == []
+
+
+@pytest.mark.parametrize("name", sorted(EXAMPLES))
+def test_every_element_of_an_example_can_be_judged(name: str) -> None:
+    for row in EXAMPLES[name].tables["Elements"]:
+        if row["Kind"] == "shaft":
+            assert {"Stress diameter", "SCF", "Material"} <= row.keys()
+        else:
+            assert {"Rated torque", "Peak torque limit", "Vibratory limit"} <= row.keys()
 
 
 def test_the_example_with_backlash_is_the_proposed_design_with_additions() -> None:
@@ -224,11 +240,12 @@ def test_the_example_with_backlash_is_the_proposed_design_with_additions() -> No
         plain.stations, plain.elements, plain.motor_torque,
     )  # fmt: skip
     (gear,) = more.meshes
-    assert gear.backlash == pytest.approx(4e-4)
-    assert (gear.mass_drive, gear.mass_driven) == pytest.approx((1600.0, 150.0))
+    assert gear.backlash == pytest.approx(0.016 * 0.0254)
+    assert (gear.mass_drive, gear.mass_driven) == pytest.approx((3500 * POUND, 330 * POUND))
     stiffness = (gear.bearing_stiffness_drive, gear.bearing_stiffness_driven)
-    assert stiffness == pytest.approx((4e8, 3e8))
-    assert (more.field_slip, more.pull_out_torque) == pytest.approx((0.03, 2.0 * 58400.0))
+    assert stiffness == pytest.approx((2.3e6 * LBF_PER_INCH, 1.7e6 * LBF_PER_INCH))
+    rated = 43770 * 12 * LBF_IN
+    assert (more.field_slip, more.pull_out_torque) == pytest.approx((0.03, 2.0 * rated))
     book = openpyxl.load_workbook(template_path("example_backlash.xlsx"))
     notes = [c.value for c in book["Notes"]["B"]]
     assert "Added here" in notes
@@ -244,11 +261,11 @@ def test_effects_are_shipped_by_name_and_none_is_chosen(book: openpyxl.Workbook)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("design", sorted(FREQUENCIES))
+@pytest.mark.parametrize("design", sorted(TABLE_1))
 def test_examples_say_where_their_numbers_come_from(design: str) -> None:
     book = openpyxl.load_workbook(template_path(f"example_{design}.xlsx"))
     text = " ".join(str(c.value) for row in book["Notes"].iter_rows() for c in row if c.value)
-    for words in ("Published", "Constructed", "Reference", "not modelled", "prediction"):
+    for words in ("Published", "Assumed", "Reference", "not modelled", "prediction"):
         assert words in text
     assert "Provenance" not in str(
         [c.value for c in openpyxl.load_workbook(template_path("blank_us.xlsx"))["Notes"]["B"]]

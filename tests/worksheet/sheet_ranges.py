@@ -29,7 +29,7 @@ TUNING = [["Element", "Quantity", "Unit", "Values"], ["HS coupling", "stiffness"
 CATALOGUE = [
     [None, None, None, "lbf*in/rad", "lb*ft^2"],
     ["Element", "Name", "Fitted", "Stiffness", "Inertia"],
-    ["LS coupling", "as proposed", "yes", 256194000.0, 85.0],
+    ["LS coupling", "as proposed", "yes", 309000000.0, 85.0],
     ["LS coupling", "softer", None, 150000000.0, 130.0],
 ]
 SCATTER = [[None, None, "%"], ["Quantity", "Distribution", "Spread"], ["stiffness", "normal", 5.0]]
@@ -86,6 +86,18 @@ def with_event(arguments):
     block = arguments[at]
     filled = [*block[:2], ["Fault", "Motor", None, -0.2, 1.0, 90.0, 0.1], *block[3:]]
     return [*arguments[:at], filled, *arguments[at + 1 :]]
+
+
+def with_conditions(arguments):
+    """The same with two rows in table StartConditions: a start at 80 % voltage, and hot couplings in operation."""
+    at = 1 + TABLES.index("StartConditions")
+    block = arguments[at]
+    rows = (
+        {"Condition": "weak supply", "Voltage": 80},
+        {"Condition": "hot", "Kind": "steady", "Stiffness factor": 0.8},
+    )
+    typed = [[row.get(header) for header in block[1]] for row in rows]
+    return [*arguments[:at], [*block[:2], *typed], *arguments[at + 1 :]]
 
 
 def replace_models(monkeypatch: Any, models: Any) -> None:

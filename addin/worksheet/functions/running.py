@@ -58,3 +58,12 @@ def tv_events(run: Any) -> Any:
             "The case has no event in operation: fill table EventTorque or MotorEvents.", "#N/A"
         )
     return rows
+
+
+@shows_table("TV_CASE_VERDICTS", "CaseVerdicts", run_of)
+def tv_case_verdicts(run: Any) -> Any:
+    """Verdicts of the case under every row of StartConditions: result, limit, place and coverage of each check."""
+    rows = run.tables.get("CaseVerdicts")
+    if not rows:
+        raise FunctionError("The case has one condition only: fill table StartConditions.", "#N/A")
+    return rows

@@ -18,6 +18,7 @@ from engine.case.checks.problem import (
 from engine.case.checks.train import DIAMETER, typed_geometry
 from engine.case.choices import ElementKind
 from engine.case.data import CaseData, ElementRow, SectionRow, value_of
+from engine.case.steels import steel_named
 from engine.errors import Problem
 
 TABLE = "Sections"
@@ -64,7 +65,7 @@ def check_sections(case: CaseData) -> Iterator[Problem]:
                 yield cells.blank(limit.column, "positive", "Fill it or clear the whole row.")
         wrong = list(cells.numbers(row, SECTION_NUMBERS))
         yield from wrong
-        if row.material:
+        if row.material and steel_named(row.material) is None:
             yield from cells.name(
                 "Material", row.material, materials, "a material of table SectionMaterials"
             )
