@@ -20,6 +20,8 @@ _SPEED_POINTS = 61
 #: Where the name of a mode stands: at the largest value from so much before its crossing to so much behind it, as
 #: shares of the start. [1]
 _BEFORE, _BEHIND = 0.01, 0.06
+#: Room that the name of a mode takes, as shares of the start and of the values. [1]
+_NAME_WIDTH, _NAME_HEIGHT = 0.13, 0.08
 #: Most elements on the chart of the peaks; those nearest to a limit are drawn.
 _ELEMENTS = 14
 
@@ -143,10 +145,17 @@ def history_rows(
     bulges: Rows = [[None, None] for _ in range(CROSSINGS)]
     length = float(drawn.time[-1] - drawn.time[0])
     crossings = [c for c in run.tables.get("StartupCrossings", ()) if c.get("time") is not None]
+    height = float(np.ptp(drawn.value))
+    named: list[tuple[float, float]] = []
     for k, crossing in enumerate(crossings[:CROSSINGS]):
         begin, end = crossing["time"] - _BEFORE * length, crossing["time"] + _BEHIND * length
         near = np.flatnonzero((drawn.time >= begin) & (drawn.time <= end))
         if near.size:
             at = int(near[np.argmax(drawn.value[near])])
-            bulges[k] = plain([float(drawn.time[at]), float(drawn.value[at])])
+            place, value = float(drawn.time[at]), float(drawn.value[at])
+            for other, above in named:  # two names would cover each other
+                if abs(place - other) < _NAME_WIDTH * length:
+                    value = max(value, above + _NAME_HEIGHT * height)
+            named.append((place, value))
+            bulges[k] = plain([place, value])
     return side_by_side(columns), bulges

@@ -278,7 +278,7 @@ def _governing() -> ChartSpec:
                 for k in range(CROSSINGS)
             ),
         ),
-        second=Axis("Speed [%]", least=0, largest=100, step=20, number="0", grid=False),
+        second=Axis("Speed [%]", least=0, largest=120, step=20, number="0", grid=False),
         height=60.0,
     )  # fmt: skip
 

@@ -64,8 +64,9 @@ def printed_areas(part: Sheet, standing: Standing) -> list[Area] | None:
     ]
     if not max(ends):
         return []
-    tops = [part.print_from, *part.row_breaks]
-    bottoms = [*(top - 1 for top in part.row_breaks), max(ends)]
+    breaks = [row for row in part.row_breaks if row <= max(ends)]
+    tops = [part.print_from, *breaks]
+    bottoms = [*(top - 1 for top in breaks), max(ends)]
     return [
         (top, first, bottom, last)
         for first, last in page_columns(part)

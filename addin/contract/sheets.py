@@ -67,14 +67,14 @@ NOTES_BEGIN = KEY_NUMBERS_ROW + 1
 NOTES_END = NOTES_BEGIN + 2 * SUMMARY_NOTES
 #: The second page: its first row, the two charts, the table of the conditions.
 _HISTORY_ROW = FOOT_ROW + 1
-_PEAKS_ROW = _HISTORY_ROW + 26
-_MATRIX_ROW = _PEAKS_ROW + 21
+_PEAKS_ROW = _HISTORY_ROW + 21
+_MATRIX_ROW = _PEAKS_ROW + 17
 #: Description of the shapes of the schematic.
 SCHEMATIC = "schematic"
 
 
 #: Height of a row of the key numbers. [pt]
-_KEY_ROW = 14.25
+_KEY_ROW = 13.9
 
 
 def _note_line(number: int) -> str:
@@ -155,17 +155,17 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
     Sheet(
         "Summary",
         "summary",
-        {"A": 1.5, "B": 34, "C:D": 14, "E": 22, "F": 40, "G": 30, "H": 37},
+        {"A": 1.5, "B": 33, "C:D": 14, "E": 21, "F": 46, "G": 28.5, "H": 27},
         {"Verdicts": f"B{VERDICTS_ROW}", "CaseMatrix": f"B{_MATRIX_ROW}"},
         (
-            ChartAt("governing", f"B{_HISTORY_ROW}", 1364, 434),
-            ChartAt("peaks", f"B{_PEAKS_ROW}", 1364, 338),
+            ChartAt("governing", f"B{_HISTORY_ROW}", 1322, 344),
+            ChartAt("peaks", f"B{_PEAKS_ROW}", 1322, 270),
         ),
         row_breaks=(_HISTORY_ROW,),
         freeze="",
         header_rows=2,
         printed_for=ALWAYS,
-        print_to=_MATRIX_ROW - 1,
+        print_to=FOOT_ROW,
         largest=70,
         letters=11.5,
     ),
@@ -476,16 +476,12 @@ CASE_HALVES: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("G", ("Start-up", "Accuracy and method", "Effects")),
 )
 
-#: Title block of the Summary: label cell, first and last value cell, what it shows.
+#: Title block of the Summary, below the strip with document, revision, tag and title: label cell, first and last value cell, what it shows.
 TITLE_BLOCK: tuple[tuple[str, str, str, str, str], ...] = (
-    ("B4", "C4", "F4", "Title", "Title"),
-    ("B5", "C5", "F5", "Equipment tag", "Tag"),
-    ("B6", "C6", "F6", "Client", "Client"),
-    ("B7", "C7", "F7", "Results", "run_Stamp"),
-    ("G4", "H4", "H4", "Document no.", "Document"),
-    ("G5", "H5", "H5", "Revision", "Revision"),
-    ("G6", "H6", "H6", "Prepared by", "PreparedBy"),
-    ("G7", "H7", "H7", "Checked by", "CheckedBy"),
+    ("B4", "C4", "F4", "Client", "Client"),
+    ("B5", "C5", "F5", "Results", "run_Stamp"),
+    ("G4", "H4", "H4", "Prepared by", "PreparedBy"),
+    ("G5", "H5", "H5", "Checked by", "CheckedBy"),
     (f"B{FOOT_ROW}", f"C{FOOT_ROW}", f"F{FOOT_ROW}", "Inputs SHA-256", "run_SHA256"),
     (f"G{FOOT_ROW}", f"H{FOOT_ROW}", f"H{FOOT_ROW}", "Calculated (UTC)", "run_Date"),
 )

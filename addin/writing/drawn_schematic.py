@@ -158,4 +158,5 @@ def draw_schematic(workbook: Workbook, case: CaseData) -> None:
         Its case. [SI]
     """
     drawing = schematic(case)
+    workbook.hide_objects({SCHEMATIC: not case.stations})
     workbook.draw(SCHEMATIC, lambda width, height: schematic_shapes(drawing, width, height))

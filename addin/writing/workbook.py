@@ -621,7 +621,7 @@ def _fit_rows(workbook: Workbook, written: Sequence[TableData]) -> None:
         wrapped = [
             (columns.index(field.name), room.get(field.name, field.width))
             for field in (spec.columns if spec else ())
-            if field.width and field.name in columns
+            if (field.width or (field.kind == "verdict" and room)) and field.name in columns
         ]
         if spec is None or not wrapped:
             continue
@@ -655,12 +655,14 @@ def _room_of(workbook: Workbook, name: str) -> tuple[Mapping[str, float], float]
         return {}, _USUAL
     widths = summary.column_widths
     return {
-        header: widths[table.ref.left + k] for k, header in enumerate(table.columns)
+        header: widths[table.ref.left + k] - _INDENT for k, header in enumerate(table.columns)
     }, summary.letters
 
 
 #: Usual height of letters. [pt]
 _USUAL = 9.0
+#: What the frame and the indent of a cell take of its width. [characters]
+_INDENT = 2.0
 
 
 def _fit_summary(workbook: Workbook) -> None:
