@@ -172,7 +172,6 @@ class _Layout:
         self.lines: list[_Line] = []
         self.line_of: dict[str, _Line] = {}
         self.meshes: list[tuple[ElementRow, _Line, _Line]] = []
-        self.left_out: list[str] = []
         self._meshing: set[int] = set()
 
     # ---- what stands for what ------------------------------------------------------------------
@@ -248,7 +247,6 @@ class _Layout:
             for row in self._links(station):
                 other = self._other(row, station)
                 if row.kind != ElementKind.GEAR_MESH and other not in self.line_of:
-                    self.left_out.append(str(row.element))
                     self._line(other, self._free_level(level, line.left, line.right), line.left)
 
     def _mesh(self, row: ElementRow, station: str, line: _Line) -> None:
@@ -288,7 +286,7 @@ class _Layout:
         axis = {level: (k + 0.42) * pitch for k, level in enumerate(levels)}
         origin = min(line.left for line in self.lines)
         width = max(line.right for line in self.lines) - origin
-        drawing = Schematic(width, pitch=pitch, not_drawn=tuple(dict.fromkeys(self.left_out)))
+        drawing = Schematic(width, pitch=pitch, not_drawn=self._not_drawn())
         machines: list[Machine] = []
         shafts: list[Shaft] = []
         couplings: list[Coupling] = []
@@ -313,6 +311,12 @@ class _Layout:
                 gears=tuple(gears), notes=tuple(notes),
             )
         )  # fmt: skip
+
+    def _not_drawn(self) -> tuple[str, ...]:
+        """Elements that stand on no shaft line and are no mesh."""
+        drawn = {name for line in self.lines for name in line.elements}
+        drawn |= {str(row.element) for row, _, _ in self.meshes}
+        return tuple(str(row.element) for row in self.elements if row.element not in drawn)
 
     def _machine(self, name: str, left: float, width: float, axis: float, pitch: float) -> Machine:
         kind = self.kind(name)
