@@ -7,6 +7,8 @@ module          responsibility
                 peak
 `effects`       the numbers behind the charts of the effects: reversal, blow, forces, field and
                 trip
+`limits`        every peak over its limit, and the governing history with its limit and modes
+`schematic`     the train as a line drawing: machines, couplings and gears on their shafts
 `data`          the numbers behind the charts: blocks of rows for the tables of sheet `ChartData`
 `start_cycles`  the cycles behind the allowable starts of the governing shaft, for table
                 `StartCycles`

@@ -15,6 +15,7 @@ import numpy as np
 
 from addin.calculation.calculation import RunView
 from addin.charts.effects import event_rows, pull_in_rows, reversal_blocks, waiting_labels
+from addin.charts.limits import Drawn, history_rows, peak_rows, peak_shares
 from addin.charts.rows import Cell, Floats, Rows, decimate, plain, side_by_side
 from addin.contract.chart_tables import (
     CHART_TABLES,
@@ -34,6 +35,7 @@ from engine.fatigue.stress import stress_of_unit_torque
 from engine.model.links import shaft_stiffness
 from engine.model.sections import Section, sections_of, series_stiffness
 from engine.numerics.distinct import distinct
+from engine.results.verdicts import yield_torque
 
 #: Most points of a drawn curve that has no spikes.
 _CURVE_POINTS = 401
@@ -48,6 +50,8 @@ _BLANK_LABEL = " "
 _SMALLEST_CYCLE = 0.03
 
 
+#: Title of the chart of all peaks.
+_PEAKS = "Peaks in % of their limits"
 #: Axis of the chart of sheet Effects and accuracy.
 _ACCURACY_AXIS = "Error [%]"
 
@@ -87,6 +91,13 @@ def chart_blocks(
     }
     blocks["ChartInterference"], blocks["ChartNames"] = _interference_rows(case, run, labels)
     blocks["ChartHistory"] = _history_rows(case, run, units, chosen, labels)
+    shares = peak_shares(case, run)
+    blocks["ChartPeaks"] = peak_rows(case, shares)
+    if run is not None:
+        labels["Peaks title"] = _PEAKS if shares else f"{_PEAKS}: no element has a limit"
+    blocks["ChartGoverning"], blocks["ChartBulges"] = _governing_rows(
+        case, run, units, shares, chosen, labels
+    )
     blocks |= reversal_blocks(run, units, labels)
     blocks["ChartPullIn"] = pull_in_rows(run, labels)
     blocks["ChartEvents"] = event_rows(run, labels)
@@ -105,6 +116,9 @@ def _waiting_labels() -> dict[str, Cell]:
         labels[f"History title {k}"] = f"History {k} (not calculated yet)"
         labels[f"History axis {k}"] = "Torque"
         labels[f"History caption {k}"] = "not calculated yet"
+    labels["Governing title"] = "Governing history (not calculated yet)"
+    labels["Governing axis"] = "Torque"
+    labels["Peaks title"] = f"{_PEAKS} (not calculated yet)"
     return labels | waiting_labels() | {f"Shape {k}": f"Mode {k}" for k in range(1, SHAPES + 1)}
 
 
@@ -418,6 +432,66 @@ def _history_rows(
         labels[f"History axis {k + 1}"] = axis
         labels[f"History caption {k + 1}"] = f"{name}: {words} {axis[axis.find('[') :]}"
     return side_by_side(columns)
+
+
+def _governing_rows(
+    case: CaseData,
+    run: RunView | None,
+    units: ShownUnits,
+    shares: Mapping[str, Mapping[str, float]],
+    chosen: Sequence[str | None],
+    labels: dict[str, Cell],
+) -> tuple[Rows, Rows]:
+    """History of the element that governs: chosen for History 1, or damaged most, or nearest to a limit in the start."""
+    histories = (run.histories if run else None) or {}
+    if run is None or not histories:
+        if run is not None:
+            labels["Governing title"] = "Governing history: no start was calculated"
+            labels["Governing axis"] = "Torque"
+        return [[None] * 6], [[None, None] for _ in range(CROSSINGS)]
+    damage = {row["element"]: row.get("damage") or 0.0 for row in _table(run, "AllowableStarts")}
+    damaged = max(damage, key=lambda name: damage[name], default=None)
+    in_start = {
+        name: max(share for column, share in of_element.items() if column in _IN_START)
+        for name, of_element in shares.items()
+        if name in histories and _IN_START & of_element.keys()
+    }
+    named = [name for name in chosen[:1] if name in histories]
+    if not named and damaged in histories and damage[damaged]:
+        named = [damaged]
+    if not named and in_start:
+        named = [max(in_start, key=lambda name: in_start[name])]
+    name = named[0] if named else _drawn_elements(case, histories, chosen)[0]
+    if name is None:
+        return [[None] * 6], [[None, None] for _ in range(CROSSINGS)]
+    time, torque = histories[name]
+    value, words, axis = _drawn_quantity(case, name, torque, units)
+    [per_torque], _, _ = _drawn_quantity(case, name, np.ones(1), units)
+    drawn = Drawn(name, time, value, words, axis, float(per_torque))
+    return history_rows(run, drawn, _limit_of(case, run, drawn), labels)
+
+
+#: Columns of `ChartPeaks` of the start.
+_IN_START = frozenset({"Peak torque", "Reversing torque", "Shear stress"})
+
+
+def _limit_of(case: CaseData, run: RunView, drawn: Drawn) -> tuple[str, float, float] | None:
+    """The limit drawn beside a history, in its unit: of a damaged shaft endurance over SCF, else what is judged."""
+    element = next(e for e in case.elements if e.element == drawn.element)
+    amplitude, endurance = run.amplitudes.get(drawn.element, (0.0, 0.0))
+    if endurance and amplitude > endurance and element.stress_diameter:
+        limit = drawn.per_torque * endurance / stress_of_unit_torque(element) / (element.scf or 1.0)
+        return "endurance limit / SCF", -limit, limit
+    peak, reversal = element.peak_torque_limit, element.reversal_limit
+    if peak:
+        lower = reversal if reversal is not None else peak
+        name = "peak torque limit" if reversal is None else "peak torque and reversal limits"
+        return name, -drawn.per_torque * lower, drawn.per_torque * peak
+    judged = yield_torque(case).get(drawn.element)
+    if judged is None:
+        return None
+    limit = drawn.per_torque * judged[1] / judged[0]
+    return "shear yield", -limit, limit
 
 
 def accuracy_block(rows: Iterable[Mapping[str, Any]]) -> Rows:

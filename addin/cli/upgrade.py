@@ -33,6 +33,12 @@ def upgrade(
     Example: `torsionbook upgrade train.xlsx`
     """
     read = read_or_stop(file)
+    if file.suffix.lower() == ".xlsm":
+        raise failed(
+            f"{file} has macros. They are bound to the sheets it has, and a workbook of this version has others, so "
+            f"Excel would not take them. Make a new one with its inputs: torsionbook new NEW.xlsm --from {file}. "
+            "Then move your own modules there in the editor of Excel (Alt+F11: Export File, Import File)."
+        )
     if not isinstance(read, WorkbookInput) or file.suffix.lower() != ".xlsx":
         raise failed(
             f"{file} is no .xlsx workbook. Make a new one with its inputs: torsionbook new NEW --from {file}"

@@ -67,6 +67,9 @@ LABELS: tuple[str, ...] = (
     "Clearing element",
     "Profile title",
     "Profile axis",
+    "Governing title",
+    "Governing axis",
+    "Peaks title",
 )
 
 CHART_TABLES: tuple[ChartTable, ...] = (
@@ -160,5 +163,26 @@ CHART_TABLES: tuple[ChartTable, ...] = (
         "ChartProfile",
         ("Position", "Outline", "Hub position", "Hub", "Bore position", "Bore"),
         "Outlines of the sections of table Sections, those inside a hub, and bores: radii against length.",
+    ),
+    ChartTable(
+        "ChartPeaks",
+        (
+            "Element",
+            "Peak torque",
+            "Reversing torque",
+            "Shear stress",
+            "Vibratory torque",
+            "Steady stress",
+            "Limit",
+        ),
+        "Peaks of each element in per cent of their limits.",
+    ),
+    ChartTable(
+        "ChartGoverning",
+        ("Time", "Value", "Speed time", "Percent speed", "Limit time", "Limit"),
+        "The governing history of the start, speed in per cent of synchronous, and the limit.",
+    ),
+    ChartTable(
+        "ChartBulges", ("Time", "Value"), "Where the modes are named on the governing history."
     ),
 )

@@ -53,7 +53,7 @@ class Series:
     colour: str = "navy"  #: Word of `PALETTE`, or ``#RRGGBB``.
     width: float = 0.0  #: Of the line; 0 = no line. [pt]
     dash: str = "solid"  #: ``solid`` or ``dash``.
-    marker: str = ""  #: ``circle``, ``diamond`` or ``square``; empty = none.
+    marker: str = ""  #: ``circle``, ``diamond``, ``square`` or ``triangle``; empty = none.
     size: int = 5  #: Of the marker. [pt]
     row: int | None = None  #: The only data row that is drawn, counted from 0; None = all.
     name_beside: str = ""  #: Side of the point on which its name stands: right, below, above.
@@ -228,10 +228,67 @@ def _accuracy() -> ChartSpec:
     )  # fmt: skip
 
 
+def _peaks() -> ChartSpec:
+    """A mark for each peak that has a limit, over the elements; the limits are one line."""
+    marks = (
+        ("Peak torque", "Peak torque in start and events", "navy", "circle", 9),
+        ("Reversing torque", "Reversing torque", "plum", "square", 8),
+        ("Shear stress", "Nominal shear stress / yield", "rust", "diamond", 10),
+        ("Vibratory torque", "Vibratory torque", "teal", "triangle", 9),
+        ("Steady stress", "Steady-state stress", "gold", "diamond", 9),
+    )
+    table = "ChartPeaks"
+    return ChartSpec(
+        "peaks", "lines", Label("Peaks title", r"Peaks in % of their limits.*"),
+        Axis(low=True), Axis("% of limit", least=0, number="0"),
+        (
+            *(
+                Series(table, "Element", column, words, colour, marker=marker, size=size)
+                for column, words, colour, marker, size in marks
+            ),
+            Series(table, "Element", "Limit", "Limit", "rust", 1.5, "dash"),
+        ),
+        legend=True,
+        caption="Peaks of each element in per cent of their limits",
+    )  # fmt: skip
+
+
+def _governing() -> ChartSpec:
+    """The paper's Figures 7 and 8: the governing history, its limit, the modes at their bulges, per cent speed."""
+    table = "ChartGoverning"
+    title = Label(
+        "Governing title",
+        r".*: (tangential tooth load|nominal shear stress|torque).*|Governing history.*",
+    )
+    return ChartSpec(
+        "governing", "curves", title,
+        Axis("Time [s]", least=0, number="General", low=True, grid=False),
+        Axis(
+            Label("Governing axis", r"(Tooth load|Nominal shear stress|Torque)( \[.*\])?"), number="#,##0",
+        ),
+        (
+            _curve(table, "Time", "Value", title, "navy", 0.75),
+            Series(table, "Limit time", "Limit", "Limit", "rust", 1.5, "dash"),
+            Series(table, "Speed time", "Percent speed", "Speed", "teal", 1.5, second_axis=True),
+            *(
+                Series(
+                    "ChartBulges", "Time", "Value", Label(f"Crossing {k + 1}"), "rust", row=k,
+                    name_beside="above",
+                )
+                for k in range(CROSSINGS)
+            ),
+        ),
+        second=Axis("Speed [%]", least=0, largest=120, step=20, number="0", grid=False),
+        height=60.0,
+    )  # fmt: skip
+
+
 _SHAPE_COLOURS = ("navy", "rust", "teal", "gold", "plum")
 
 _SPECS = (
     _train(),
+    _governing(),
+    _peaks(),
     # the paper's Figure 6, with the speeds at which 2 × slip crosses the modes
     ChartSpec(
         "speed-time", "curves", "Start: motor speed against time, and where 2 × slip crosses a mode",

@@ -21,6 +21,7 @@ class Standing:
     #: Name of a table → its header row and its last row; None where it is not in the columns of its part.
     rows: Callable[[str], tuple[int, int] | None]
     has_content: Callable[[str], bool]  #: Whether a table holds something.
+    has_curve: Callable[[str], bool]  #: Whether a chart, by its name, has something to draw.
 
 
 def printed_areas(part: Sheet, standing: Standing) -> list[Area] | None:
@@ -42,14 +43,14 @@ def printed_areas(part: Sheet, standing: Standing) -> list[Area] | None:
     rows = {name: standing.rows(name) for name in part.tables}
     if None in rows.values():
         return None
-    charts = [at for at in part.charts if any(map(standing.has_content, _drawn(at.name)))]
+    charts = [at for at in part.charts if standing.has_curve(at.name)]
     filled = [name for name in part.tables if standing.has_content(name)]
     if part.printed_for == NEVER:
         return []
     if part.printed_for != ALWAYS:
         wanted = part.printed_for or (
             *part.tables,
-            *(t for at in part.charts for t in _drawn(at.name)),
+            *(t for at in part.charts for t in tables_of_chart(at.name)),
         )
         if not any(map(standing.has_content, wanted)):
             return []
@@ -63,7 +64,46 @@ def printed_areas(part: Sheet, standing: Standing) -> list[Area] | None:
     ]
     if not max(ends):
         return []
-    return [(part.print_from, first, max(ends), last) for first, last in page_columns(part)]
+    breaks = [row for row in part.row_breaks if row <= max(ends)]
+    tops = [part.print_from, *breaks]
+    bottoms = [*(top - 1 for top in breaks), max(ends)]
+    return [
+        (top, first, bottom, last)
+        for first, last in page_columns(part)
+        for top, bottom in zip(tops, bottoms, strict=True)
+    ]
+
+
+def areas_of_parts(
+    parts: Sequence[Sheet], standing: Callable[[Sheet], Standing]
+) -> list[Area] | None:
+    """The areas of the parts of a sheet, from left to right; a part that joins the one left of it widens its area."""
+    every: list[Area] = []
+    for part in parts:
+        areas = printed_areas(part, standing(part))
+        if areas is None:
+            return None
+        for area in areas:
+            if part.joins and every and every[-1][3] == area[1] - 1:
+                top, left, bottom, _ = every.pop()
+                every.append((min(top, area[0]), left, max(bottom, area[2]), area[3]))
+            else:
+                every.append(area)
+    return every
+
+
+def columns_of_areas(parts: Sequence[Sheet]) -> set[tuple[int, int]]:
+    """First and last column of every area that the parts of a sheet may have. [count]"""
+    columns: set[tuple[int, int]] = set()
+    before: tuple[int, int] | None = None
+    for part in parts:
+        own = page_columns(part)
+        columns.update(own)
+        if part.joins and before is not None:
+            own = [(before[0], own[0][1])]
+            columns.update(own)
+        before = own[-1]
+    return columns
 
 
 def page_columns(part: Sheet) -> list[tuple[int, int]]:
@@ -90,7 +130,7 @@ def holds_data(rows: Iterable[Sequence[object]]) -> bool:
     return any(isinstance(value, int | float) for row in rows for value in row)
 
 
-def _drawn(chart: str) -> set[str]:
+def tables_of_chart(chart: str) -> set[str]:
     """Tables that a chart draws."""
     return {series.table for series in CHARTS[chart].series}
 

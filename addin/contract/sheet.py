@@ -24,6 +24,8 @@ class ChartAt:
     cell: str  #: Its upper left cell. [A1]
     width: int  #: Size. [pixel]
     height: int  #: Likewise. [pixel]
+    right: int = 0  #: How far right of the corner of the cell it begins, and how far below. [pixel]
+    down: int = 0  #: Likewise. [pixel]
 
 
 @dataclass(frozen=True)
@@ -67,6 +69,10 @@ class Sheet:
     #: Tables of which one must hold something for the part to be printed, `ALWAYS` or `NEVER`; empty = its own
     #: tables and those that its charts draw.
     printed_for: tuple[str, ...] = ()
+    letters: float = (
+        9.0  #: Height of its letters; the small ones are as high where that is more. [pt]
+    )
+    joins: bool = False  #: Whether it is printed on the page of the part left of it.
     print_from: int = 1  #: First row that is printed; the repeated ones stand above it in any case.
     print_to: int = 0  #: Last row that is printed in any case.
     on: str = ""  #: Of a part: the sheet on which it stands.
@@ -86,6 +92,16 @@ class Sheet:
     def columns(self) -> tuple[int, int]:
         """Its first and its last column on the sheet, counted from 1. [count]"""
         return self.shift + 1, self.shift + column_number(self.last)
+
+    @property
+    def column_widths(self) -> dict[int, float]:
+        """Width of each of its columns, counted from 1. [characters]"""
+        widths: dict[int, float] = {}
+        for columns, each in self.widths.items():
+            begin, _, end = columns.partition(":")
+            last = column_number(end or begin)
+            widths |= dict.fromkeys(range(column_number(begin), last + 1), each)
+        return widths
 
     def at(self, place: str) -> str:
         """A cell, a column or a range of columns of the part, on its sheet. [A1]"""
@@ -122,15 +138,17 @@ def side_by_side(parts: Sequence[Sheet]) -> tuple[Sheet, ...]:
     return tuple(placed)
 
 
-def text_height(text: str, width: float) -> float:
+def text_height(text: str, width: float, letters: float = 9.0) -> float:
     """Height of a row in which a text wraps.
 
     Parameters
     ----------
     text : str
-        The text, in Arial 9.
+        The text, in Arial.
     width : float
         Width of its column. [characters of the standard font]
+    letters : float
+        Height of the letters. [pt]
 
     Returns
     -------
@@ -138,8 +156,9 @@ def text_height(text: str, width: float) -> float:
         Height. [point]
     """
     # A letter of Arial 9 takes 5.3 of the 7 pixels a standard character takes, on average.
-    lines = sum(max(1, math.ceil(len(part) * 5.3 / (7.0 * width))) for part in text.split("\n"))
-    return 15.0 + 12.0 * (lines - 1)
+    each = 5.3 * letters / (9.0 * 7.0 * width)
+    lines = sum(max(1, math.ceil(len(part) * each)) for part in text.split("\n"))
+    return 3.0 + max(12.0, 1.2 * letters) * lines
 
 
 def plot_name(number: int) -> str:

@@ -9,7 +9,6 @@ from addin.contract.result_tables import CROSSING_ROWS
 from addin.contract.sheet import (
     ALWAYS,
     NEVER,
-    ROW_HEIGHT,
     ChartAt,
     KeyNumber,
     Sheet,
@@ -32,18 +31,18 @@ STRIP = (
 # --- where everything stands ----------------------------------------------------------------------
 
 #: Rows of the history charts: below the tables of the other parts whose rows are as high as their texts need.
-_HISTORY_ROWS = (18, 26, 36)
+_HISTORY_ROWS = (18, 26, 35)
 
 HISTORY_CHARTS = tuple(
-    ChartAt(f"history {k + 1}", f"{'BI'[k % 2]}{_HISTORY_ROWS[k // 2]}", 600, 160)
+    ChartAt(f"history {k + 1}", f"{'BI'[k % 2]}{_HISTORY_ROWS[k // 2]}", 600, 148)
     for k in range(HISTORIES)
 )
 #: First row of the cells in which the engineer may name the element of each history chart.
 CHOICES_BEGIN = 7
 
 #: Rows of the charts below the histories, and of what only few cases have.
-_REVERSAL_CHARTS = _HISTORY_ROWS[-1] + 10
-_BEARINGS = _REVERSAL_CHARTS + 11
+_REVERSAL_CHARTS = _HISTORY_ROWS[-1] + 9
+_BEARINGS = _REVERSAL_CHARTS + 9
 #: Row of the captions of the tables with a row an element, whose rows are thus the same; nothing stands below them.
 _OF_ELEMENTS = 9 + CROSSING_ROWS
 #: First row below the room of `Effects`.
@@ -56,11 +55,26 @@ def _said(formula: str) -> str:
     return f'=IF(run_SHA256="","",{formula})'
 
 
-#: Notes that sheet Summary has room for, below its verdicts; the rest is on sheet Audit.
-SUMMARY_NOTES = 8
+#: Rows of sheet Summary: the schematic, the captions of key numbers and of verdicts, the foot.
+SCHEMATIC_ROW = 11
+KEY_NUMBERS_ROW = 13
+VERDICTS_ROW = KEY_NUMBERS_ROW + 13
+FOOT_ROW = VERDICTS_ROW + 2 + table("Verdicts").room
+#: Notes that sheet Summary has room for, beside its key numbers; the rest is on sheet Audit.
+SUMMARY_NOTES = 6
 #: Each on two rows.
-NOTES_BEGIN = 28
+NOTES_BEGIN = KEY_NUMBERS_ROW + 1
 NOTES_END = NOTES_BEGIN + 2 * SUMMARY_NOTES
+#: The second page: its first row, the two charts, the table of the conditions.
+_HISTORY_ROW = FOOT_ROW + 1
+_PEAKS_ROW = _HISTORY_ROW + 21
+_MATRIX_ROW = _PEAKS_ROW + 17
+#: Description of the shapes of the schematic.
+SCHEMATIC = "schematic"
+
+
+#: Height of a row of the key numbers. [pt]
+_KEY_ROW = 13.9
 
 
 def _note_line(number: int) -> str:
@@ -126,7 +140,7 @@ FACT_LINES: tuple[tuple[str, str, str, str, str, float], ...] = (
         15.0,
     ),
     *(
-        ("Summary", f"H{row}", f"N{row + 1}", _note_line(number), "prose", ROW_HEIGHT)
+        ("Summary", f"F{row}", f"H{row + 1}", _note_line(number), "prose", _KEY_ROW)
         for number, row in enumerate(range(NOTES_BEGIN, NOTES_END, 2), 1)
     ),
     ("Margins", "B4", "J4", BLANK_TEXT.format("run_PrintedModes"), "note", 15.0),
@@ -141,15 +155,19 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
     Sheet(
         "Summary",
         "summary",
-        {"A": 1.5, "B": 24, "C": 10, "D": 7, "E:F": 10, "G": 1.5, "H": 20, "I:J": 9.5, "K": 13,
-         "L": 32, "M": 14, "N": 20},
-        {"Verdicts": "H11", "CaseMatrix": f"H{NOTES_END + 1}"},
-        (ChartAt("train", "B12", 452, 236),),
+        {"A": 1.5, "B": 33, "C:D": 14, "E": 21, "F": 46, "G": 28.5, "H": 27},
+        {"Verdicts": f"B{VERDICTS_ROW}", "CaseMatrix": f"B{_MATRIX_ROW}"},
+        (
+            ChartAt("governing", f"B{_HISTORY_ROW}", 1322, 344),
+            ChartAt("peaks", f"B{_PEAKS_ROW}", 1322, 270),
+        ),
+        row_breaks=(_HISTORY_ROW,),
         freeze="",
         header_rows=2,
         printed_for=ALWAYS,
-        print_to=NOTES_END - 1,
+        print_to=FOOT_ROW,
         largest=70,
+        letters=11.5,
     ),
     Sheet(
         "Case",
@@ -186,6 +204,7 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
         "input",
         {"A": 1.5, "B": 17, "C": 15, "D:E": 11, "F": 10, "G:V": 7},
         {"Stations": "B5", "ModeDamping": "I5", "Elements": "B24", "Meshes": "B43"},
+        (ChartAt("train", "L5", 520, 300),),
         intro="The mass-elastic table. Units are above the headers; the prompt of a cell says what "
               "blank means. Insert table rows where a table is full.",
         printed_for=ALWAYS,
@@ -279,20 +298,18 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
     Sheet(
         "Frequencies",
         "result",
-        {"A": 1.5, "B": 6, "C:D": 9, "E:F": 8, "G": 18, "H:I": 7, "J": 9, "K": 1, "L": 15, "M:V": 6.8},
-        {"NaturalFrequencies": "B5", "ModeShapes": "L26"},
-        (ChartAt("shapes", "L5", 630, 330),),
+        {"A": 1.5, "B": 6, "C:D": 9, "E:F": 8, "G": 18, "H:I": 7, "J": 8},
+        {"NaturalFrequencies": "B5"},
         on="Results",
-        intro="Undamped torsional natural frequencies and mode shapes; rigid-body modes come "
-        "first with frequency 0.",
+        intro="Undamped torsional natural frequencies; rigid-body modes come first with frequency 0.",
     ),
     Sheet(
         "Margins",
         "result",
-        {"A": 1.5, "B": 6, "C": 20, "D": 8, "E": 10, "F:G": 8, "H": 16, "I": 26, "J": 8, "K": 1, "L:S": 8},
+        {"A": 1.5, "B": 6, "C": 20, "D": 8, "E": 10, "F:G": 8, "H": 13, "I": 20, "J": 7.5},
         {"SeparationMargins": "B5"},
-        (ChartAt("interference", "L5", 480, 420),),
         on="Results",
+        joins=True,
         intro="Margin = |f − f_exc| / f_exc, the least over the speeds of continuous operation; "
         "0 where an excitation crosses the mode within this range.",
     ),
@@ -300,10 +317,20 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
         "Steady state",
         "result",
         {"A": 1.5, "B": 20, "C": 20, "D": 6, "E": 9, "F": 16, "G:K": 11, "L": 24, "M:N": 10},
-        {"SteadyState": "B5"},
+        {"SteadyState": "B26"},
+        (ChartAt("shapes", "B5", 596, 336), ChartAt("interference", "H5", 640, 336)),
         on="Results",
         intro="Response to continuous excitation, by default 1 % zero-to-peak of the "
         "transmitted torque. Stresses include SCF and are compared with UTS/25.",
+    ),
+    Sheet(
+        "Mode shapes",
+        "result",
+        {"A": 1.5, "B": 16, "C:L": 8.5},
+        {"ModeShapes": "B5"},
+        on="Results",
+        intro="Physical twist of every station in the first modes; for work at the screen, the chart beside is printed.",
+        printed_for=NEVER,
     ),
     Sheet(
         "Energy shares",
@@ -343,8 +370,8 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
         {"BearingForces": f"B{_BEARINGS}"},
         (
             *HISTORY_CHARTS,
-            ChartAt("reversal", f"B{_REVERSAL_CHARTS}", 600, 160),
-            ChartAt("blow", f"I{_REVERSAL_CHARTS}", 600, 160),
+            ChartAt("reversal", f"B{_REVERSAL_CHARTS}", 600, 148),
+            ChartAt("blow", f"I{_REVERSAL_CHARTS}", 600, 148),
             ChartAt("forces", f"E{_BEARINGS}", 515, 190),
             ChartAt("pull-in", f"K{_BEARINGS}", 410, 190),
         ),
@@ -449,19 +476,14 @@ CASE_HALVES: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("G", ("Start-up", "Accuracy and method", "Effects")),
 )
 
-#: Title block of the Summary: label cell, first and last value cell, what it shows.
+#: Title block of the Summary, below the strip with document, revision, tag and title: label cell, first and last value cell, what it shows.
 TITLE_BLOCK: tuple[tuple[str, str, str, str, str], ...] = (
-    ("B4", "C4", "F4", "Title", "Title"),
-    ("B5", "C5", "F5", "Equipment tag", "Tag"),
-    ("B6", "C6", "F6", "Client", "Client"),
-    ("B7", "C7", "F7", "Inputs SHA-256", "run_SHA256"),
-    ("H4", "I4", "J4", "Document no.", "Document"),
-    ("K4", "L4", "N4", "Revision", "Revision"),
-    ("H5", "I5", "J5", "Prepared by", "PreparedBy"),
-    ("K5", "L5", "N5", "Checked by", "CheckedBy"),
-    ("H6", "I6", "J6", "Software", "run_Software"),
-    ("K6", "L6", "N6", "Calculated (UTC)", "run_Date"),
-    ("H7", "I7", "N7", "Results", "run_Stamp"),
+    ("B4", "C4", "F4", "Client", "Client"),
+    ("B5", "C5", "F5", "Results", "run_Stamp"),
+    ("G4", "H4", "H4", "Prepared by", "PreparedBy"),
+    ("G5", "H5", "H5", "Checked by", "CheckedBy"),
+    (f"B{FOOT_ROW}", f"C{FOOT_ROW}", f"F{FOOT_ROW}", "Inputs SHA-256", "run_SHA256"),
+    (f"G{FOOT_ROW}", f"H{FOOT_ROW}", f"H{FOOT_ROW}", "Calculated (UTC)", "run_Date"),
 )
 
 
@@ -533,12 +555,6 @@ def _rounded(positive: str, digits: int) -> str:
 #: Key numbers of the Summary: first the train at full speed, as `torsionbook check` says it.
 KEY_NUMBERS = (
     KeyNumber(
-        "Poles",
-        BLANK_TEXT.format("run_Poles"),
-        number_format="0",
-        where='=IF(OR(run_Poles="",run_LineFrequency=""),"","at "&run_LineFrequency&" Hz")',
-    ),
-    KeyNumber(
         "Synchronous speed",
         BLANK_TEXT.format("run_SynchronousSpeed"),
         "rpm",
@@ -568,9 +584,6 @@ KEY_NUMBERS = (
         f'=IF(run_MotorInertiaConstant="","","motor "&{_rounded("run_MotorInertiaConstant", 3)}&" s")',
     ),
     KeyNumber(
-        "Load at full speed / rated", BLANK_TEXT.format("run_LoadShare"), "%", shown.TELLING_SHARE
-    ),
-    KeyNumber(
         "Running load / rated", BLANK_TEXT.format("run_RunningLoadShare"), "%", shown.TELLING_SHARE
     ),
     KeyNumber(
@@ -578,11 +591,6 @@ KEY_NUMBERS = (
         '=IFERROR(INDEX(NaturalFrequencies[Frequency],MATCH(1,NaturalFrequencies[Mode],0)),"")',
         "NaturalFrequencies[Frequency]",
         shown.TELLING_SMALL,
-    ),
-    KeyNumber(
-        "Modes below 2 × line frequency",
-        '=IF(COUNT(NaturalFrequencies[Percent speed])=0,"",COUNT(NaturalFrequencies[Percent speed]))',
-        number_format="0",
     ),
     KeyNumber(
         "Least separation margin",

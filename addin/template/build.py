@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 import datetime as dt
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -28,7 +29,11 @@ from addin.reading.workbook import read_workbook
 from addin.template.charts import Places, make_chart
 from addin.template.examples import EXAMPLES, Example, example_case, study_rows
 from addin.template.live_sheet import LIVE_SHEET, NO_ANSWERS, LiveAnswers, LiveSheets, live_answers
+from addin.template.styles import USUAL
 from addin.template.variants import VARIANTS, Variant
+from addin.writing.drawn_schematic import draw_schematic
+from addin.writing.print_areas import hide_empty_charts
+from addin.xlsx import open_workbook
 
 _CREATED = dt.datetime(2026, 1, 1)
 
@@ -103,6 +108,21 @@ def _build(
         workbook.set_size(2400, 1500)
         builder = _Builder(workbook, system, filled, blocks, variant=variant, studies=studies)
         builder.build(answers)
+    _draw(path)
+
+
+def _draw(path: Path) -> None:
+    """Draw the schematic of an example, and hide the charts that have nothing to draw."""
+    made = path.with_name(f".{path.name}.drawn.xlsx")
+    workbook = open_workbook(path, ignore_lock=True)
+    read = read_workbook(workbook)
+    draw_schematic(workbook, read.data)
+    hide_empty_charts(workbook, EVERY_CHART)
+    try:
+        workbook.save(made)
+        os.replace(made, path)
+    finally:
+        made.unlink(missing_ok=True)
 
 
 def _chart_rows(filled: Example, system: str) -> dict[str, Rows]:
@@ -137,7 +157,9 @@ class _Builder(LiveSheets):
             for table, cell in sheet.tables.items():
                 row, left = xl_cell_to_rowcol(sheet.at(cell))
                 row += self._rows_pushed_in(sheet, row)
+                self.style.letters = sheet.letters
                 self._table(sheet, fields.table(table), row, left)
+        self.style.letters = USUAL
         self._case()
         self._trace(self._notes())
         self._lists()
@@ -162,6 +184,7 @@ class _Builder(LiveSheets):
                     self.workbook, places, EVERY_CHART[at.name], (at.width, at.height)
                 )
                 options = {"object_position": 2, "description": at.name}
+                options |= {"x_offset": at.right, "y_offset": at.down}
                 self.page(sheet).insert_chart(sheet.at(at.cell), chart, options)
         self._print_areas()
         self.sheets["Summary"].activate()

@@ -27,6 +27,8 @@ _KINDS: Mapping[str, dict[str, str]] = {
     "bars": {"type": "bar"},
     "train": {"type": "column", "subtype": "stacked"},
 }
+#: Height of the letters of a chart: 8 pt where its sheet is printed at 70 %; that of titles. [pt]
+_LETTERS, _TITLE = 11.5, 12.0
 #: A chart wider than this and lower than that has its legend at its side. [pixel]
 _WIDE, _LOW = 500, 200
 _COLUMNS = ("columns", "bars", "train")
@@ -98,7 +100,7 @@ def make_chart(workbook: Any, places: Places, spec: ChartSpec, size: tuple[int, 
         _centre_line(chart, spec)
     else:
         title = {"name": places.words(spec.title), "overlay": False}
-        chart.set_title(title | {"name_font": _font(10, bold=True, color=PALETTE["navy"])})
+        chart.set_title(title | {"name_font": _font(_TITLE, bold=True, color=PALETTE["navy"])})
         chart.set_x_axis(_axis(places, spec.x))
         chart.set_y_axis(_axis(places, spec.y))
         frame = {"color": "#B0B0B0", "width": 0.5}
@@ -111,7 +113,7 @@ def make_chart(workbook: Any, places: Places, spec: ChartSpec, size: tuple[int, 
             size[0] > _WIDE and size[1] < _LOW
         )  # below it, the legend would leave no height for the curves
         place = "right" if beside else "bottom"
-        chart.set_legend({"position": place, "font": _font(8), "delete_series": without})
+        chart.set_legend({"position": place, "font": _font(_LETTERS), "delete_series": without})
     else:
         chart.set_legend({"none": True})
     chart.set_size({"width": size[0], "height": size[1]})
@@ -121,11 +123,11 @@ def make_chart(workbook: Any, places: Places, spec: ChartSpec, size: tuple[int, 
 
 def _centre_line(chart: Any, spec: ChartSpec) -> None:
     """The train has no title and no numbers, and a centre line for its axis."""
-    size, rotation = spec.x.names or (8.0, 0)
+    _, rotation = spec.x.names or (8.0, 0)
     chart.set_x_axis(
         {
             "label_position": "low",
-            "num_font": _font(size, rotation=rotation),
+            "num_font": _font(_LETTERS, rotation=rotation),
             "line": {"color": "#404040", "width": 0.75, "dash_type": "long_dash_dot"},
             "major_tick_mark": "none",
             "minor_tick_mark": "none",
@@ -154,8 +156,8 @@ def _axis(places: Places, axis: Axis) -> dict[str, Any]:
     """An axis with its name, thin grid and small numbers."""
     made: dict[str, Any] = {
         "name": places.words(axis.title),
-        "name_font": _font(9),
-        "num_font": _font(8),
+        "name_font": _font(_LETTERS),
+        "num_font": _font(_LETTERS),
         "line": _AXIS_LINE,
         "major_gridlines": _GRID if axis.grid else {"visible": False},
         "major_tick_mark": "outside" if axis.ticks else "none",
@@ -174,7 +176,7 @@ def _axis(places: Places, axis: Axis) -> dict[str, Any]:
         if value is not None:
             made[option] = value
     if axis.names is not None:
-        made["num_font"] = _font(axis.names[0], rotation=axis.names[1])
+        made["num_font"] = _font(_LETTERS, rotation=axis.names[1])
     return made
 
 
@@ -198,7 +200,7 @@ def _series(places: Places, spec: ChartSpec, series: Series) -> dict[str, Any]:
         made["marker"] = {"type": series.marker, "size": series.size, **inks}
     if series.second_axis:
         made["y2_axis"] = True
-    ink = {"font": _font(series.name_size, color=colour)}
+    ink = {"font": _font(_LETTERS, color=colour)}
     if series.name_beside:
         named = {"series_name": True, "value": False, "position": series.name_beside}
         made["data_labels"] = named | ink

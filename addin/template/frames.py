@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import re
 from collections.abc import Mapping, Sequence
@@ -10,10 +11,13 @@ from typing import Any
 from xlsxwriter.utility import xl_cell_to_rowcol, xl_rowcol_to_cell
 
 from addin.charts.rows import Rows
+from addin.contract import tables as fields
 from addin.contract.banner import CHANGED_WORDS, DOCUMENT_AT, OVERALL_AT
-from addin.contract.print_areas import Standing, holds_data, print_area_text, printed_areas
+from addin.contract.chart_tables import CHART_TABLES
+from addin.contract.print_areas import Standing, areas_of_parts, holds_data, print_area_text
 from addin.contract.sheet import NEVER, ROW_HEIGHT, Sheet
 from addin.contract.sheets import KIND_WORDS, STRIP, TAB_COLOURS
+from addin.contract.studies.registry import EVERY_CHART
 from addin.template.charts import Place
 from addin.template.examples import Example
 from addin.template.styles import Styles
@@ -30,6 +34,8 @@ _PRINT_SLACK = 0.94
 _VERDICT_WIDTH = 46.0
 #: A name of a fact in a formula.
 _FACT = re.compile(r"\b[a-z]+_[A-Za-z0-9]+\b")
+_INPUTS = frozenset(spec.name for spec in fields.EVERY_INPUT)
+_CHART_COLUMNS = {table.name: table.columns for table in CHART_TABLES}
 #: Last row but one of a sheet: a print area of whole columns is none to openpyxl.
 _LAST_ROW = 1_048_575
 
@@ -64,6 +70,7 @@ class Frames:
     def _frame(self, sheet: Sheet) -> None:
         """Column widths, banner, strip, freezing and print set-up of a sheet."""
         page = self.page(sheet)
+        self.style.letters = sheet.letters
         for columns, width in sheet.widths.items():
             columns = sheet.at(columns)
             page.set_column(columns if ":" in columns else f"{columns}:{columns}", width)
@@ -99,7 +106,8 @@ class Frames:
         if sheet.name == "Summary":
             title = "Torsional start-up analysis of a synchronous-motor train"
             page.write_string(0, 1, title, self.style("banner"))
-            page.write_string(0, last, "torsionbook", self.style("banner_right"))
+            software = '=IF(run_Software="","torsionbook",run_Software)'
+            page.write_formula(0, last, software, self.style("banner_right"), "torsionbook")
             page.merge_range(1, 1, 1, last, "", self.style("strip"))
             page.write_formula(1, 1, STRIP, self.style("strip"), self._strip())
             return
@@ -142,13 +150,20 @@ class Frames:
         """Paper, margins, footer and repeated rows; the scale and, of a sheet of a study, its pages."""
         page.set_landscape()
         page.set_paper(_LETTER if self.system == "us" else _A4)
-        page.set_margins(left=_SIDE, right=_SIDE, top=0.45, bottom=0.6)
-        page.set_footer('&L&"Arial"&8&F&C&"Arial"&8&A&R&"Arial"&8Page &P of &N', {"margin": 0.3})
+        page.set_margins(left=_SIDE, right=_SIDE, top=0.4, bottom=0.5)
+        page.set_footer('&L&"Arial"&8&F&C&"Arial"&8&A&R&"Arial"&8Page &P of &N', {"margin": 0.25})
         page.repeat_rows(0, sheet.header_rows - 1)
         parts = [part for part in self.parts if part.worksheet == sheet.worksheet]
         if parts:  # `_print_areas` says what of them
             printed = [part for part in parts if part.printed_for != NEVER] or parts
-            page.set_print_scale(min(_print_scale(part, _PAPER[self.system]) for part in printed))
+            widths = [_page_width(part) for part in printed]
+            widths += [
+                _page_width(left) + _page_width(part)
+                for left, part in itertools.pairwise(parts)
+                if part.joins
+            ]
+            largest = min(part.largest for part in printed)
+            page.set_print_scale(_scale_of(max(widths), _PAPER[self.system], largest))
             return
         if sheet.breaks or sheet.row_breaks:
             page.set_v_pagebreaks([column_number(letters) for letters in sheet.breaks])
@@ -167,12 +182,23 @@ class Frames:
         """What is printed of the sheets of a case, as far as the inputs tell."""
         for name in dict.fromkeys(part.worksheet for part in self.parts):
             parts = [part for part in self.parts if part.worksheet == name]
-            areas = [
-                area
-                for part in parts
-                for area in printed_areas(part, Standing(self._rows_of, self._has_content)) or ()
-            ]
+            areas = areas_of_parts(parts, lambda _: self._standing) or []
             self.sheets[name].print_area_range = print_area_text(name, areas)
+
+    @property
+    def _standing(self) -> Standing:
+        return Standing(self._rows_of, self._has_content, self._has_curve)
+
+    def _has_curve(self, chart: str) -> bool:
+        """Whether the inputs alone give a chart something to draw."""
+        for series in EVERY_CHART[chart].series:
+            rows, columns = self.blocks.get(series.table), _CHART_COLUMNS.get(series.table)
+            if rows is None or columns is None:
+                if series.table in _INPUTS:  # drawn as they are typed
+                    return True
+            elif any(isinstance(row[columns.index(series.y)], int | float) for row in rows):
+                return True
+        return False
 
     def _rows_of(self, table: str) -> tuple[int, int]:
         """Header row and last row of a table, counted from 1."""
@@ -240,17 +266,26 @@ def column_widths(sheet: Sheet) -> dict[int, float]:
 
 def _print_scale(sheet: Sheet, paper: float) -> int:
     """Scale at which the widest page of a sheet fits a landscape paper so wide. [%]"""
+    return _scale_of(_page_width(sheet), paper, sheet.largest)
+
+
+def _scale_of(widest: int, paper: float, largest: int) -> int:
+    """Scale at which so many pixels fit a paper so wide, at the most `largest`. [%]"""
+    room = 96.0 * (paper - 2.0 * _SIDE)
+    return min(largest, math.floor(100.0 * _PRINT_SLACK * room / widest))
+
+
+def _page_width(sheet: Sheet) -> int:
+    """Width of the widest page of a sheet or a part. [pixel]"""
     pixels = {k: math.trunc(7.0 * each + 5.0) for k, each in column_widths(sheet).items()}
     begin, _, end = sheet.repeated.partition(":")
     repeated = range(column_number(begin), column_number(end) + 1) if sheet.repeated else range(0)
     edges = [0, *(column_number(letters) for letters in sheet.breaks)]
     ends = [*edges[1:], column_number(sheet.last) + 1]
-    widest = max(
+    return max(
         sum(pixels[k] for k in {*range(first, end), *(repeated if first else ())})
         for first, end in zip(edges, ends, strict=True)
     )
-    room = 96.0 * (paper - 2.0 * _SIDE)
-    return min(sheet.largest, math.floor(100.0 * _PRINT_SLACK * room / widest))
 
 
 def end_of_first(sheet: Sheet, width: float) -> int:

@@ -8,27 +8,41 @@ from xlsxwriter.utility import xl_cell_to_rowcol, xl_rowcol_to_cell
 
 from addin.contract import tables as fields
 from addin.contract.banner import OVERALL_AT, overall_formula
-from addin.contract.chart_tables import GROUPS, HISTORIES, LABELS
-from addin.contract.palette import SPEED_GROUPS
+from addin.contract.chart_tables import HISTORIES, LABELS
 from addin.contract.sheet import plot_name
 from addin.contract.sheets import (
     BLANK_TEXT,
     CASE_HALVES,
     CHOICES_BEGIN,
+    FOOT_ROW,
     KEY_NUMBERS,
+    KEY_NUMBERS_ROW,
     NOTES_BEGIN,
+    SCHEMATIC,
+    SCHEMATIC_ROW,
     TITLE_BLOCK,
+    VERDICTS_ROW,
     part_named,
 )
 from addin.contract.tables import Field
 from addin.template.cell_rules import hint, input_rule, unit_list
 from addin.template.frames import column_number
+from addin.template.styles import USUAL
 from addin.template.table_cells import Tables
 from addin.xlsx.references import quoted_sheet
 
 NOT_CALCULATED_YET = (
     "Not calculated yet. Save and close this workbook, then run: torsionbook recalc FILE"
 )
+#: Size of the schematic, which the sheet has room for. [pixel]
+SCHEMATIC_WIDTH, SCHEMATIC_HEIGHT = 1322, 100
+#: Heights of rows of sheet Summary, counted from 1. [pt]
+_SUMMARY_ROWS = (
+    (1, 24.0), (2, 17.25), (3, 3.0), (4, 15.0), (5, 15.0), (6, 1.5), (7, 1.5), (8, 1.5), (9, 21.75), (10, 3.0),
+    (SCHEMATIC_ROW, 75.75), (SCHEMATIC_ROW + 1, 3.0),
+    *((row, 13.9) for row in range(KEY_NUMBERS_ROW, VERDICTS_ROW)), (VERDICTS_ROW, 16.5),
+    (FOOT_ROW, 15.0),
+)  # fmt: skip
 
 
 class FrontSheets(Tables):
@@ -80,9 +94,9 @@ class FrontSheets(Tables):
         page.write_string(row, left + 3, hint(field), self.style("hint"))
 
     def _summary(self) -> None:
-        page = self.sheets["Summary"]
-        for row, height in ((2, 5), (7, 5), (8, 24), (9, 5), (11, 24)):
-            page.set_row(row, height)
+        page, self.style.letters = self.sheets["Summary"], part_named("Summary").letters
+        for row, height in _SUMMARY_ROWS:
+            page.set_row(row - 1, height)
         for label, begin, end, words, name in TITLE_BLOCK:
             page.write_string(label, words, self.style("title_label"))
             style, value = self.style("title_value"), self._scalar_text(name)
@@ -90,45 +104,25 @@ class FrontSheets(Tables):
                 page.merge_range(f"{begin}:{end}", "", style)
             page.write_formula(begin, BLANK_TEXT.format(name), style, value)
         banner = self.style("verdict_banner")
-        page.merge_range("B9:N9", "", banner)
+        page.merge_range("B9:H9", "", banner)
         page.write_formula("B9", overall_formula(), banner, "NOT CALCULATED")
         self.workbook.define_name("OverallVerdict", f"={OVERALL_AT}")
-        page.write_string("B11", "The train", self.style("caption"))
-        page.write_string(f"H{NOTES_BEGIN - 1}", "Notes", self.style("caption"))
-        self._speed_legend(page, 24)
-        self._key_numbers(page, 26)
+        page.write_string(f"F{NOTES_BEGIN - 1}", "Notes", self.style("caption"))
+        page.insert_textbox(
+            SCHEMATIC_ROW - 1, 1, "",
+            {
+                "width": SCHEMATIC_WIDTH, "height": SCHEMATIC_HEIGHT, "object_position": 2,
+                "description": SCHEMATIC, "line": {"none": True},
+            },
+        )  # fmt: skip
+        self._key_numbers(page, KEY_NUMBERS_ROW - 1)
+        self.style.letters = USUAL
 
     def _scalar_text(self, name: str) -> Any:
         """Cached value of a title block cell."""
         if name.startswith("run_"):
             return NOT_CALCULATED_YET if name == "run_Stamp" else ""
         return self.example.scalars.get(name, "")
-
-    def _speed_legend(self, page: Any, row: int) -> None:
-        """The speeds of the drawing in their colours, and what the sizes mean."""
-        labels = {str(key): str(text) for key, text in self.blocks["ChartLabels"]}
-        for k in range(GROUPS):
-            key = f"Speed group {k + 1}"
-            cell = f"ChartData!$B${self._label_row(key)}"
-            style = self.workbook.add_format(
-                {"font_name": "Arial", "font_size": 9, "bold": True, "align": "center",
-                 "font_color": SPEED_GROUPS[k][0]}
-            )  # fmt: skip
-            text = labels[key]
-            page.write_formula(
-                row,
-                1 + k,
-                f'=IF(TRIM({cell})="","","■ "&{cell})',
-                style,
-                f"■ {text}" if text.strip() else "",
-            )
-        page.write_string(
-            row + 1,
-            1,
-            "Discs: height ∝ inertia^¼; shafts (pale): ∝ stiffness^¼, each at its own speed; "
-            "gold: gear mesh.",
-            self.style("note"),
-        )
 
     def _key_numbers(self, page: Any, row: int) -> None:
         page.write_string(row, 1, "Key numbers", self.style("caption"))
@@ -142,9 +136,8 @@ class FrontSheets(Tables):
                 self._unit_of_column(page, k, 3, number.unit)
             else:
                 page.write_string(k, 3, number.unit, style)
-            page.merge_range(k, 4, k, 5, "", style)
             if number.where:
-                page.write_formula(k, 4, number.where, style, "")
+                page.write_formula(k, 4, number.where, self.style("key_where"), "")
 
     def _unit_of_column(self, page: Any, row: int, at: int, name: str) -> None:
         """The unit of a column, ``Table[Column]``, as its table shows it."""

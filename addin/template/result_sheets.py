@@ -23,6 +23,7 @@ from addin.contract.tables import TableSpec
 from addin.contract.texts import EFFECT_NOTES
 from addin.template.frames import column_number
 from addin.template.front_sheets import FrontSheets
+from addin.template.styles import USUAL
 from addin.xlsx.references import quoted_sheet
 from engine.case.effects import EFFECTS
 
@@ -31,9 +32,9 @@ class ResultSheets(FrontSheets):
     """Facts, notes and colours."""
 
     def _frequencies_note(self) -> None:
-        part = part_named("Frequencies")
+        part = part_named("Mode shapes")
         self.page(part).write_string(
-            part.at("L4"),
+            part.at("B4"),
             f"Mode shapes of the first {SHAPE_COLUMNS} elastic modes; further modes are in the "
             "JSON results.",
             self.style("note"),
@@ -60,11 +61,14 @@ class ResultSheets(FrontSheets):
     def _fact_lines(self) -> None:
         """Lines of words that the calculation writes into `RunFacts`."""
         for name, first, last, formula, style, height in FACT_LINES:
-            part, shown = part_named(name), self.style(style)
+            part = part_named(name)
+            self.style.letters = part.letters
+            shown = self.style(style)
             page = self.page(part)
             page.merge_range(part.at(f"{first}:{last}"), "", shown)
             page.write_formula(part.at(first), formula, shown, "")
             page.set_row(xl_cell_to_rowcol(first)[0], height)
+        self.style.letters = USUAL
 
     def _sheet_notes(self) -> None:
         """How to read the effects, and what those on `Case` are."""
@@ -146,7 +150,7 @@ class ResultSheets(FrontSheets):
     def _verdict_colours(self) -> None:
         """Pass green, accepted amber, fail red, not judged grey, wherever a verdict stands."""
         self._colour_verdicts(fields.RESULT_TABLES)
-        self._colours("Summary", 8, 1, 8, 13)
+        self._colours("Summary", 8, 1, 8, 7)
         place = self.places["Effects"]
         column = place.columns["On"]
         for word, style in (("on", "cf_pass"), ("off", "cf_open")):

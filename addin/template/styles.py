@@ -13,6 +13,8 @@ from addin.contract.palette import PALETTE
 #: Metric-compatible fonts exist on every system, so that nothing is clipped on another computer.
 FONT = "Arial"
 
+#: Usual height of letters. [pt]
+USUAL = 9.0
 #: Pale ground of live formulas.
 _LIVE = "#F1F8F7"
 
@@ -58,8 +60,8 @@ _FORMATS: Mapping[str, Mapping[str, Any]] = {
     "plain": {},
     "banner": _format("white", "navy", bold=True, font_size=16, indent=1),
     "banner_right": _format("white", "navy", align="right", indent=1),
-    "strip": _format("navy", "mist", shrink=True, **_LEFT),
-    "strip_verdict": _format("navy", "mist", bold=True, shrink=True, **_LEFT),
+    "strip": _format("navy", "mist", **_LEFT),
+    "strip_verdict": _format("navy", "mist", bold=True, **_LEFT),
     "note": {"italic": True, "font_color": PALETTE["grey"]},
     "note_beside": {"italic": True, "font_color": PALETTE["grey"], "indent": 1},
     "fact": _format("navy", bold=True, align="left"),
@@ -94,6 +96,7 @@ _FORMATS: Mapping[str, Mapping[str, Any]] = {
     "verdict_banner": _boxed("grey", "open", bold=True, font_size=12, align="center"),
     "key_label": _boxed(paper="paper", indent=1),
     "key_value": _boxed(bold=True, align="right"),
+    "key_where": _format("grey", indent=1),
     "key_unit": _boxed("grey", indent=1),
     "prose": {"text_wrap": True, "valign": "top"},
     "prose_beside": _format(text_wrap=True, indent=1),
@@ -116,15 +119,19 @@ class Styles:
 
     def __init__(self, workbook: Any) -> None:
         self._workbook = workbook
-        self._made: dict[tuple[str, str], Any] = {}
+        self._made: dict[tuple[str, str, float], Any] = {}
+        self.letters = USUAL  #: Height of the letters of what is made next. [pt]
 
     def __call__(self, name: str, number: str = "") -> Any:
         """A format of the table above."""
-        key = (name, number)
+        key = (name, number, self.letters)
         if key not in self._made:
             properties = dict(_FORMATS[name])
             if not name.startswith("cf_"):
-                properties = {"font_name": FONT, "font_size": 9, **properties}
+                size = max(properties.get("font_size", USUAL), self.letters)
+                properties |= {"font_name": FONT, "font_size": size}
+                if self.letters > USUAL and properties.pop("shrink", False):
+                    properties["text_wrap"] = name == "verdict"  # letters stay as high as they are
             if number:
                 properties["num_format"] = number
             self._made[key] = self._workbook.add_format(properties)

@@ -14,6 +14,7 @@ from addin.contract.tables import Field, TableSpec
 from addin.template.cell_rules import input_rule, trace_prompt, unit_list
 from addin.template.charts import Place
 from addin.template.frames import Frames
+from addin.template.styles import USUAL
 from engine.case.effects import EFFECTS
 
 #: Headers of at most so many letters stand in one line. [characters]
@@ -41,7 +42,7 @@ class Tables(Frames):
         # A row among those of a table beside it stays low where its words allow that.
         long = max(len(field.name) for field in columns) > _SHORT_HEADER
         if row == _FIRST_ROW or long or not self.has_parts(sheet):
-            page.set_row(header, 38 if has_units else 24)
+            page.set_row(header, 38 if has_units else 24 if sheet.letters == USUAL else 18)
         page.add_table(
             header,
             left,

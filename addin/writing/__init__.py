@@ -8,6 +8,7 @@ module          responsibility
 `input_copy`    the copy of the inputs that a calculation leaves on a hidden sheet, with the
                 formulas that compare
 `printed_rows`  rows of long result tables that decide something: these are printed
+`drawn_schematic`  the schematic as shapes of a drawing
 `print_areas`   what a calculated workbook prints: the parts of its sheets that have something to
                 show
 `workbook`      results into the cells the product owns: result tables, facts for live formulas,

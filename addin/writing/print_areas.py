@@ -5,18 +5,21 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from addin.contract.chart_tables import CHART_TABLES
+from addin.contract.charts import CHARTS, ChartSpec
 from addin.contract.print_areas import (
     Standing,
+    areas_of_parts,
+    columns_of_areas,
     holds_data,
-    page_columns,
     print_area_text,
-    printed_areas,
 )
 from addin.contract.sheets import SHEETS
+from addin.contract.tables import EVERY_INPUT
 from addin.xlsx import Formula, Workbook
 from addin.xlsx.references import Rect, parse_range, split_areas, split_sheet
 
 _CHART_TABLES = frozenset(table.name for table in CHART_TABLES)
+_INPUTS = frozenset(spec.name for spec in EVERY_INPUT)
 _NAME = "_xlnm.Print_Area"
 #: The area of a sheet of which nothing is printed.
 _NOTHING = Rect(1, 1, 1, 1)
@@ -46,12 +49,11 @@ def renew_print_areas(workbook: Workbook, printed: Mapping[str, int], only: str 
         if len(here) != 1:
             continue
         [sheet] = here
-        ours = {columns for part in parts for columns in page_columns(part)}
+        ours = columns_of_areas(parts)
         if not _is_ours(workbook, sheet, ours):
             continue
-        found = [printed_areas(part, _standing(workbook, part.columns, printed)) for part in parts]
-        if None not in found:
-            areas = [area for areas in found for area in areas or ()]
+        areas = areas_of_parts(parts, lambda part: _standing(workbook, part.columns, printed))
+        if areas is not None:
             workbook.set_print_area(sheet, print_area_text(sheet, areas))
 
 
@@ -96,4 +98,37 @@ def _standing(workbook: Workbook, columns: tuple[int, int], printed: Mapping[str
             )
         return any(at not in part.formulas for at in part.filled_cells(table.data))
 
-    return Standing(rows, has_content)
+    return Standing(rows, has_content, lambda name: has_curve(workbook, CHARTS[name]))
+
+
+def has_curve(workbook: Workbook, chart: ChartSpec) -> bool:
+    """Whether a chart has a number to draw; one of inputs alone is drawn as they are typed."""
+    if {series.table for series in chart.series} <= _INPUTS:
+        return True
+    return any(_has_number(workbook, series.table, series.y) for series in chart.series)
+
+
+def _has_number(workbook: Workbook, name: str, column: str) -> bool:
+    table = workbook.tables.get(name)
+    if table is None or column not in table.columns:
+        return False
+    at, data = table.column_index(column), table.data
+    part = workbook.sheet_part(table.sheet)
+    written = part.as_written(data)
+    if written is not None:
+        return any(isinstance(row[at], int | float) for row in written)
+    left = data.left + at
+    return holds_data([part.constants(Rect(data.top, left, data.bottom, left))])
+
+
+def hide_empty_charts(workbook: Workbook, charts: Mapping[str, ChartSpec]) -> None:
+    """Hide the charts that have nothing to draw, and show the others.
+
+    Parameters
+    ----------
+    workbook : Workbook
+        With its results written. Charts are known by their description; those of the engineer stay as they are.
+    charts : mapping of str to ChartSpec
+        The charts in question, by name.
+    """
+    workbook.hide_objects({name: not has_curve(workbook, spec) for name, spec in charts.items()})

@@ -29,16 +29,23 @@ from addin.contract.chart_tables import CHART_TABLES, HISTORIES, LABELS
 from addin.contract.charts import CHARTS, Label
 from addin.contract.digests import short_digest
 from addin.contract.run_facts import RUN_FACTS
-from addin.contract.sheet import plot_name, text_height
+from addin.contract.sheet import column_number, plot_name, text_height
+from addin.contract.sheets import (
+    FOOT_ROW,
+    VERDICTS_ROW,
+    part_named,
+)
 from addin.contract.shown_cell import shown_cell
 from addin.contract.shown_units import ShownUnits, shown_units
+from addin.contract.studies.registry import STUDIES
 from addin.contract.tables import TableSpec
 from addin.contract.texts import NO_STUDY
 from addin.reading.workbook import WorkbookInput, read_workbook
 from addin.recorded.results import recorded_fact
 from addin.recorded.study_digests import stated_digests, twelve_digits
+from addin.writing.drawn_schematic import draw_schematic
 from addin.writing.input_copy import input_copy
-from addin.writing.print_areas import renew_print_areas
+from addin.writing.print_areas import hide_empty_charts, renew_print_areas
 from addin.writing.printed_rows import printed_rows
 from addin.xlsx import (
     Formula,
@@ -49,7 +56,7 @@ from addin.xlsx import (
     Workbook,
     open_workbook,
 )
-from addin.xlsx.references import Rect, cell_name
+from addin.xlsx.references import MAX_COLUMN, Rect, cell_name
 
 _RPM = math.pi / 30.0
 #: How a file says yes and no.
@@ -69,6 +76,9 @@ _OPTIONAL = frozenset(
     "ChartMotorEvent",
     "ChartClearing",
     "ChartProfile",
+    "ChartPeaks",
+    "ChartGoverning",
+    "ChartBulges",
 }
 #: What the rows of a plain recalculation are, below `NO_STUDY`.
 ANALYSES = (
@@ -154,7 +164,10 @@ def write_results(
     workbook.link_chart_titles(_title_links(workbook))
     _renew_banner(workbook)
     _fit_rows(workbook, present)
+    _fit_summary(workbook)
     renew_print_areas(workbook, printed_rows(run.tables).counts)
+    hide_empty_charts(workbook, CHARTS)
+    draw_schematic(workbook, run.case)
     for spec in fields.INPUT_TABLES:  # typed by a program that leaves charts as they were
         table = workbook.tables.get(spec.name)
         if table is not None:
@@ -287,6 +300,7 @@ def write_study(
     ]
     workbook.write_tables(_present(workbook, wanted))
     renew_print_areas(workbook, {}, only=spec.sheet)
+    hide_empty_charts(workbook, {"accuracy": CHARTS["accuracy"]})
     facts = {
         "run_AccuracySentence": words["sentence"],
         "run_AccuracyReference": words["reference"],
@@ -351,6 +365,15 @@ def write_study_results(
     ]
     workbook.write_tables(present)
     _fit_rows(workbook, present)
+    drawn = {spec.name: spec for study in STUDIES for spec in study.charts}
+    hide_empty_charts(
+        workbook,
+        {
+            name: spec
+            for name, spec in drawn.items()
+            if tables.keys() & {series.table for series in spec.series}
+        },
+    )
     if recorded:
         specs = [fields.result_table(one.name) for one in present]
         facts = {**facts, recorded: "; ".join(stated_digests(workbook, specs, units))}
@@ -594,24 +617,70 @@ def _fit_rows(workbook: Workbook, written: Sequence[TableData]) -> None:
     needed: dict[tuple[str, int], float] = {}  # tables side by side share their rows
     for data in written:
         spec, columns = fields.find_table(data.name), list(data.columns or ())
+        room, letters = _room_of(workbook, data.name)
         wrapped = [
-            (columns.index(field.name), field.width)
+            (columns.index(field.name), room.get(field.name, field.width))
             for field in (spec.columns if spec else ())
-            if field.width and field.name in columns
+            if (field.width or (field.kind == "verdict" and room)) and field.name in columns
         ]
         if spec is None or not wrapped:
             continue
         table = workbook.table(data.name)
         heights = [
-            max(text_height(str(row[at] or ""), width) for at, width in wrapped)
+            max(text_height(str(row[at] or ""), width, letters) for at, width in wrapped)
             for row in data.rows
         ]
-        heights += [text_height("", 1.0)] * (spec.room - len(heights))
+        heights += [text_height("", 1.0, letters)] * (spec.room - len(heights))
         for row_number, height in enumerate(heights, table.data.top):
             at = table.sheet, row_number
             needed[at] = max(height, needed.get(at, 0.0))
+    headers = {(table.sheet, table.header_row) for table in workbook.tables.values()}
     for (sheet, row_number), height in needed.items():
+        if (sheet, row_number) in headers:  # of a table beside it, whose words are longer
+            continue
         workbook.set_row_height(sheet, row_number, height)
+
+
+def _room_of(workbook: Workbook, name: str) -> tuple[Mapping[str, float], float]:
+    """Widths of columns that are wider than their texts need at the least, and height of the letters of a table.
+
+    Of a table of sheet Summary where it is shipped today; elsewhere nothing is known of the columns.
+    """
+    table, summary = workbook.tables.get(name), part_named("Summary")
+    place = summary.tables.get(name)
+    if table is None or place is None:
+        return {}, _USUAL
+    column, row = place[0], int(place[1:])
+    if (table.ref.top, table.ref.left) != (row + 1, column_number(column)):
+        return {}, _USUAL
+    widths = summary.column_widths
+    return {
+        header: widths[table.ref.left + k] - _INDENT for k, header in enumerate(table.columns)
+    }, summary.letters
+
+
+#: Usual height of letters. [pt]
+_USUAL = 9.0
+#: What the frame and the indent of a cell take of its width. [characters]
+_INDENT = 2.0
+
+
+def _fit_summary(workbook: Workbook) -> None:
+    """Rows without a verdict take no room on the page."""
+    verdicts = workbook.tables.get("Verdicts")
+    if verdicts is None or (verdicts.ref.top, verdicts.ref.left) != (VERDICTS_ROW + 1, 2):
+        return  # a workbook of an earlier version, or one whose sheet was rearranged
+    part = workbook.sheet_part(verdicts.sheet)
+    taken = {row for row, _ in part.filled_cells(Rect(1, _BESIDE_SUMMARY, FOOT_ROW, MAX_COLUMN))}
+    for row in range(verdicts.data.bottom + 1, FOOT_ROW):
+        if row not in taken:
+            part.set_row_height(row, _CLOSED, create=True)
+
+
+#: Height of a row that shows nothing; a row of height 0 is hidden. [pt]
+_CLOSED = 1.5
+#: First column right of sheet Summary, where the engineer may have written something.
+_BESIDE_SUMMARY = 9
 
 
 def _with_columns(workbook: Workbook, data: TableData, there: Sequence[str]) -> TableData:

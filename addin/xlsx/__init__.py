@@ -32,6 +32,7 @@ module             responsibility
 `state`            an open workbook in memory: its parts, the cells changed and written so far
 `calculator_copy`  the copy that the calculator of formulas is given
 `kept_calculator`  a workbook that stays open in the calculator for the next one with the same formulas
+`drawn_shapes`     shapes drawn as one group in the place of an object, and objects hidden or shown
 `drawn_charts`     what charts draw and carry, for reading
 `number_text`      what a number format shows of a value, and the number a reader takes from it
 `cell_looks`       number format, font and ground of cells, conditional formats over them

@@ -499,8 +499,10 @@ class SheetPart:
                 return 0.0 if hidden else _length(entry.get("width"), usual)
         return usual
 
-    def set_row_height(self, row: int, height: float) -> None:
-        """Give a row of the sheet a height [point]; a row without cells keeps the usual one."""
+    def set_row_height(self, row: int, height: float, *, create: bool = False) -> None:
+        """Give a row of the sheet a height [point]; a row without cells keeps the usual one, unless it is created."""
+        if create and row not in self._rows:
+            self._insert_row(row, self._data.makeelement(_ROW, r=str(row)))
         element = self._rows.get(row)
         if element is not None:
             element.set("ht", f"{height:g}")

@@ -5,7 +5,7 @@ Nothing touches the file before `Workbook.save`; until then all changes live in 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -14,6 +14,7 @@ from addin.xlsx.cell_looks import CellLooks
 from addin.xlsx.chart_titles import TitleLink
 from addin.xlsx.charts import Area, Shown
 from addin.xlsx.container import DEFAULT_LIMITS, Container, Limits
+from addin.xlsx.drawn_shapes import EMU, Shape, ShapeGroup, with_hidden
 from addin.xlsx.errors import Obstacle, ObstaclesFound, WorkbookMismatch, WorkbookRefused
 from addin.xlsx.formulas import CacheReport, refresh_formula_caches
 from addin.xlsx.locks import check_not_open
@@ -74,6 +75,7 @@ class Workbook(WorkbookState):
         #: Whether another file that a save replaces stays as ``.bak``, as the original does in place.
         self.keep_replaced = False
         self._print_areas: dict[str, str] = {}
+        self._drawings: dict[str, bytes] = {}
         self._cache_report: CacheReport | None = None
 
     # ---- reading -----------------------------------------------------------------------------------------------
@@ -193,6 +195,49 @@ class Workbook(WorkbookState):
             Height. [point]
         """
         self.sheet_part(sheet).set_row_height(row, height)
+
+    def hide_objects(self, hidden: Mapping[str, bool]) -> None:
+        """Hide or show charts and shapes, wherever they stand; nothing else of a drawing changes.
+
+        Parameters
+        ----------
+        hidden : mapping of str to bool
+            Description of the object (its alternative text) → whether it is hidden.
+        """
+        for part in self._drawing_parts():
+            self._drawings[part] = with_hidden(self._drawing(part), hidden)
+
+    def draw(self, description: str, shapes: Callable[[float, float], Sequence[Shape]]) -> None:
+        """Draw an object anew as a group of shapes; a workbook without such an object stays as it is.
+
+        Parameters
+        ----------
+        description : str
+            Description of the object that the group takes the place of (its alternative text).
+        shapes : callable
+            Width and height of its room → the shapes. [pixel]
+        """
+        mark = f'"{description}"'.encode()
+        for part in self._drawing_parts():
+            if mark not in self._drawing(part):
+                continue
+            group = ShapeGroup(part, self._drawing(part), description)
+            if (frame := group.frame) is not None:
+                made = shapes(frame.width / EMU, frame.height / EMU)
+                self._drawings[part] = group.drawn(made)
+
+    def _drawing_parts(self) -> list[str]:
+        """Parts of the drawings of all sheets."""
+        worksheets = (self.structure.worksheet_part(name) for name in self.sheet_names)
+        related = (one for part in worksheets if part for one in self.structure.relationships(part))
+        return [
+            one.part
+            for one in related
+            if one.kind == "drawing" and one.part in self.container.names
+        ]
+
+    def _drawing(self, part: str) -> bytes:
+        return self._drawings.get(part) or self.container.read(part)
 
     def obstacles(self, rows: Mapping[str, int]) -> list[Obstacle]:
         """What would be in the way if tables had these numbers of rows."""
@@ -325,6 +370,7 @@ class Workbook(WorkbookState):
         if any(sheet.formula_set_changed() for sheet in self._sheets.values()):
             chain, dropped = self.structure.without_calc_chain()
             replaced |= chain
+        replaced |= self._drawings
         structure = self.structure.with_print_areas(self._print_areas)
         if self.changed:
             structure = self.structure.with_full_calculation(structure)

@@ -88,5 +88,5 @@ def test_whole_starts_are_never_rounded_up(tmp_path: Path) -> None:
     run = replace(run, tables=dict(run.tables) | {"Verdicts": verdicts})
     path = write_results(SOURCE, tmp_path / "out.xlsx", run, STAMP).path
     book = opened(path)
-    shown = {row[0]: row[1] for row in book["Summary"].iter_rows(12, 30, 8, 9, values_only=True)}
+    shown = {row[0]: row[1] for row in book["Summary"].iter_rows(28, 39, 2, 3, values_only=True)}
     assert shown["Allowable starts"] == 436.0

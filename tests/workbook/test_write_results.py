@@ -16,6 +16,7 @@ from workbook_checks import assert_caches_agree, assert_pages_have_ink, type_uni
 
 from addin.charts.rows import HISTORY_POINTS, decimate
 from addin.contract.chart_tables import CHART_TABLES
+from addin.contract.sheets import FOOT_ROW
 from addin.writing.workbook import write_results
 from addin.xlsx import SaveReport, open_workbook
 from tests.opened import opened, rows_of
@@ -86,7 +87,7 @@ def test_live_checks_equal_the_engines_numbers(written: Path) -> None:
 @pytest.mark.slow
 def test_the_summary_says_which_inputs_the_results_belong_to(written: Path) -> None:
     sheet = opened(written)["Summary"]
-    words = " ".join(str(c.value) for row in sheet.iter_rows(1, 9) for c in row if c.value)
+    words = " ".join(str(c.value) for row in sheet.iter_rows(1, FOOT_ROW) for c in row if c.value)
     assert STAMP.sha256 in words
     assert STAMP.sentence in words
     assert "2026-11-21 07:30" in words
