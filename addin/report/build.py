@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from addin.calculation.calculation import Calculation
-from addin.charts.data import accuracy_block, chart_blocks
+from addin.charts.data import accuracy_block, chart_blocks, history_limits
 from addin.contract.digests import short_digest
 from addin.contract.problems import shortened
 from addin.diff.changes import Differences
@@ -71,7 +71,8 @@ def build_document(
     blocks = chart_blocks(calculation.case, shown.units, calculation.view, chosen)
     if study is not None and study.belongs_to(calculation.case_sha256):
         blocks = {**blocks, "ChartAccuracy": accuracy_block(study.rows)}
-    pictures = Pictures(Charts.of(blocks), vectors, pixels)
+    limits = history_limits(calculation.case, shown.units, calculation.view, chosen)
+    pictures = Pictures(Charts.of(blocks), vectors, pixels, limits)
     alerts = (*alerts, *(clean(note) for note in shown.notes))
     subject = Subject(
         name, calculation, read, shown, pictures, alerts, show_times, study, recorded, against

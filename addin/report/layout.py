@@ -16,7 +16,7 @@ from addin.report.document import Block, Column, Paragraph, Section, Table
 #: Width of the text on either paper. [mm]
 TEXT_WIDTH = 170.0
 #: Width of a character of a table, of the wider of both writers, and the margins of a cell. [mm]
-_CHARACTER, _MARGINS = 1.42, 3.0
+_CHARACTER, _MARGINS = 1.48, 3.0
 #: Capitals and other wide letters of short words. [mm]
 _SLACK = 1.4
 #: Longest words that are not broken, as much room as there is. [characters]

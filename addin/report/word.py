@@ -154,7 +154,7 @@ class _Writer:
         for name, font, size, colour, after in (
             ("Report caption", _TEXT_FONT, 9.0, _INK, 4.0),
             ("Report note", _TEXT_FONT, 8.5, _GREY, 10.0),
-            ("Report cell", _TABLE_FONT, 7.5, _INK, 0.0),
+            ("Report cell", _TABLE_FONT, 8.0, _INK, 0.0),
             ("Report fact", _TEXT_FONT, 9.5, _INK, 0.0),
         ):
             style = self._style(name)
@@ -360,16 +360,16 @@ class _Writer:
                 if not k:
                     _shade(cell, _MIST)
                     _edges(cell, top=(_NAVY, 8), bottom=(_RULE, 4))
-                    _run(paragraph, text, 7.5, _NAVY, bold=True, font=_TABLE_FONT)
+                    _run(paragraph, text, 8.0, _NAVY, bold=True, font=_TABLE_FONT)
                     if column.unit:
                         paragraph.add_run().add_break()
-                        _run(paragraph, column.unit, 7.5, _GREY, font=_TABLE_FONT)
+                        _run(paragraph, column.unit, 8.0, _GREY, font=_TABLE_FONT)
                     continue
                 _edges(cell, bottom=(_RULE, 4))
                 tone = tone_of(text) if column.kind == "verdict" else ""
                 if tone:
                     ink = _TONES[tone][0]
-                    _run(paragraph, text, 7.5, ink, bold=tone != "open", font=_TABLE_FONT)
+                    _run(paragraph, text, 8.0, ink, bold=tone != "open", font=_TABLE_FONT)
                 elif text:
                     paragraph.add_run(text)
 
