@@ -11,7 +11,17 @@ from addin.reading.typed_case import CaseInput
 from addin.reading.workbook import WorkbookInput
 from addin.recorded.results import RecordedAccuracy, recorded_accuracy
 from addin.recorded.studies import RecordedStudy, recorded_studies
-from addin.report import changes, closing, inputs, modes, opening, operation, starting, studies
+from addin.report import (
+    cases,
+    changes,
+    closing,
+    inputs,
+    modes,
+    opening,
+    operation,
+    starting,
+    studies,
+)
 from addin.report.document import Document, numbered
 from addin.report.figures import Charts, Pictures
 from addin.report.layout import fitted
@@ -89,6 +99,7 @@ def build_document(
         starting.reversals(subject),
         starting.fatigue(subject),
         *((operation.events(subject),) if calculation.results.events else ()),
+        *((cases.cases(subject),) if subject.rows("CaseMatrix") else ()),
         *((studies.studies(subject, recorded),) if recorded else ()),
     )
     appendices = (

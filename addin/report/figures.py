@@ -54,6 +54,8 @@ _FARTHEST = 2.0
 _UP = 20
 #: Longest title of a panel. [characters]
 _TITLE = 88
+#: Height of three panels and more over that of the charts. [1]
+_CLOSE = 0.82
 #: Characters of a legend in one line.
 _LEGEND = 96
 #: Stations whose names stand below a picture of mode shapes.
@@ -202,7 +204,7 @@ class Pictures:
         if not specs:
             return None
         with _style():
-            height = sum(spec.height for spec in specs)
+            height = sum(spec.height for spec in specs) * (_CLOSE if len(specs) > 2 else 1.0)
             drawing, axes = _new(len(specs), height, sharex=same_x)
             for ax, spec in zip(axes, specs, strict=True):
                 self._draw(drawing, ax, spec)

@@ -134,18 +134,38 @@ def room(width: float) -> int:
     return max(int((width - _MARGINS) / _CHARACTER), 4)
 
 
-#: A table of at most so many lines of text is not broken over pages. [count]
-_SHORT = 22
+#: Rows that a broken table leaves on a page at least, and a group that is not broken at most. [count]
+_ROWS, _GROUP = 3, 8
+#: A row with a longer cell may fill a page. [characters]
+_LOW = 240
 
 
-def stays_together(table: Table) -> bool:
-    """Whether a table is short enough to be kept on one page."""
-    fits = [room(width) for width in column_widths(table)]
-    lines = (
-        max(math.ceil(1.1 * len(cell) / n) for cell, n in zip(row, fits, strict=True))
-        for row in table.rows
-    )
-    return table.together or sum(max(n, 1) for n in lines) <= _SHORT
+def rows_together(table: Table) -> list[int]:
+    """How a table longer than a page may be broken.
+
+    Parameters
+    ----------
+    table : Table
+        The table.
+
+    Returns
+    -------
+    list of int
+        Rows that stay together, one number a group: rows of the same name, the first three, the last three. [count]
+    """
+    count = len(table.rows)
+    if any(len(cell) > _LOW for row in table.rows for cell in row):
+        return [1] * count
+    groups: list[int] = []
+    for k, row in enumerate(table.rows):
+        if k and groups[-1] < _GROUP and row[0] in ("", table.rows[k - 1][0]):
+            groups[-1] += 1
+        else:
+            groups.append(1)
+    for ends in (slice(0, 2), slice(-2, None)):
+        while len(groups) > 1 and groups[ends.start] < _ROWS:
+            groups[ends] = [sum(groups[ends])]
+    return groups
 
 
 #: Paragraphs that open a section stay with what follows where they are together no longer. [characters]

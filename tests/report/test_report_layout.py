@@ -141,7 +141,7 @@ def test_a_broken_table_leaves_three_rows_and_its_note_is_never_alone(tmp_path, 
     block |= {"type": "table", "together": False, "number": 1}
     start = TEMPLATE.read_text(encoding="utf-8").split("// --- cover")[0]
     lines = f"#for k in range({above}) {{ par(str(k)) }}\n#show-table(data.table)\n"
-    data = {"cover": {"title": "T"}, "author": "", "paper": "a4", "margin": 20, "head": "", "foot": "",
+    data = {"cover": {"title": "T"}, "author": "", "paper": "a4", "margin": 20, "above": 25, "below": 22, "head": "", "foot": "",
             "short_title": "", "table": block}  # fmt: skip
     made = typst.compile((start + lines).encode(), sys_inputs={"data": json.dumps(data)})
     (tmp_path / "t.pdf").write_bytes(made)
@@ -151,6 +151,9 @@ def test_a_broken_table_leaves_three_rows_and_its_note_is_never_alone(tmp_path, 
         assert count == 0 or count >= 3
         assert "Caption" not in page or count
         assert "Note." not in page or count
+        # what a page continues it says, above the head that is repeated
+        assert ("(continued)" in page) == (count > 0 and "row00" not in page)
+        assert count == 0 or "Number" in page
 
 
 def test_a_paragraph_that_leads_to_something_is_held():
@@ -175,14 +178,16 @@ def test_a_heading_stands_on_the_page_of_its_figure(tmp_path, above, kind):
 
     import typst
 
+    from addin.report.pages import nodes
     from addin.report.pdf import TEMPLATE, _section
 
     drawing = b'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 170 90"/>'
     figure = Figure("Interference", drawing, b"", 170.0, 90.0, 1)
-    section = _section(Section("Margins", (Paragraph("All kept.", kind), figure), number="5"))
+    chapter = Section("Margins", (Paragraph("All kept.", kind), figure), number="5")
+    section = _section(chapter, enumerate(nodes((chapter,))))
     start = TEMPLATE.read_text(encoding="utf-8").split("// --- cover")[0]
     lines = f"#for k in range({above}) {{ par(str(k)) }}\n#show-section(data.section, 1)\n"
-    data = {"cover": {"title": "T"}, "author": "", "paper": "a4", "margin": 20, "head": "", "foot": "",
+    data = {"cover": {"title": "T"}, "author": "", "paper": "a4", "margin": 20, "above": 25, "below": 22, "head": "", "foot": "",
             "short_title": "", "section": section}  # fmt: skip
     made = typst.compile((start + lines).encode(), sys_inputs={"data": json.dumps(data)})
     (tmp_path / "t.pdf").write_bytes(made)
