@@ -99,6 +99,7 @@ def build_document(
         starting.reversals(subject),
         starting.fatigue(subject),
         *((operation.events(subject),) if calculation.results.events else ()),
+        *((starting.makers(subject),) if subject.rows("MakerSheet") else ()),
         *((cases.cases(subject),) if subject.rows("CaseMatrix") else ()),
         *((studies.studies(subject, recorded),) if recorded else ()),
     )

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
 from addin.report.document import Listing, Paragraph, Section, Table, section
-from addin.report.numbers import clean, fixed
+from addin.report.numbers import clean, significant
 from addin.report.subject import Subject
 from addin.report.tables import input_table
 from engine.case.result_words import Judgement
@@ -43,7 +44,7 @@ def cases(subject: Subject) -> Section:
     shown = ("Condition", "Check", "Result", "Limit", "Verdict", "Where")
     found = subject.table(
         "CaseVerdicts", "What decides under each condition", shown,
-        note="The check farthest beyond its limit; where all are kept, the one nearest to it.", rows=deciding,
+        note="The check farthest beyond its limit, by their ratio; where all are kept, the one nearest to it.", rows=deciding,
     )  # fmt: skip
     return section(
         "Cases", Paragraph(governing(subject), "lead"), typed, matrix, found if deciding else None, _open(subject)
@@ -67,21 +68,19 @@ def governing(subject: Subject) -> str:
         return "Under no condition is a result judged."
     cells = _cells(subject, worst)
     name, check = clean(str(worst["condition"])), clean(str(worst["check"]))
-    if name != TYPED:
-        name = f"condition {name}"
-    numbers = f"{check}, {cells.get('Result', '')}"
+    who = f"condition {name}" if name != TYPED else name
+    words = f"{check} {cells.get('Result', '')}"
     if cells.get("Limit"):
-        numbers += f" against {cells['Limit']}"
-    where = clean(str(worst.get("where") or "")).partition(": ")[0]
-    if where and isinstance(worst["result"], (int, float)):
-        numbers += f" ({where})"
+        words += f", limit {cells['Limit']}"
+    where = re.split("[:;]", clean(str(worst.get("where") or "")))[0]
+    if where and _is_number(worst["result"]):
+        words += f" ({where})"
+    if worst["verdict"] not in _FAILED:
+        return f"No judged check fails under any condition. Nearest to its limit: {who}. {words}."
     share = _share(worst)
-    if worst["verdict"] in _FAILED:
-        beyond = f", {fixed(share, 2)} times its limit" if 1.0 < share < math.inf else ""
-        if check in _AT_LEAST and beyond:
-            beyond = f", short of it by a factor of {fixed(share, 2)}"
-        return f"Governs: {name}. {numbers}{beyond}."
-    return f"No judged check fails under any condition. Nearest to its limit: {name}. {numbers}."
+    if 1.0 < share < math.inf:
+        words += f", by a factor of {significant(share, 3)}"
+    return f"{who[0].upper()}{who[1:]} governs: {words}."
 
 
 def _conditions(subject: Subject) -> dict[str, list[Row]]:
@@ -102,7 +101,7 @@ def _decides(rows: list[Any]) -> Row | None:
 def _share(row: Row) -> float:
     """The result over its limit, or the limit over a result that must not be below it; above 1 it is not kept. [1]"""
     result, limit = row["result"], row["limit"]
-    if not isinstance(result, (int, float)) or not isinstance(limit, (int, float)):
+    if not _is_number(result) or not _is_number(limit):
         # an outcome in words, or no limit to compare with
         return math.inf if row["verdict"] in _FAILED else 0.0
     if row["check"] in _AT_LEAST:
@@ -112,6 +111,10 @@ def _share(row: Row) -> float:
     if limit == 0.0:
         return math.inf if result else 0.0
     return abs(result) / limit
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
 
 
 def _cells(subject: Subject, row: Row) -> dict[str, str]:

@@ -182,7 +182,7 @@ def held_paragraphs(section: Section) -> int:
 
 
 def fitted(sections: Sequence[Section]) -> tuple[Section, ...]:
-    """Sections whose tables all fit: one that is too wide is split, its first column repeated."""
+    """Sections whose tables all fit: one that is too wide is split, with the names of its rows in each part."""
 
     made = []
     for section in sections:
@@ -232,10 +232,12 @@ def _parted(table: Table) -> list[Table]:
     least = _leasts(table)
     if sum(least) <= _TIGHT * TEXT_WIDTH or len(table.columns) < 3:
         return [table]
-    parts: list[list[int]] = [[0]]
-    for k in range(1, len(least)):
-        if len(parts[-1]) > 1 and sum(least[i] for i in parts[-1]) + least[k] > _TIGHT * TEXT_WIDTH:
-            parts.append([0])
+    names = [*range(_names(table, least))]
+    parts: list[list[int]] = [[*names]]
+    for k in range(len(names), len(least)):
+        wide = sum(least[i] for i in parts[-1]) + least[k] > _TIGHT * TEXT_WIDTH
+        if wide and len(parts[-1]) > len(names):
+            parts.append([*names])
         parts[-1].append(k)
     return [
         replace(
@@ -247,6 +249,13 @@ def _parted(table: Table) -> list[Table]:
         )
         for n, part in enumerate(parts, start=1)
     ]
+
+
+def _names(table: Table, least: Sequence[float]) -> int:
+    """How many columns name a row, in each part: two where names of the first come again."""
+    firsts = [row[0] for row in table.rows]
+    twice = len(set(firsts)) < len(firsts) and table.columns[1].kind == "text"
+    return 2 if twice and len(least) > 3 and sum(least[:2]) < 0.5 * TEXT_WIDTH else 1
 
 
 def soft(text: str, longest: int) -> str:

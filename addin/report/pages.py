@@ -91,7 +91,7 @@ def pieces(sections: Sequence[Section], heights: Sequence[float], page: float) -
         opens = opens or node.level == 1
         forced = forced or (node.block is None and node.section.is_first_appendix)
         last = k + 1 == len(everything) or everything[k + 1].block is None
-        if node.held and (node.block is None or not last) and k + 1 < len(everything):
+        if node.held and k + 1 < len(everything):
             continue
         if not last and _remark(everything[k + 1]) and not _breakable(node.block):
             continue

@@ -69,11 +69,25 @@ def test_columns_never_exceed_the_text(table):
 @given(tables())
 def test_a_parted_table_holds_every_cell_once(table):
     parts = [b for b in blocks_of(fitted((Section("S", (table,)),))) if isinstance(b, Table)]
-    kept = [column for part in parts for column in part.columns[1:]]
-    assert kept == list(table.columns[1:])
+    # one column names the rows, or two; each part has them
+    names = min(len(part.columns) for part in parts) if len(parts) > 1 else 1
+    names = 2 if names > 2 and all(part.columns[1] is table.columns[1] for part in parts) else 1
+    kept = [column for part in parts for column in part.columns[names:]]
+    assert kept == list(table.columns[names:])
     for n, row in enumerate(table.rows):
-        assert [cell for part in parts for cell in part.rows[n][1:]] == list(row[1:])
-        assert {part.rows[n][0] for part in parts} == {row[0]}
+        assert [cell for part in parts for cell in part.rows[n][names:]] == list(row[names:])
+        assert {part.rows[n][:names] for part in parts} == {row[:names]}
+
+
+def test_parts_of_a_table_have_both_names_where_the_first_comes_again():
+    heads = ("Event", "Element", *(f"Quantity number {k}" for k in range(12)))
+    columns = tuple(Column(head, "", "number" if k > 1 else "text") for k, head in enumerate(heads))
+    rows = tuple(("fault", name, *["1,234.5"] * 12) for name in ("Motor shaft", "HS coupling"))
+    parts = list(blocks_of(fitted((Section("S", (Table("T", columns, rows),)),))))
+    assert len(parts) > 1
+    for part in parts:
+        assert isinstance(part, Table)
+        assert [row[:2] for row in part.rows] == [row[:2] for row in rows]
 
 
 @given(tables(most_columns=3, most_rows=200))
