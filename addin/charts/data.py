@@ -36,6 +36,7 @@ from engine.model.links import shaft_stiffness
 from engine.model.sections import Section, sections_of, series_stiffness
 from engine.numerics.distinct import distinct
 from engine.results.verdicts import yield_torque
+from engine.start.start_fatigue import judged_shafts, sn_curve_of
 
 #: Most points of a drawn curve that has no spikes.
 _CURVE_POINTS = 401
@@ -492,6 +493,54 @@ def _limit_of(case: CaseData, run: RunView, drawn: Drawn) -> tuple[str, float, f
         return None
     limit = drawn.per_torque * judged[1] / judged[0]
     return "shear yield", -limit, limit
+
+
+def history_limits(
+    case: CaseData, units: ShownUnits, run: RunView, chosen: Sequence[str | None] = ()
+) -> list[tuple[str, float] | None]:
+    """What each drawn history may reach, for lines in its picture.
+
+    Of a stress the endurance limit in torsion over SCF, which is for its alternating part, of a torque or tooth load
+    the element's Peak torque limit.
+
+    Parameters
+    ----------
+    case : CaseData
+        The inputs. [SI]
+    units : ShownUnits
+        Units shown. [units]
+    run : RunView
+        The results. [SI]
+    chosen : sequence of (str or None)
+        As for `chart_blocks`. [names]
+
+    Returns
+    -------
+    list of ((str, float) or None)
+        Name and value of each, in the order of the histories; None where there is no limit. [shown units]
+    """
+    elements = {e.element: e for e in case.elements}
+    fatigued = {e.element for _, e in judged_shafts(case)}
+    limits: list[tuple[str, float] | None] = []
+    for name in _drawn_elements(case, run.histories or {}, chosen):
+        element = elements.get(name)
+        if name is None or element is None:
+            limits.append(None)
+            continue
+        unit, words, _ = _drawn_quantity(case, name, np.ones(1), units)
+        if words == "nominal shear stress":
+            limit = None
+            if name in fatigued:
+                torque = sn_curve_of(case, element.material).endurance / (
+                    (element.scf or 1.0) * stress_of_unit_torque(element)
+                )
+                limit = ("Endurance limit / SCF (alternating)", torque * float(unit[0]))
+        elif element.peak_torque_limit:
+            limit = ("Peak torque limit", element.peak_torque_limit * float(unit[0]))
+        else:
+            limit = None
+        limits.append(limit)
+    return limits
 
 
 def accuracy_block(rows: Iterable[Mapping[str, Any]]) -> Rows:

@@ -12,12 +12,14 @@ module       responsibility
 `plain`      names of the program in words of a reader
 `equations`  the equations of the calculation and where they come from
 `layout`     what fits on a page: widths of columns, and blocks that stay together
+`pages`      where pages end, so that tables stay whole and no page is half empty
 `numbers`    numbers and units as a reader sees them
 `figures`    pictures of the chart data of the workbook
 `pdf`        the PDF, set by typst with ``report.typ``
 `units`      units of one document, inputs as they were typed
 `tables`     input and result tables, narrow enough for a page
 `subject`    what a report is about: one calculation, the inputs as typed, its units and pictures
+`cases`      verdicts under other conditions, and which governs
 `changes`    what changed since an earlier revision, and what it did
 `inputs`     the input sections
 `modes`      natural frequencies, damping, energies, shapes

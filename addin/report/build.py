@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from addin.calculation.calculation import Calculation
-from addin.charts.data import accuracy_block, chart_blocks
+from addin.charts.data import accuracy_block, chart_blocks, history_limits
 from addin.contract.digests import short_digest
 from addin.contract.problems import shortened
 from addin.diff.changes import Differences
@@ -11,7 +11,17 @@ from addin.reading.typed_case import CaseInput
 from addin.reading.workbook import WorkbookInput
 from addin.recorded.results import RecordedAccuracy, recorded_accuracy
 from addin.recorded.studies import RecordedStudy, recorded_studies
-from addin.report import changes, closing, inputs, modes, opening, operation, starting, studies
+from addin.report import (
+    cases,
+    changes,
+    closing,
+    inputs,
+    modes,
+    opening,
+    operation,
+    starting,
+    studies,
+)
 from addin.report.document import Document, numbered
 from addin.report.figures import Charts, Pictures
 from addin.report.layout import fitted
@@ -71,7 +81,8 @@ def build_document(
     blocks = chart_blocks(calculation.case, shown.units, calculation.view, chosen)
     if study is not None and study.belongs_to(calculation.case_sha256):
         blocks = {**blocks, "ChartAccuracy": accuracy_block(study.rows)}
-    pictures = Pictures(Charts.of(blocks), vectors, pixels)
+    limits = history_limits(calculation.case, shown.units, calculation.view, chosen)
+    pictures = Pictures(Charts.of(blocks), vectors, pixels, limits)
     alerts = (*alerts, *(clean(note) for note in shown.notes))
     subject = Subject(
         name, calculation, read, shown, pictures, alerts, show_times, study, recorded, against
@@ -88,6 +99,8 @@ def build_document(
         starting.reversals(subject),
         starting.fatigue(subject),
         *((operation.events(subject),) if calculation.results.events else ()),
+        *((starting.makers(subject),) if subject.rows("MakerSheet") else ()),
+        *((cases.cases(subject),) if subject.rows("CaseMatrix") else ()),
         *((studies.studies(subject, recorded),) if recorded else ()),
     )
     appendices = (

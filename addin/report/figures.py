@@ -20,7 +20,7 @@ from addin.contract.chart_tables import CHART_TABLES, GROUPS, HISTORIES
 from addin.contract.charts import CHARTS, ChartSpec, FirstCell, Label, Series, Words
 from addin.contract.palette import PALETTE, SPEED_GROUPS
 from addin.report.document import Figure
-from addin.report.numbers import clean, pretty_unit, raised
+from addin.report.numbers import clean, pretty_unit, raised, significant
 
 try:
     import matplotlib as mpl
@@ -42,8 +42,22 @@ _NAMED_LINES, _NAMED_ITEMS, _NAMELESS_LINES = (25, 3, 53.0), 300, (200, 6, 24.0)
 _FEWEST_ITEMS = 11
 #: Names of so few items stand upright.
 _UPRIGHT = 7
+#: Least height of letters. [pt]
+_SMALLEST = 8.0
+#: Height of a name in the interference diagram over that of the diagram. [1]
+_NAME_LINE = 0.036
+#: Least distance of numbers of per cent speed, and of names of modes, over the width. [1]
+_TICK, _MODE_NAME = 0.035, 0.085
+#: A limit is drawn where it is at most so many times the largest value. [1]
+_FARTHEST = 2.0
+#: Longest title of an axis that stands on end. [characters]
+_UP = 20
+#: Longest title of a panel. [characters]
+_TITLE = 88
+#: Height of three panels and more over that of the charts. [1]
+_CLOSE = 0.82
 #: Characters of a legend in one line.
-_LEGEND = 110
+_LEGEND = 96
 #: Stations whose names stand below a picture of mode shapes.
 _NAMED_STATIONS = 40
 #: Width of a line in a picture over that in the workbook, whose charts are larger. [1]
@@ -103,6 +117,8 @@ class Pictures:
         True  #: Which forms are wanted: for the PDF, for the DOCX; with neither the drawing itself.
     )
     pixels: bool = False  #: Likewise.
+    #: Limit of each history with its name, None where the element has none. [shown units]
+    limits: Sequence[tuple[str, float] | None] = ()
 
     # ---- the train -----------------------------------------------------------------------------
 
@@ -188,13 +204,16 @@ class Pictures:
         if not specs:
             return None
         with _style():
-            height = sum(spec.height for spec in specs)
+            height = sum(spec.height for spec in specs) * (_CLOSE if len(specs) > 2 else 1.0)
             drawing, axes = _new(len(specs), height, sharex=same_x)
             for ax, spec in zip(axes, specs, strict=True):
                 self._draw(drawing, ax, spec)
-                ax.set_ylabel(_axis(self._words(spec.y.title)))
+                across = _axis(self._words(spec.y.title))
+                if titled and len(across) > _UP:  # the title says what it is
+                    across = across[across.find("[") :]
+                ax.set_ylabel(across)
                 if titled:
-                    ax.set_title(_short(self._words(spec.title), 110))
+                    ax.set_title(_short(self._words(spec.title), _TITLE))
                     ax.axhline(0.0, color="#808080", linewidth=0.6)
             axes[-1].set_xlabel(self._words(specs[-1].x.title))
             if more is not None:
@@ -230,12 +249,13 @@ class Pictures:
             second.set_ylabel(self._words(spec.second.title))
             second.grid(False)
         end = max((float(np.nanmax(x)) for x, _ in map(self._points, spec.series) if x.size))
+        named: list[tuple[Series, tuple[float, float]]] = []
         for series in spec.series:
             x, y = self._points(series)
             if not x.size:
                 continue
             if series.name_beside and spec.name != "interference":
-                self._named_point(ax, series, (float(x[0]), float(y[0])), end)
+                named.append((series, (float(x[0]), float(y[0]))))
             if series.name_beside or series.values_beside:
                 continue
             style = {
@@ -252,7 +272,7 @@ class Pictures:
             if wanted.log:
                 scale("log")
                 _log_numbers(getattr(ax, f"{axis}axis"), wanted.number)
-        ax.tick_params(which="minor", labelsize=6)
+        ax.tick_params(which="minor", labelsize=_SMALLEST)
         ax.margins(x=0.0 if not spec.x.log else None)
         if spec.name == "interference":
             self._interference_names(ax, spec)
@@ -262,20 +282,44 @@ class Pictures:
                 ax.set_ylim(bottom=spec.y.least)
         if spec.legend:
             _legend_below(drawing, ax, 4 if len(spec.series) > 3 else 3)
+        if named:
+            self._named_points(ax, named, end)
 
-    def _named_point(self, ax: Any, series: Series, at: tuple[float, float], end: float) -> None:
-        """A point with its name on the side of the curve where there is room."""
-        colour = PALETTE[series.colour]
-        ax.plot(*at, "D", color=colour, markersize=4.5, markeredgecolor="white")
-        left = at[0] > 0.6 * end
-        shift = (-7.0 if left else 7.0, 0.0)
-        if series.name_beside == "below":  # below the curve, which rises
-            left = at[0] > 0.8 * end
-            shift = (-3.0 if left else 6.0, -9.0)
-        ax.annotate(
-            self._words(series.name), at, xytext=shift, textcoords="offset points",
-            ha="right" if left else "left", va="center", color=colour, fontsize=6.5,
-        )  # fmt: skip
+    def _named_points(
+        self, ax: Any, named: Sequence[tuple[Series, tuple[float, float]]], end: float
+    ) -> None:
+        """Points of a rising curve with their names beside it, none over another."""
+        drawing = ax.figure
+        drawing.draw_without_rendering()  # so that the axes have their place and range
+        points = 72.0 / drawing.dpi
+        taken: list[tuple[float, float, float, float]] = []
+        for series, at in named:
+            colour = PALETTE[series.colour]
+            ax.plot(*at, "D", color=colour, markersize=4.5, markeredgecolor="white")
+            words = self._words(series.name)
+            below = series.name_beside == "below"
+            left = at[0] > (0.8 if below else 0.6) * end
+            wide = 0.56 * _SMALLEST * len(words)
+            x, y = (float(v) * points for v in ax.transData.transform(at))
+            # above the curve where the name goes to the left, below it where it goes to the right
+            step = 1.2 * _SMALLEST * (1.0 if left and not below else -1.0)
+            aside, away = (-6.0 if left else 6.0), 0.6 * step
+            while True:
+                from_x = x + aside - (wide if left else 0.0)
+                box = (
+                    from_x,
+                    y + away - 0.6 * _SMALLEST,
+                    from_x + wide,
+                    y + away + 0.6 * _SMALLEST,
+                )
+                if not any(_overlap(box, other) for other in taken):
+                    break
+                away += step
+            taken.append(box)
+            ax.annotate(
+                words, at, xytext=(aside, away), textcoords="offset points", bbox=_HALO,
+                ha="right" if left else "left", va="center", color=colour, fontsize=_SMALLEST,
+            )  # fmt: skip
 
     # ---- modes ---------------------------------------------------------------------------------
 
@@ -300,7 +344,9 @@ class Pictures:
             _name_ticks(ax, range(0, len(names), step), names)
             ax.set_ylabel(self._words(spec.y.title))
             ax.set_ylim(-1.08, 1.08)
-            drawing.legend(*ax.get_legend_handles_labels(), loc="outside upper left", ncols=3)
+            handles, labels = ax.get_legend_handles_labels()
+            columns = _legend_columns(labels, 3)
+            drawing.legend(handles, labels, loc="outside upper left", ncols=columns)
             which = "" if step == 1 else f" (only one station in {step} is labelled)"
             return self._picture(drawing, f"{self._words(spec.title)}{which}")
 
@@ -325,11 +371,11 @@ class Pictures:
                 continue
             at_y = min(at_y, 0.985 * top)
             while any(
-                abs(at_y - v) < 0.028 * top and abs(at_x - u) < 0.25 * right for u, v in used
+                abs(at_y - v) < _NAME_LINE * top and abs(at_x - u) < 0.25 * right for u, v in used
             ):
-                at_y -= 0.028 * top
+                at_y -= _NAME_LINE * top
             used.append((at_x, at_y))
-            ax.annotate(_short(name, 34), (at_x, at_y), color="#505050", fontsize=6, ha="center",
+            ax.annotate(_short(name, 34), (at_x, at_y), color="#505050", fontsize=_SMALLEST, ha="center",
                         va="center", bbox=_HALO)  # fmt: skip
 
     def _mode_names(self, ax: Any, top: float) -> None:
@@ -337,7 +383,7 @@ class Pictures:
         x, y = self.charts.pair("ChartInterference", "Label speed", "Label")
         groups: list[list[float]] = []
         for f in sorted(float(v) for v in y if math.isfinite(v)):
-            if groups and f - groups[-1][-1] < 0.022 * top:
+            if groups and f - groups[-1][-1] < 0.9 * _NAME_LINE * top:
                 groups[-1].append(f)
             else:
                 groups.append([f])
@@ -347,7 +393,7 @@ class Pictures:
             if len(group) > 3:
                 words = f"{shown[0]} to {shown[-1]} ({len(group)})"
             middle = sum(group) / len(group)
-            ax.annotate(f"{words} Hz", (float(x[0]), middle), xytext=(4, 0), fontsize=6,
+            ax.annotate(f"{words} Hz", (float(x[0]), middle), xytext=(4, 0), fontsize=_SMALLEST,
                         textcoords="offset points", va="center", color=PALETTE["navy"])  # fmt: skip
 
     # ---- histories -----------------------------------------------------------------------------
@@ -363,15 +409,20 @@ class Pictures:
             Elements a picture. [count]
         """
 
-        def more(axes: Sequence[Any]) -> None:
-            self._percent_speed(axes[0], synchronous)
-            for ax in axes:
-                self._crossed_modes(ax)
-
         drawn = [f"history {k}" for k in range(1, HISTORIES + 1) if self.has_curve(f"history {k}")]
         pictures = []
         for start in range(0, len(drawn), together):
             some = drawn[start : start + together]
+            limits = [self._limit(name) for name in some]
+
+            def more(
+                axes: Sequence[Any], limits: Sequence[tuple[str, float] | None] = limits
+            ) -> None:
+                self._percent_speed(axes[0], synchronous)
+                for ax, limit in zip(axes, limits, strict=True):
+                    _limit_lines(ax, limit)
+                    self._crossed_modes(ax)
+
             titles = "; ".join(self._words(CHARTS[name].title) for name in some)
             pictures.append(
                 self.panels(
@@ -380,6 +431,11 @@ class Pictures:
             )
         return [picture for picture in pictures if picture is not None]
 
+    def _limit(self, name: str) -> tuple[str, float] | None:
+        """The limit of a history by the name of its chart."""
+        k = int(name.rpartition(" ")[2]) - 1
+        return self.limits[k] if k < len(self.limits) else None
+
     def _percent_speed(self, ax: Any, synchronous: float | None) -> None:
         """Per cent speed above a picture against time, where the speed first gets there."""
         time, speed = self.charts.pair("ChartSpeedTime", "Time", "Speed")
@@ -387,25 +443,38 @@ class Pictures:
             return
         reached = np.maximum.accumulate(speed) / (synchronous * 30.0 / math.pi)
         shares = np.arange(math.ceil(10.0 * reached[0]), math.floor(10.0 * reached[-1]) + 1) / 10.0
+        ticks: list[tuple[float, str]] = []
+        for share in shares:
+            when = float(time[np.searchsorted(reached, share)])
+            if not ticks or when - ticks[-1][0] > _TICK * float(time[-1] - time[0]):
+                ticks.append((when, f"{100.0 * share:.0f}"))
         above = ax.secondary_xaxis("top")
-        above.set_xticks(
-            [float(time[np.searchsorted(reached, share)]) for share in shares],
-            [f"{100.0 * share:.0f}" for share in shares],
-            fontsize=6.5,
-        )
-        above.set_xlabel("Speed [%]", fontsize=7)
+        above.set_xticks([t for t, _ in ticks], [name for _, name in ticks], fontsize=_SMALLEST)
+        above.set_xlabel("Speed [%]", fontsize=_SMALLEST)
 
     def _crossed_modes(self, ax: Any) -> None:
         """Where 2 × slip frequency crosses a mode."""
         columns = self.charts.columns["ChartCrossings"]
-        for k, time in enumerate(columns["Time"], start=1):
+        low, high = ax.get_xlim()
+        levels: list[float] = []  # where the last name of each line of names stands
+        for k, time in sorted(
+            ((k, t) for k, t in enumerate(columns["Time"], start=1) if t is not None),
+            key=lambda pair: float(pair[1]),
+        ):
             name = self.charts.labels.get(f"Crossing {k}", "")
-            if time is None or not name.strip():
+            if not name.strip():
                 continue
             ax.axvline(time, color=PALETTE["rust"], linewidth=0.6, linestyle=":")
+            share = (float(time) - low) / (high - low)
+            level = next(
+                (n for n, last in enumerate(levels) if share - last > _MODE_NAME), len(levels)
+            )
+            levels[level : level + 1] = [share]
+            left = share > _MODE_NAME
             ax.annotate(
-                name.partition(":")[0], (time, 1.0), xycoords=("data", "axes fraction"), xytext=(-2, -2),
-                textcoords="offset points", ha="right", va="top", color=PALETTE["rust"], fontsize=6.5,
+                name.partition(":")[0], (time, 1.0), xycoords=("data", "axes fraction"), bbox=_HALO,
+                xytext=(-3 if left else 3, -3 - 1.3 * _SMALLEST * level), textcoords="offset points",
+                ha="right" if left else "left", va="top", color=PALETTE["rust"], fontsize=_SMALLEST,
             )  # fmt: skip
 
     def reversal(self) -> Figure | None:
@@ -449,7 +518,7 @@ class Pictures:
                     scale("log")
                     axis.set_major_formatter(_plain_number)
                     axis.set_minor_formatter(_some_plain_numbers)
-            ax.tick_params(which="minor", labelsize=6)
+            ax.tick_params(which="minor", labelsize=_SMALLEST)
             ax.set(xlabel=clean(across), ylabel=clean(up))
             if any(name for name, _ in series):
                 _legend_below(drawing, ax, 3)
@@ -505,6 +574,13 @@ class Pictures:
 _HALO = {"boxstyle": "square,pad=0.12", "facecolor": "white", "edgecolor": "none", "alpha": 0.85}
 
 
+def _overlap(one: tuple[float, ...], other: tuple[float, ...]) -> bool:
+    """Whether two boxes (left, bottom, right, top) have a common part."""
+    return (
+        one[0] < other[2] and other[0] < one[2] and one[1] < other[3] and other[1] < one[3]
+    )  # fmt: skip
+
+
 def _style() -> Any:
     """Settings of this module, whatever the user's own are."""
     own = {"axes.titlecolor": PALETTE["navy"], "backend": "agg"}
@@ -520,20 +596,44 @@ def _new(panels: int, height: float, sharex: bool = False) -> tuple[Drawing, lis
     return drawing, list(axes[:, 0])
 
 
+def _limit_lines(ax: Any, limit: tuple[str, float] | None) -> None:
+    """Lines at both signs of a limit with its name; in words alone where they would flatten the curve."""
+    if limit is None:
+        return
+    name, value = limit
+    ax.set_title(_short(ax.get_title(loc="left"), _TITLE - 42), loc="left")
+    low, high = ax.get_ylim()
+    words = f"{name} ±{significant(value, 4)}"
+    if value > _FARTHEST * max(-low, high):
+        words = f"{words} (beyond)"
+    else:
+        room = 0.08 * value
+        ax.set_ylim(min(low, -value - room), max(high, value + room))
+        for y in (value, -value):
+            ax.axhline(y, color=PALETTE["fail_ink"], linewidth=0.9, linestyle="--")
+    ax.set_title(
+        words, loc="right", fontsize=_SMALLEST, fontweight="normal", color=PALETTE["fail_ink"]
+    )
+
+
 def _legend_below(drawing: Drawing, ax: Any, columns: int) -> None:
     """Names of the curves below everything; the layout keeps room for them."""
     handles, names = ax.get_legend_handles_labels()
     names = [_short(name, 70) for name in names]
-    while columns > 1 and columns * (max(map(len, names), default=0) + 6) > _LEGEND:
-        columns -= 1
+    columns = _legend_columns(names, columns)
     drawing.legend(handles, names, loc="outside lower center", ncols=columns)
+
+
+def _legend_columns(names: Sequence[str], most: int) -> int:
+    """How many names fit beside each other. [count]"""
+    return max(1, min(most, _LEGEND // (max(map(len, names), default=0) + 6)))
 
 
 def _name_ticks(ax: Any, items: Sequence[int], names: Sequence[str]) -> None:
     """Names below the axis; many stand on end."""
     few = len(items) <= _UPRIGHT
     shown = [_short(names[at], 18 if few else _LONGEST) for at in items]
-    ax.set_xticks(list(items), shown, rotation=0 if few else 90, fontsize=6)
+    ax.set_xticks(list(items), shown, rotation=0 if few else 90, fontsize=_SMALLEST)
 
 
 def _short(name: str, longest: int) -> str:

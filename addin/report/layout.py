@@ -16,7 +16,7 @@ from addin.report.document import Block, Column, Paragraph, Section, Table
 #: Width of the text on either paper. [mm]
 TEXT_WIDTH = 170.0
 #: Width of a character of a table, of the wider of both writers, and the margins of a cell. [mm]
-_CHARACTER, _MARGINS = 1.42, 3.0
+_CHARACTER, _MARGINS = 1.48, 3.0
 #: Capitals and other wide letters of short words. [mm]
 _SLACK = 1.4
 #: Longest words that are not broken, as much room as there is. [characters]
@@ -134,18 +134,38 @@ def room(width: float) -> int:
     return max(int((width - _MARGINS) / _CHARACTER), 4)
 
 
-#: A table of at most so many lines of text is not broken over pages. [count]
-_SHORT = 22
+#: Rows that a broken table leaves on a page at least, and a group that is not broken at most. [count]
+_ROWS, _GROUP = 3, 8
+#: A row with a longer cell may fill a page. [characters]
+_LOW = 240
 
 
-def stays_together(table: Table) -> bool:
-    """Whether a table is short enough to be kept on one page."""
-    fits = [room(width) for width in column_widths(table)]
-    lines = (
-        max(math.ceil(1.1 * len(cell) / n) for cell, n in zip(row, fits, strict=True))
-        for row in table.rows
-    )
-    return table.together or sum(max(n, 1) for n in lines) <= _SHORT
+def rows_together(table: Table) -> list[int]:
+    """How a table longer than a page may be broken.
+
+    Parameters
+    ----------
+    table : Table
+        The table.
+
+    Returns
+    -------
+    list of int
+        Rows that stay together, one number a group: rows of the same name, the first three, the last three. [count]
+    """
+    count = len(table.rows)
+    if any(len(cell) > _LOW for row in table.rows for cell in row):
+        return [1] * count
+    groups: list[int] = []
+    for k, row in enumerate(table.rows):
+        if k and groups[-1] < _GROUP and row[0] in ("", table.rows[k - 1][0]):
+            groups[-1] += 1
+        else:
+            groups.append(1)
+    for ends in (slice(0, 2), slice(-2, None)):
+        while len(groups) > 1 and groups[ends.start] < _ROWS:
+            groups[ends] = [sum(groups[ends])]
+    return groups
 
 
 #: Paragraphs that open a section stay with what follows where they are together no longer. [characters]
@@ -162,7 +182,7 @@ def held_paragraphs(section: Section) -> int:
 
 
 def fitted(sections: Sequence[Section]) -> tuple[Section, ...]:
-    """Sections whose tables all fit: one that is too wide is split, its first column repeated."""
+    """Sections whose tables all fit: one that is too wide is split, with the names of its rows in each part."""
 
     made = []
     for section in sections:
@@ -212,10 +232,12 @@ def _parted(table: Table) -> list[Table]:
     least = _leasts(table)
     if sum(least) <= _TIGHT * TEXT_WIDTH or len(table.columns) < 3:
         return [table]
-    parts: list[list[int]] = [[0]]
-    for k in range(1, len(least)):
-        if len(parts[-1]) > 1 and sum(least[i] for i in parts[-1]) + least[k] > _TIGHT * TEXT_WIDTH:
-            parts.append([0])
+    names = [*range(_names(table, least))]
+    parts: list[list[int]] = [[*names]]
+    for k in range(len(names), len(least)):
+        wide = sum(least[i] for i in parts[-1]) + least[k] > _TIGHT * TEXT_WIDTH
+        if wide and len(parts[-1]) > len(names):
+            parts.append([*names])
         parts[-1].append(k)
     return [
         replace(
@@ -227,6 +249,13 @@ def _parted(table: Table) -> list[Table]:
         )
         for n, part in enumerate(parts, start=1)
     ]
+
+
+def _names(table: Table, least: Sequence[float]) -> int:
+    """How many columns name a row, in each part: two where names of the first come again."""
+    firsts = [row[0] for row in table.rows]
+    twice = len(set(firsts)) < len(firsts) and table.columns[1].kind == "text"
+    return 2 if twice and len(least) > 3 and sum(least[:2]) < 0.5 * TEXT_WIDTH else 1
 
 
 def soft(text: str, longest: int) -> str:

@@ -9,6 +9,7 @@ from addin.contract.digests import short_digest
 from addin.contract.problems import shortened
 from addin.contract.texts import NOTES
 from addin.diff.changes import Differences
+from addin.report.cases import governing
 from addin.report.document import (
     Column,
     Cover,
@@ -187,6 +188,9 @@ def conclusions(subject: Subject) -> Iterator[str]:
             f"Not judged, or only in part: {', '.join(open_checks)}. The table of verdicts names the "
             f"elements; this report makes no statement on them.{ended}"
         )
+    governs = governing(subject)
+    if governs:
+        yield governs
     near = _nearest_modes(subject)
     for mode in near:
         yield _where_to_act(subject, mode)

@@ -71,8 +71,8 @@ def _chosen_margins(rows: Sequence[Row]) -> list[Row]:
 
 
 _STEADY = (
-    "Element", "Excitation", "Frequency", "Applied at", "Applied torque", "Torque",
-    "Zero-to-peak stress", "Peak-to-peak stress", "Allowable", "Verdict",
+    "Element", "Excitation", "Frequency", "Torque", "Zero-to-peak stress", "Peak-to-peak stress",
+    "Allowable", "Verdict", "Applied at", "Applied torque",
 )  # fmt: skip
 
 

@@ -161,10 +161,10 @@ def reversals(subject: Subject) -> Section:
     startup = subject.calculation.startup
     if startup is None:
         words = Paragraph("No start was calculated, hence no reversal.")
-        return section(title, words, parts=[_makers(subject)])
+        return section(title, words)
     if not rows:
         sentence = "The train has no gear mesh and no geared coupling, so no teeth can unload."
-        return section(title, Paragraph(sentence), parts=[_makers(subject)])
+        return section(title, Paragraph(sentence))
     table = subject.table(
         "TorqueReversals", "Torque reversals in the start",
         note="Torques of the From side at its own speed. A reversal is one passage below zero "
@@ -185,11 +185,11 @@ def reversals(subject: Subject) -> Section:
         if forces
         else None,
         subject.pictures.reversal(),
-        parts=[_makers(subject), section("Limits used in practice", Listing(practice))],
+        parts=[section("Limits used in practice", Listing(practice))],
     )
 
 
-def _makers(subject: Subject) -> Section:
+def makers(subject: Subject) -> Section:
     """What the makers of couplings and gears must know, a column each; shafts have the rows of the peaks."""
     title, rows = "Sheet to the makers", subject.rows("MakerSheet")
     makers_of = {str(e.element) for e in links(subject.calculation.case)}

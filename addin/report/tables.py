@@ -14,6 +14,7 @@ from addin.contract.shown_cell import shown_cell
 from addin.contract.tables import Field, TableSpec, table
 from addin.reading.typed_case import Entry
 from addin.report.document import Column, Table
+from addin.report.layout import folded
 from addin.report.numbers import clean, of_dimension, pretty_unit
 from addin.report.units import DocumentUnits, entry_text
 
@@ -246,7 +247,7 @@ def with_column(
 
 
 def turned(table: Table, together: int = 4, without: Sequence[str] = ()) -> list[Table]:
-    """A table with many columns and few rows, turned: a line a quantity, a column an item."""
+    """A table with many columns and few rows, turned: a line a quantity, a column an item; in halves where it is narrow."""
     tables = []
     for start in range(0, len(table.rows), together):
         items = table.rows[start : start + together]
@@ -261,5 +262,5 @@ def turned(table: Table, together: int = 4, without: Sequence[str] = ()) -> list
             for k, column in enumerate(table.columns)
             if k and column.header not in without
         )
-        tables.append(replace(table, columns=heads, rows=lines))
+        tables += folded(replace(table, columns=heads, rows=lines))
     return tables

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import datetime as dt
 import io
+import itertools
 import zipfile
 from collections.abc import Iterator, Sequence
 from typing import Any
@@ -27,7 +28,9 @@ from addin.report.document import (
     tone_of,
 )
 from addin.report.formula import Node
-from addin.report.layout import TEXT_WIDTH, column_widths, held_paragraphs, stays_together
+from addin.report.layout import TEXT_WIDTH, column_widths, rows_together
+from addin.report.pages import Place, nodes, page_ends, pieces, whole_tables, word_heights
+from addin.report.pdf import ABOVE, BELOW, block_heights
 
 try:
     from docx import Document as new_document
@@ -40,6 +43,8 @@ try:
 
     #: Width, left and right margin of a page whose template states none.
     _USUAL = (Mm(210), Mm(20), Mm(20))
+    #: Height, upper and lower margin likewise.
+    _USUAL_UPRIGHT = (Mm(297), Mm(25), Mm(25))
 except ImportError:  # `torsionbook report` says so before anything is calculated
     pass
 
@@ -53,6 +58,8 @@ _AFTER_SHADE = ("w:noWrap", "w:tcMar", "w:textDirection", "w:tcFitText", "w:vAli
 _CELL_MARGIN = 75
 #: Twentieths of a point in a millimetre.
 _TWENTIETHS = 1440.0 / 25.4
+#: Share of a page that is filled by estimated heights. [1]
+_SURE = 0.965
 #: Facts up to so many stay on one page. [count]
 _FEW = 6
 #: Size of the title by its least length. [characters, point]
@@ -79,6 +86,7 @@ def docx_of(document: Document, template: bytes | None = None) -> bytes:
     writer = _Writer(document, template)
     writer.cover(document)
     writer.contents(document.sections)
+    writer.arrange(document)
     for section in document.sections:
         writer.section(section, 1)
     made = io.BytesIO()
@@ -111,6 +119,9 @@ class _Writer:
         self.is_own = template is None
         self.bookmarks = 0
         self.style_ids: dict[str, str] = {}
+        self.order: Iterator[tuple[int, Place]] = iter(())
+        self.ends: frozenset[int] = frozenset()
+        self.whole: frozenset[int] = frozenset()
         if template is not None:
             self._empty()
         self._properties(document)
@@ -154,7 +165,7 @@ class _Writer:
         for name, font, size, colour, after in (
             ("Report caption", _TEXT_FONT, 9.0, _INK, 4.0),
             ("Report note", _TEXT_FONT, 8.5, _GREY, 10.0),
-            ("Report cell", _TABLE_FONT, 7.5, _INK, 0.0),
+            ("Report cell", _TABLE_FONT, 8.0, _INK, 0.0),
             ("Report fact", _TEXT_FONT, 9.5, _INK, 0.0),
         ):
             style = self._style(name)
@@ -179,12 +190,17 @@ class _Writer:
             width, height = _PAPERS[document.paper]
             page.page_width, page.page_height = Mm(width), Mm(height)
             page.left_margin = page.right_margin = Mm((width - TEXT_WIDTH) / 2.0)
-            page.top_margin, page.bottom_margin = Mm(25), Mm(22)
+            page.top_margin, page.bottom_margin = Mm(ABOVE), Mm(BELOW)
             page.header_distance = page.footer_distance = Mm(11)
             page.different_first_page_header_footer = True
         sides = (page.page_width, page.left_margin, page.right_margin)
         whole, left, right = (side or default for side, default in zip(sides, _USUAL, strict=True))
         self.width = (whole - left - right) / Mm(1)
+        upright = (page.page_height, page.top_margin, page.bottom_margin)
+        high, top, bottom = (
+            side or default for side, default in zip(upright, _USUAL_UPRIGHT, strict=True)
+        )
+        self.height = (high - abs(top) - abs(bottom)) / Mm(1)
         if not self._says_something(page.header):
             head = page.header.paragraphs[0]
             self._line(head, document.head, document.short_title)
@@ -272,43 +288,66 @@ class _Writer:
 
     # ---- sections ------------------------------------------------------------------------------
 
+    def arrange(self, document: Document) -> None:
+        """Choose where pages end and which tables stay whole, by heights estimated from those of the PDF."""
+        sections = document.sections
+        heights = word_heights(sections, block_heights(document), self.width, TEXT_WIDTH)
+        self.order = enumerate(nodes(sections))
+        placed = pieces(sections, heights, self.height)
+        self.ends = page_ends(placed, _SURE * self.height, every=True)
+        self.whole = whole_tables(sections, heights, self.height)
+
     def section(self, section: Section, level: int) -> None:
         """A heading and what stands below it."""
         heading = self.file.add_heading(level=level)
         self.bookmarks += 1
         start = _element("w:bookmarkStart", id=self.bookmarks, name=_anchor(section))
         heading._p.append(start)
-        heading.paragraph_format.page_break_before = section.is_first_appendix or None
+        at, _ = next(self.order)
+        ends = section.is_first_appendix or at in self.ends
+        heading.paragraph_format.page_break_before = ends or None
         heading.add_run(_heading(section))
         heading._p.append(_element("w:bookmarkEnd", id=self.bookmarks))
-        held = held_paragraphs(section)
-        for k, block in enumerate(section.blocks):
-            self._block(block, held=k < held)
+        for block in section.blocks:
+            at, node = next(self.order)
+            first = self._block(block, held=node.held, whole=at in self.whole)
+            if first is not None and at in self.ends:
+                first.paragraph_format.page_break_before = True
         for part in section.parts:
             self.section(part, level + 1)
 
-    def _block(self, block: Block, *, held: bool) -> None:
+    def _block(self, block: Block, *, held: bool, whole: bool) -> Any:
+        """A block; its first paragraph, None where that stands in a table."""
         if isinstance(block, Paragraph):
-            self._sentences(block).paragraph_format.keep_with_next = held or None
-        elif isinstance(block, Listing):
-            for item in block.items:
-                paragraph = self.file.add_paragraph()
-                shape = paragraph.paragraph_format
-                shape.left_indent, shape.first_line_indent = Mm(5), Mm(-5)
-                shape.space_after = Pt(3)
-                shape.tab_stops.add_tab_stop(Mm(5))
-                _run(paragraph, f"{block.marker}\t", 10.0, _NAVY)
-                paragraph.add_run(item)
-        elif isinstance(block, Facts):
+            paragraph = self._sentences(block)
+            paragraph.paragraph_format.keep_with_next = held or None
+            return None if block.kind == "alert" else paragraph
+        if isinstance(block, Listing):
+            return self._listing(block)
+        if isinstance(block, Facts):
             self.facts(block.rows, block.width)
         elif isinstance(block, Table):
-            self._table(block)
+            return self._table(block, whole=whole)
         elif isinstance(block, Figure):
-            self._figure(block)
+            return self._figure(block)
         elif isinstance(block, Equation):
-            self._equation(block)
+            return self._equation(block)
         elif isinstance(block, SignatureBox):
             self.signatures(block, 12.0)
+        return None
+
+    def _listing(self, block: Listing) -> Any:
+        first = None
+        for item in block.items:
+            paragraph = self.file.add_paragraph()
+            first = first or paragraph
+            shape = paragraph.paragraph_format
+            shape.left_indent, shape.first_line_indent = Mm(5), Mm(-5)
+            shape.space_after = Pt(3)
+            shape.tab_stops.add_tab_stop(Mm(5))
+            _run(paragraph, f"{block.marker}\t", 10.0, _NAVY)
+            paragraph.add_run(item)
+        return first
 
     def _sentences(self, block: Paragraph) -> Any:
         if block.kind == "alert":
@@ -325,7 +364,7 @@ class _Writer:
         _run(paragraph, text, size, ink)
         return paragraph
 
-    def _caption(self, kind: str, number: int, words: str, *, above: bool) -> None:
+    def _caption(self, kind: str, number: int, words: str, *, above: bool) -> Any:
         paragraph = self._paragraph("Report caption")
         shape = paragraph.paragraph_format
         shape.keep_with_next = above
@@ -333,17 +372,28 @@ class _Writer:
             shape.space_before, shape.space_after = Pt(2), Pt(12)
         _run(paragraph, f"{kind} {number}  ", 9.0, _NAVY, bold=True)
         paragraph.add_run(words)
+        return paragraph
 
-    def _table(self, table: Table) -> None:
-        self._caption("Table", table.number, table.caption, above=True)
-        self._cells(table)
+    def _table(self, table: Table, *, whole: bool) -> Any:
+        caption = self._caption("Table", table.number, table.caption, above=True)
+        self._cells(table, whole=whole)
+        if not table.note:
+            self._gap(8.0)
+            return caption
         note = self._paragraph("Report note")
         note.paragraph_format.space_before = Pt(3)
         note.add_run(table.note)
+        return caption
 
-    def _cells(self, table: Table) -> None:
-        """The cells of a table, its header repeated on each page."""
-        together = stays_together(table)
+    def _cells(self, table: Table, *, whole: bool = True) -> None:
+        """The cells of a table, its header repeated on each page; rows that stay together do so by their paragraphs."""
+        lengths = [len(table.rows)] if whole else rows_together(table)
+        last = {0, *itertools.accumulate(lengths)} if not whole else set()
+        if table.note:
+            last -= {len(table.rows)}
+        else:
+            last |= {len(table.rows)}
+        last -= {0}  # the head stays with the first rows
         lines = [[column.header for column in table.columns], *table.rows]
         rows = self._rows(len(lines), column_widths(table, self.width), "Report cell")
         for k, ((row, cells), texts) in enumerate(zip(rows, lines, strict=True)):
@@ -353,23 +403,23 @@ class _Writer:
                 paragraph = cell.paragraphs[0]
                 if column.kind == "number":
                     paragraph.alignment = WD_ALIGN_PARAGRAPH.RIGHT
-                if together and k < len(table.rows):
+                if k not in last:
                     paragraph.paragraph_format.keep_with_next = True
                 if column.kind == "gap":
                     continue
                 if not k:
                     _shade(cell, _MIST)
                     _edges(cell, top=(_NAVY, 8), bottom=(_RULE, 4))
-                    _run(paragraph, text, 7.5, _NAVY, bold=True, font=_TABLE_FONT)
+                    _run(paragraph, text, 8.0, _NAVY, bold=True, font=_TABLE_FONT)
                     if column.unit:
                         paragraph.add_run().add_break()
-                        _run(paragraph, column.unit, 7.5, _GREY, font=_TABLE_FONT)
+                        _run(paragraph, column.unit, 8.0, _GREY, font=_TABLE_FONT)
                     continue
                 _edges(cell, bottom=(_RULE, 4))
                 tone = tone_of(text) if column.kind == "verdict" else ""
                 if tone:
                     ink = _TONES[tone][0]
-                    _run(paragraph, text, 7.5, ink, bold=tone != "open", font=_TABLE_FONT)
+                    _run(paragraph, text, 8.0, ink, bold=tone != "open", font=_TABLE_FONT)
                 elif text:
                     paragraph.add_run(text)
 
@@ -431,7 +481,7 @@ class _Writer:
                 _run(paragraph, text, 8.5, colour, bold=not k, font=_TABLE_FONT)
         self._gap(2.0)
 
-    def _figure(self, figure: Figure) -> None:
+    def _figure(self, figure: Figure) -> Any:
         paragraph = self.file.add_paragraph()
         shape = paragraph.paragraph_format
         shape.keep_with_next = True
@@ -441,8 +491,9 @@ class _Writer:
         picture._inline.docPr.set("descr", figure.caption)
         picture._inline.docPr.set("name", f"Figure {figure.number}")
         self._caption("Figure", figure.number, figure.caption, above=False)
+        return paragraph
 
-    def _equation(self, equation: Equation) -> None:
+    def _equation(self, equation: Equation) -> Any:
         name = self._paragraph("Report caption")
         name.paragraph_format.keep_with_next = True
         _run(name, equation.name, 9.5, _NAVY, bold=True)
@@ -458,6 +509,7 @@ class _Writer:
         where.paragraph_format.space_after = Pt(8)
         where.add_run(equation.where)
         _run(where, f" Source: {equation.source}.", 9.5, _GREY)
+        return name
 
     # ---- parts ---------------------------------------------------------------------------------
 

@@ -23,7 +23,7 @@ PSI = 6894.757293168361
 SECTIONS = (
     "Summary", "Scope and basis", "Inputs", "Natural frequencies and mode shapes",
     "Interference and separation margins", "Steady-state response", "Start-up", "Torque reversals",
-    "Fatigue and allowable starts",
+    "Fatigue and allowable starts", "Sheet to the makers",
 )  # fmt: skip
 APPENDICES = (
     "Effects simulated and left out", "Accuracy and what it cost", "Equations and references",

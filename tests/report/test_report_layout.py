@@ -69,11 +69,25 @@ def test_columns_never_exceed_the_text(table):
 @given(tables())
 def test_a_parted_table_holds_every_cell_once(table):
     parts = [b for b in blocks_of(fitted((Section("S", (table,)),))) if isinstance(b, Table)]
-    kept = [column for part in parts for column in part.columns[1:]]
-    assert kept == list(table.columns[1:])
+    # one column names the rows, or two; each part has them
+    names = min(len(part.columns) for part in parts) if len(parts) > 1 else 1
+    names = 2 if names > 2 and all(part.columns[1] is table.columns[1] for part in parts) else 1
+    kept = [column for part in parts for column in part.columns[names:]]
+    assert kept == list(table.columns[names:])
     for n, row in enumerate(table.rows):
-        assert [cell for part in parts for cell in part.rows[n][1:]] == list(row[1:])
-        assert {part.rows[n][0] for part in parts} == {row[0]}
+        assert [cell for part in parts for cell in part.rows[n][names:]] == list(row[names:])
+        assert {part.rows[n][:names] for part in parts} == {row[:names]}
+
+
+def test_parts_of_a_table_have_both_names_where_the_first_comes_again():
+    heads = ("Event", "Element", *(f"Quantity number {k}" for k in range(12)))
+    columns = tuple(Column(head, "", "number" if k > 1 else "text") for k, head in enumerate(heads))
+    rows = tuple(("fault", name, *["1,234.5"] * 12) for name in ("Motor shaft", "HS coupling"))
+    parts = list(blocks_of(fitted((Section("S", (Table("T", columns, rows),)),))))
+    assert len(parts) > 1
+    for part in parts:
+        assert isinstance(part, Table)
+        assert [row[:2] for row in part.rows] == [row[:2] for row in rows]
 
 
 @given(tables(most_columns=3, most_rows=200))
@@ -141,7 +155,7 @@ def test_a_broken_table_leaves_three_rows_and_its_note_is_never_alone(tmp_path, 
     block |= {"type": "table", "together": False, "number": 1}
     start = TEMPLATE.read_text(encoding="utf-8").split("// --- cover")[0]
     lines = f"#for k in range({above}) {{ par(str(k)) }}\n#show-table(data.table)\n"
-    data = {"cover": {"title": "T"}, "author": "", "paper": "a4", "margin": 20, "head": "", "foot": "",
+    data = {"cover": {"title": "T"}, "author": "", "paper": "a4", "margin": 20, "above": 25, "below": 22, "head": "", "foot": "",
             "short_title": "", "table": block}  # fmt: skip
     made = typst.compile((start + lines).encode(), sys_inputs={"data": json.dumps(data)})
     (tmp_path / "t.pdf").write_bytes(made)
@@ -151,6 +165,9 @@ def test_a_broken_table_leaves_three_rows_and_its_note_is_never_alone(tmp_path, 
         assert count == 0 or count >= 3
         assert "Caption" not in page or count
         assert "Note." not in page or count
+        # what a page continues it says, above the head that is repeated
+        assert ("(continued)" in page) == (count > 0 and "row00" not in page)
+        assert count == 0 or "Number" in page
 
 
 def test_a_paragraph_that_leads_to_something_is_held():
@@ -175,14 +192,16 @@ def test_a_heading_stands_on_the_page_of_its_figure(tmp_path, above, kind):
 
     import typst
 
+    from addin.report.pages import nodes
     from addin.report.pdf import TEMPLATE, _section
 
     drawing = b'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 170 90"/>'
     figure = Figure("Interference", drawing, b"", 170.0, 90.0, 1)
-    section = _section(Section("Margins", (Paragraph("All kept.", kind), figure), number="5"))
+    chapter = Section("Margins", (Paragraph("All kept.", kind), figure), number="5")
+    section = _section(chapter, enumerate(nodes((chapter,))))
     start = TEMPLATE.read_text(encoding="utf-8").split("// --- cover")[0]
     lines = f"#for k in range({above}) {{ par(str(k)) }}\n#show-section(data.section, 1)\n"
-    data = {"cover": {"title": "T"}, "author": "", "paper": "a4", "margin": 20, "head": "", "foot": "",
+    data = {"cover": {"title": "T"}, "author": "", "paper": "a4", "margin": 20, "above": 25, "below": 22, "head": "", "foot": "",
             "short_title": "", "section": section}  # fmt: skip
     made = typst.compile((start + lines).encode(), sys_inputs={"data": json.dumps(data)})
     (tmp_path / "t.pdf").write_bytes(made)
