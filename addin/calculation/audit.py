@@ -22,6 +22,7 @@ from addin.contract.sources import (
     STEADY,
 )
 from addin.contract.version import product_version
+from engine.case.choices import MeanStress
 from engine.case.result_words import NoNumber
 from engine.plan.decision import EffectDecision
 from engine.results.results import Results
@@ -178,7 +179,10 @@ def _settings(results: Results) -> Iterator[tuple[str, str]]:
         yield "Method of the start", start.method
         yield "Outcome of the start", start.outcome.sentence
     yield "Rainflow residue", case.rainflow_residue or f"half cycles ({RAINFLOW.cited})"
-    yield "Mean stress", "ignored; amplitude = half range"
+    if case.mean_stress == MeanStress.GOODMAN:
+        yield "Mean stress", "Goodman with 0.67 UTS; amplitude = half range"
+    else:
+        yield "Mean stress", "ignored; amplitude = half range"
     yield (
         "Element torque in a start",
         "elastic torque, stiffness × twist; a rigid mesh by equilibrium",

@@ -29,7 +29,8 @@ from addin.contract.chart_tables import (
 from addin.contract.shown_units import ShownUnits
 from engine.case.data import CaseData, ElementRow
 from engine.errors import TorsionError
-from engine.fatigue.sn_curve import sn_curve_for
+from engine.fatigue.shaft_strength import notch_effect, shaft_strength
+from engine.fatigue.sn_curve import SNCurve, sn_curve_for
 from engine.fatigue.stress import stress_of_unit_torque
 from engine.model.links import shaft_stiffness
 from engine.model.sections import Section, sections_of, series_stiffness
@@ -471,7 +472,8 @@ def _drawn_elements(
         if not e.stress_diameter:
             return kind_rank.get(e.kind or "", 3), 0.0
         largest = float(np.max(np.abs(histories[name][1]), initial=0.0))
-        return 1, -largest * stress_of_unit_torque(e) * (e.scf or 1.0)
+        kt = notch_effect(case, e).concentration.value
+        return 1, -largest * stress_of_unit_torque(e) * kt
 
     wanted: list[str | None] = [name if name in histories else None for name in chosen]
     wanted += [None] * (HISTORIES - len(wanted))
@@ -574,7 +576,11 @@ def _sn_rows(
     labels["One start"], labels["Starts required"] = "One start", "Starts required"
     shaft = governing_shaft(run)
     material = _material_of(case, shaft)
-    lines = _sn_lines(case, material)
+    element = next((e for e in case.elements if e.element == shaft), None)
+    if run is None or element is None:
+        lines = _sn_lines(case, material)
+    else:
+        lines = [_drawn_line(shaft_strength(case, element).curve)]
     labels["S-N line"] = f"S-N line, torsion: {material}" if material else "S-N lines, torsion"
     columns: list[Sequence[Cell]] = [
         *_segments([(n, s / unit) for n, s in line] for line in lines), [], [], [], []
@@ -609,11 +615,16 @@ def _sn_lines(case: CaseData, only: str | None) -> list[list[tuple[float, float]
             curve = sn_curve_for(material, points)
         except TorsionError:
             continue  # reported with its cell by the check of the inputs
-        knee = (curve.knee_cycles, curve.endurance)
-        end = (max(1e9, 10.0 * curve.knee_cycles), curve.endurance)
-        line = list(zip(curve.cycles.tolist(), curve.stress.tolist(), strict=True))
-        lines.append([*line, *([knee] if knee[0] > line[-1][0] else []), end])
+        lines.append(_drawn_line(curve))
     return lines
+
+
+def _drawn_line(curve: SNCurve) -> list[tuple[float, float]]:
+    """Points of a line, its endurance limit drawn on to 1e9 cycles."""
+    knee = (curve.knee_cycles, curve.endurance)
+    end = (max(1e9, 10.0 * curve.knee_cycles), curve.endurance)
+    line = list(zip(curve.cycles.tolist(), curve.stress.tolist(), strict=True))
+    return [*line, *([knee] if knee[0] > line[-1][0] else []), end]
 
 
 def governing_shaft(run: RunView | None) -> str | None:

@@ -249,7 +249,7 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
     Sheet(
         "Events",
         "result",
-        {"A": 1.5, "B": 16, "C": 13, "D:E": 9, "F:H": 7, "I:K": 8, "L": 8.5, "M": 11, "N:U": 7.3},
+        {"A": 1.5, "B": 16, "C": 13, "D:E": 9, "F:H": 7, "I:K": 8, "L": 8.5, "M": 11, "N:V": 7.3},
         {"EventPeaks": "B5"},
         on="Torque and motor",
         intro="Faults in operation: events of tables EventTorque and MotorEvents upon the train that "
@@ -277,6 +277,16 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
         largest=70,
     ),
     Sheet(
+        "Strength",
+        "input",
+        {"A": 1.5, "B": 19, "C:L": 10, "M": 60},
+        {"FatigueFactors": "B5", "FatigueLimits": "B18"},
+        on="Fatigue",
+        intro="Optional: stress concentration from geometry and the factors that lower the strength of a shaft. Below, the "
+        "endurance limit beside the largest stress amplitude of each judged shaft.",
+        printed_for=("FatigueFactors",),
+    ),
+    Sheet(
         "Frequencies",
         "result",
         {"A": 1.5, "B": 6, "C:D": 9, "E:F": 8, "G": 18, "H:I": 7, "J": 9, "K": 1, "L": 15, "M:V": 6.8},
@@ -299,7 +309,7 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
     Sheet(
         "Steady state",
         "result",
-        {"A": 1.5, "B": 20, "C": 20, "D": 6, "E": 9, "F": 16, "G:K": 11, "L": 24, "M:N": 10},
+        {"A": 1.5, "B": 20, "C": 20, "D": 6, "E": 9, "F": 16, "G:K": 11, "L": 24, "M:O": 10},
         {"SteadyState": "B5"},
         on="Results",
         intro="Response to continuous excitation, by default 1 % zero-to-peak of the "
