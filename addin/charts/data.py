@@ -571,7 +571,8 @@ def _sn_rows(
 ) -> Rows:
     """S-N line in torsion of the governing shaft, and how often a start exceeds a stress."""
     unit = units.factor("SNPoints", "Stress")
-    labels["S-N axis"] = f"Stress amplitude with SCF [{units.name('SNPoints', 'Stress')}]"
+    notch = "Kf" if case.fatigue_factors else "SCF"
+    labels["S-N axis"] = f"Stress amplitude with {notch} [{units.name('SNPoints', 'Stress')}]"
     labels["S-N title"] = "S-N lines (torsion)"
     labels["One start"], labels["Starts required"] = "One start", "Starts required"
     shaft = governing_shaft(run)

@@ -1536,9 +1536,9 @@ WORKBOOK_TABLES: tuple[TableSpec, ...] = (
         row_name=("Amplitude",), of_the_start=True,
         columns=(
             number(
-                "Amplitude", "pressure", "Stress amplitude of a cycle, with SCF.",
-                f"Half range of a rainflow cycle of SCF · {STRESS}", ASTM,
-                of_case=("AllowableStarts.Governing", *FATIGUE, *START), error=ReportedError.PEAKS,
+                "Amplitude", "pressure", "Stress amplitude of a cycle, with SCF or Kf.",
+                f"Half range of a rainflow cycle of Kf · {STRESS}; with Goodman over 1 − mean / 0.67 UTS", ASTM,
+                of_case=("AllowableStarts.Governing", "MeanStress", *FATIGUE, *START), error=ReportedError.PEAKS,
             ),
             number(
                 "Cycles", "count", "n: cycles in one start; 0.5 is a half cycle.",

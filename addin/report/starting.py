@@ -261,9 +261,13 @@ def _limits(subject: Subject) -> Iterator[Block]:
         yield subject.table("FatigueLimits", caption, columns, note=note)
         return
     yield from turned(subject.table("FatigueLimits", caption, note=note), without=("Sources",))
-    for row in rows:
-        if row["sources"]:
-            yield Paragraph(f"{clean(row['element'])}: {clean(row['sources'])}.", "note")
+    named = [f"{clean(r['element'])}: {clean(r['sources'])}" for r in rows if r["sources"]]
+    published = (
+        "Surface, size and reliability factors, notch sensitivity by Neuber and Goodman's line: Budynas and Nisbett, "
+        "Shigley's Mechanical Engineering Design, 9th ed.; fillets and keyways: Pilkey, Formulas for Stress, Strain, "
+        "and Structural Matrices, Table 6-1; notch sensitivity by Peterson: Dowling, Mechanical Behavior of Materials."
+    )
+    yield Paragraph(f"{'. '.join(named)}. {published}" if named else published, "note")
 
 
 def _governing(subject: Subject) -> Iterator[Block]:

@@ -26,9 +26,6 @@ from engine.fatigue.sn_curve import SNCurve, sn_curve_for
 from engine.fatigue.strength_factors import lowered_line, size_factor, surface_factor
 from engine.fatigue.stress import stress_of_unit_torque
 
-#: Where the formulas are written.
-_SHIGLEY = "Shigley, 9th ed."
-
 
 @dataclass(frozen=True)
 class Factor:
@@ -77,18 +74,18 @@ class ShaftStrength:
 
     @property
     def sources(self) -> str:
-        """Sources of all that is not as without them, in words."""
+        """What is typed, and which formula or geometry gives the rest, in words.
+
+        Where the formulas are published stands in docs/theory-fatigue.md and in the trace of each column.
+        """
         factors = (
             ("Kt", self.notch.concentration),
             ("q", self.notch.sensitivity),
             ("surface", self.surface),
             ("size", self.size),
-            ("reliability", self.reliability),
         )
         named = [f"{name}: {factor.source}" for name, factor in factors if factor.source]
-        if self.ultimate is not None:
-            named.append(f"mean: Goodman, Ssu = 0.67 UTS ({_SHIGLEY}, Eq. 6-54)")
-        return "; ".join(named)
+        return "; ".join((*named, *filter(None, (self.reliability.source,))))
 
 
 def notch_effect(case: CaseData, element: ElementRow) -> NotchEffect:
@@ -118,8 +115,7 @@ def notch_effect(case: CaseData, element: ElementRow) -> NotchEffect:
         value = fillet_concentration(geometry.shoulder, geometry.diameter, radius)
         kt = Factor(
             value,
-            f"fillet D {1e3 * geometry.shoulder:.4g}, d {1e3 * geometry.diameter:.4g}, r {1e3 * radius:.4g} mm "
-            "(Pilkey, Table 6-1 III)",
+            f"fillet {1e3 * geometry.diameter:.4g}/{1e3 * geometry.shoulder:.4g}, r {1e3 * radius:.4g} mm",
         )
     elif row.notch == NotchKind.KEYWAY:
         if radius is None:
@@ -127,7 +123,7 @@ def notch_effect(case: CaseData, element: ElementRow) -> NotchEffect:
         value = keyway_concentration(geometry.diameter, radius)
         kt = Factor(
             value,
-            f"end-milled keyway d {1e3 * geometry.diameter:.4g}, r {1e3 * radius:.4g} mm (Pilkey, Table 6-1 IV)",
+            f"keyway r {1e3 * radius:.4g} mm",
         )
     return NotchEffect(kt, _sensitivity(row, radius, _uts(case.materials, element)))
 
@@ -159,11 +155,10 @@ def _sensitivity(row: FatigueFactorRow, radius: float | None, uts: float | None)
         return Factor(row.notch_sensitivity, "typed")
     if radius is None:
         raise InternalError("a notch sensitivity needs a radius")
-    if row.notch_sensitivity == NotchSensitivity.NEUBER:
-        q, source = neuber_sensitivity(radius, _needed(uts)), f"Neuber ({_SHIGLEY}, Eq. 6-35b)"
-    else:
-        q, source = peterson_sensitivity(radius, _needed(uts)), "Peterson (Dowling)"
-    return Factor(q, f"{source}, r {1e3 * radius:.4g} mm")
+    is_neuber = row.notch_sensitivity == NotchSensitivity.NEUBER
+    formula = neuber_sensitivity if is_neuber else peterson_sensitivity
+    beside = "" if row.notch else f", r {1e3 * radius:.4g} mm"
+    return Factor(formula(radius, _needed(uts)), row.notch_sensitivity + beside)
 
 
 def _surface(row: FatigueFactorRow, uts: float | None) -> Factor:
@@ -172,7 +167,7 @@ def _surface(row: FatigueFactorRow, uts: float | None) -> Factor:
     if not isinstance(row.surface, str):
         return Factor(row.surface, "typed")
     value = surface_factor(SurfaceFinish(row.surface), _needed(uts))
-    return Factor(value, f"{row.surface} ({_SHIGLEY}, Table 6-2)")
+    return Factor(value, row.surface)
 
 
 def _size(row: FatigueFactorRow, diameter: float) -> Factor:
@@ -180,7 +175,7 @@ def _size(row: FatigueFactorRow, diameter: float) -> Factor:
         return Factor()
     if row.size != SizeRule.BY_DIAMETER:
         return Factor(float(row.size), "typed")
-    return Factor(size_factor(diameter), f"d {1e3 * diameter:.4g} mm ({_SHIGLEY}, Eq. 6-20)")
+    return Factor(size_factor(diameter), f"{1e3 * diameter:.4g} mm")
 
 
 def _reliability(row: FatigueFactorRow) -> Factor:
@@ -189,7 +184,7 @@ def _reliability(row: FatigueFactorRow) -> Factor:
     tabled = tabled_reliability(row.reliability)
     if tabled is None:
         raise InternalError(f"reliability {row.reliability} is not in the table")
-    return Factor(RELIABILITIES[tabled], f"{100.0 * tabled:.6g} % ({_SHIGLEY}, Table 6-5)")
+    return Factor(RELIABILITIES[tabled], f"{100.0 * tabled:.6g} % endure")
 
 
 def shaft_strength(case: CaseData, element: ElementRow) -> ShaftStrength:
