@@ -22,6 +22,7 @@ from addin.contract.sources import (
     STEADY,
 )
 from addin.contract.version import product_version
+from engine.case.choices import MeanStress
 from engine.case.result_words import NoNumber
 from engine.case.steels import KSI, Steel
 from engine.plan.decision import EffectDecision
@@ -190,7 +191,10 @@ def _settings(results: Results) -> Iterator[tuple[str, str]]:
     for row in case.materials:
         if row.library_steel is not None:
             yield f"Strength of {row.material}", library_words(row.library_steel)
-    yield "Mean stress", "ignored; amplitude = half range"
+    if case.mean_stress == MeanStress.GOODMAN:
+        yield "Mean stress", "Goodman with 0.67 UTS; amplitude = half range"
+    else:
+        yield "Mean stress", "ignored; amplitude = half range"
     yield (
         "Element torque in a start",
         "elastic torque, stiffness × twist; a rigid mesh by equilibrium",

@@ -30,13 +30,15 @@ from addin.contract.chart_tables import (
 from addin.contract.shown_units import ShownUnits
 from engine.case.data import CaseData, ElementRow
 from engine.errors import TorsionError
-from engine.fatigue.sn_curve import sn_curve_for
+from engine.fatigue.shaft_strength import notch_effect, shaft_strength
+from engine.fatigue.sn_curve import SNCurve, sn_curve_for
+from engine.fatigue.shaft_strength import ShaftStrength, shaft_strength
 from engine.fatigue.stress import stress_of_unit_torque
 from engine.model.links import shaft_stiffness
 from engine.model.sections import Section, sections_of, series_stiffness
 from engine.numerics.distinct import distinct
 from engine.results.verdicts import yield_torque
-from engine.start.start_fatigue import judged_shafts, sn_curve_of
+from engine.start.start_fatigue import judged_shafts
 
 #: Most points of a drawn curve that has no spikes.
 _CURVE_POINTS = 401
@@ -481,8 +483,9 @@ def _limit_of(case: CaseData, run: RunView, drawn: Drawn) -> tuple[str, float, f
     element = next(e for e in case.elements if e.element == drawn.element)
     amplitude, endurance = run.amplitudes.get(drawn.element, (0.0, 0.0))
     if endurance and amplitude > endurance and element.stress_diameter:
-        limit = drawn.per_torque * endurance / stress_of_unit_torque(element) / (element.scf or 1.0)
-        return "endurance limit / SCF", -limit, limit
+        strength = shaft_strength(case, element)
+        limit = drawn.per_torque * endurance / strength.local
+        return f"endurance limit / {_concentration(element, strength)}", -limit, limit
     peak, reversal = element.peak_torque_limit, element.reversal_limit
     if peak:
         lower = reversal if reversal is not None else peak
@@ -493,6 +496,11 @@ def _limit_of(case: CaseData, run: RunView, drawn: Drawn) -> tuple[str, float, f
         return None
     limit = drawn.per_torque * judged[1] / judged[0]
     return "shear yield", -limit, limit
+
+
+def _concentration(element: ElementRow, strength: ShaftStrength) -> str:
+    """What stress is multiplied by in fatigue: SCF as typed, or Kf of its notch."""
+    return "SCF" if strength.notch.fatigue == (element.scf or 1.0) else "Kf"
 
 
 def history_limits(
@@ -531,10 +539,10 @@ def history_limits(
         if words == "nominal shear stress":
             limit = None
             if name in fatigued:
-                torque = sn_curve_of(case, element.material).endurance / (
-                    (element.scf or 1.0) * stress_of_unit_torque(element)
-                )
-                limit = ("Endurance limit / SCF (alternating)", torque * float(unit[0]))
+                strength = shaft_strength(case, element)
+                torque = strength.curve.endurance / strength.local
+                words = f"Endurance limit / {_concentration(element, strength)} (alternating)"
+                limit = (words, torque * float(unit[0]))
         elif element.peak_torque_limit:
             limit = ("Peak torque limit", element.peak_torque_limit * float(unit[0]))
         else:
@@ -594,7 +602,8 @@ def _drawn_elements(
         if not e.stress_diameter:
             return kind_rank.get(e.kind or "", 3), 0.0
         largest = float(np.max(np.abs(histories[name][1]), initial=0.0))
-        return 1, -largest * stress_of_unit_torque(e) * (e.scf or 1.0)
+        kt = notch_effect(case, e).concentration.value
+        return 1, -largest * stress_of_unit_torque(e) * kt
 
     wanted: list[str | None] = [name if name in histories else None for name in chosen]
     wanted += [None] * (HISTORIES - len(wanted))
@@ -692,12 +701,17 @@ def _sn_rows(
 ) -> Rows:
     """S-N line in torsion of the governing shaft, and how often a start exceeds a stress."""
     unit = units.factor("SNPoints", "Stress")
-    labels["S-N axis"] = f"Stress amplitude with SCF [{units.name('SNPoints', 'Stress')}]"
+    notch = "Kf" if case.fatigue_factors else "SCF"
+    labels["S-N axis"] = f"Stress amplitude with {notch} [{units.name('SNPoints', 'Stress')}]"
     labels["S-N title"] = "S-N lines (torsion)"
     labels["One start"], labels["Starts required"] = "One start", "Starts required"
     shaft = governing_shaft(run)
     material = _material_of(case, shaft)
-    lines = _sn_lines(case, material)
+    element = next((e for e in case.elements if e.element == shaft), None)
+    if run is None or element is None:
+        lines = _sn_lines(case, material)
+    else:
+        lines = [_drawn_line(shaft_strength(case, element).curve)]
     labels["S-N line"] = f"S-N line, torsion: {material}" if material else "S-N lines, torsion"
     columns: list[Sequence[Cell]] = [
         *_segments([(n, s / unit) for n, s in line] for line in lines), [], [], [], []
@@ -732,11 +746,16 @@ def _sn_lines(case: CaseData, only: str | None) -> list[list[tuple[float, float]
             curve = sn_curve_for(material, points)
         except TorsionError:
             continue  # reported with its cell by the check of the inputs
-        knee = (curve.knee_cycles, curve.endurance)
-        end = (max(1e9, 10.0 * curve.knee_cycles), curve.endurance)
-        line = list(zip(curve.cycles.tolist(), curve.stress.tolist(), strict=True))
-        lines.append([*line, *([knee] if knee[0] > line[-1][0] else []), end])
+        lines.append(_drawn_line(curve))
     return lines
+
+
+def _drawn_line(curve: SNCurve) -> list[tuple[float, float]]:
+    """Points of a line, its endurance limit drawn on to 1e9 cycles."""
+    knee = (curve.knee_cycles, curve.endurance)
+    end = (max(1e9, 10.0 * curve.knee_cycles), curve.endurance)
+    line = list(zip(curve.cycles.tolist(), curve.stress.tolist(), strict=True))
+    return [*line, *([knee] if knee[0] > line[-1][0] else []), end]
 
 
 def governing_shaft(run: RunView | None) -> str | None:

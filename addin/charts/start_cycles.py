@@ -13,8 +13,8 @@ import numpy as np
 
 from addin.calculation.calculation import RunView
 from addin.charts.data import governing_shaft
+from engine.fatigue.shaft_strength import shaft_strength
 from engine.fatigue.sn_curve import SNCurve
-from engine.start.start_fatigue import sn_curve_of
 
 #: Most rows of table `StartCycles`.
 LISTED_CYCLES = 40
@@ -79,7 +79,7 @@ def start_cycle_facts(run: RunView) -> Mapping[str, Any]:
 
 def _curve(run: RunView, shaft: str) -> SNCurve:
     """The S-N line of a judged shaft in torsion."""
-    return sn_curve_of(run.case, next(e.material for e in run.case.elements if e.element == shaft))
+    return shaft_strength(run.case, next(e for e in run.case.elements if e.element == shaft)).curve
 
 
 def _row(amplitude: float | None, cycles: float, life: float) -> dict[str, Any]:

@@ -379,7 +379,7 @@ _SPECS = (
         "sn", "curves", Label("S-N title", r"S-N line.*"),
         Axis("Cycles", 0.1, 1e9, log=True, number="0E+0", crossing=0.1),
         Axis(
-            Label("S-N axis", r"Stress amplitude with SCF.*"), log=True, number="#,##0", crossing="min",
+            Label("S-N axis", r"Stress amplitude with (SCF|Kf).*"), log=True, number="#,##0", crossing="min",
         ),
         (
             _curve("ChartSN", "Line cycles", "Line", Label("S-N line"), "navy", 2.25),

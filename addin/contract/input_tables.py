@@ -16,9 +16,13 @@ from engine.case.choices import (
     GearType,
     MotorEventKind,
     MotorKind,
+    NotchKind,
+    NotchSensitivity,
     Scanned,
+    SizeRule,
     SNBasis,
     Starting,
+    SurfaceFinish,
     TimeConstantKind,
     TorqueBase,
 )
@@ -102,7 +106,7 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
             number(
                 "Stress bore", "length", "Bore of the section where stress is judged.", blank="0",
             ),
-            number("SCF", "ratio", "Stress concentration factor in torsion.", blank="1"),
+            number("SCF", "ratio", "Stress concentration factor in torsion.", blank="1, or of Notch in FatigueFactors"),
             text("Material", "Name of the material, from table Materials.", kind="material"),
             number(
                 "Service factor", "ratio",
@@ -509,6 +513,41 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
                 "Cycles", "count", "Cycles to failure, rising within a material.",
             ),
             number("Stress", "pressure", "Stress amplitude, zero-to-peak."),
+        ),
+    ),
+    table(
+        "FatigueFactors", sheet="Fatigue", caption="Notches and strength factors (optional)",
+        help="Stress concentration from geometry, notch sensitivity, and what lowers the strength of a shaft. Blank = SCF of "
+        "table Elements and the S-N data as they are.",
+        rows=8, row_name=("Element",), later=True,
+        columns=(
+            text("Element", "Element of table Elements with Stress diameter and Material.", kind="element"),
+            choice(
+                "Notch", tuple(NotchKind), "Notch at the Stress diameter, whose stress concentration in torsion follows.",
+                blank="SCF of table Elements",
+            ),
+            number(
+                "Notch radius", "length", "Fillet radius, or radius at the bottom of the keyway.",
+                blank="Fillet of table Sections at the Stress diameter",
+            ),
+            number(
+                "Shoulder diameter", "length", "Larger diameter behind the fillet.",
+                blank="OD beside the Stress diameter in table Sections",
+            ),
+            number(
+                "Notch sensitivity", "ratio", "q of Kf = 1 + q (Kt − 1): a number, or the formula for steel.", blank="1",
+                choices=tuple(NotchSensitivity),
+            ),
+            number(
+                "Surface", "ratio", "Surface factor: a number, or a finish.", blank="1", choices=tuple(SurfaceFinish),
+            ),
+            number(
+                "Size", "ratio", "Size factor: a number, or by diameter.", blank="1", choices=tuple(SizeRule),
+            ),
+            number(
+                "Reliability", "fraction", "Share of the parts that endure: 50, 90, 95, 99, 99.9, 99.99, 99.999 or 99.9999 %.",
+                blank="that of the S-N data",
+            ),
         ),
     ),
     table(

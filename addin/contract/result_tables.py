@@ -31,6 +31,7 @@ from addin.contract.sources import (
     ASTM,
     CLEARANCE,
     CLEARANCES,
+    CRITERION,
     CURVES,
     CURVES_FROM_DATA,
     DAMPING,
@@ -50,6 +51,8 @@ from addin.contract.sources import (
     MODAL,
     MODAL_ELECTRICAL,
     MOTOR_DATA,
+    NOTCH,
+    NOTCHES,
     OF_SECTION,
     ONE_WAY,
     PAPER,
@@ -57,13 +60,16 @@ from addin.contract.sources import (
     PHILOSOPHY,
     RAINFLOW,
     REVERSALS,
+    SAFETY,
     SECTION,
+    SHIGLEY,
     SLIP,
     SPEEDS,
     START,
     STEADY,
     STEPPED_SHAFTS,
     STRENGTH,
+    STRENGTH_FACTORS,
     STRESS,
     SUPPLY,
     SVD,
@@ -471,7 +477,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             number(
                 "Zero-to-peak stress", "pressure", "Shear stress amplitude with SCF.",
                 f"SCF · {STRESS}, T zero-to-peak", f"{STEADY}; {STRENGTH}",
-                of_row=("SteadyState.Torque", *SECTION, "Elements.SCF"), printed="Stress, 0‑pk", pane=Pane.MINOR,
+                of_row=("SteadyState.Torque", *SECTION, *NOTCH), printed="Stress, 0‑pk", pane=Pane.MINOR,
             ),
             number(
                 "Peak-to-peak stress", "pressure", "Shear stress range with SCF.",
@@ -499,6 +505,15 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 "the rise at the low end of DampingRange",
                 "docs/method.md, Distributed shafts", of_case=("DampingRange", *MODAL), format=shown.ERROR, pane=Pane.MINOR,
                 error=ReportedError.ESTIMATE,
+            ),
+            number(
+                "Safety factor", "ratio", "Limit over stress or torque, the least.",
+                "UTS/25 over the stress of StressBasis; Vibratory limit over the torque; the lower one", SAFETY,
+                of_row=(
+                    "SteadyState.Allowable", "SteadyState.Peak-to-peak stress", "SteadyState.Torque",
+                    "Elements.Vibratory limit",
+                ),
+                of_case=("StressBasis",), format=shown.TWO_DECIMALS, pane=Pane.MINOR,
             ),
         ),
         extra_columns=(
@@ -597,6 +612,15 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 "PulsationPhase of the start with the largest magnitude",
                 "docs/method.md, The worst phase", of_case=("PulsationPhase",), format=shown.ONE_DECIMAL,
                 pane=Pane.MINOR,
+            ),
+            number(
+                "Safety factor", "ratio", "Limit over the larger extreme, the least; blank: not judged.",
+                "Peak torque limit over it; Yield / 2 over its nominal stress (maximum shear theory); the lower one", SAFETY,
+                of_row=(
+                    "StartupPeaks.Maximum torque", "StartupPeaks.Minimum torque", "Elements.Peak torque limit",
+                    "Elements.Material", *SECTION,
+                ),
+                of_case=("Materials.Yield",), format=shown.TWO_DECIMALS, error=ReportedError.PEAKS, pane=Pane.MINOR,
             ),
         ),
     ),
@@ -899,9 +923,9 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             text("Element", "Element.", kind="element", trace=named("Elements.Element")),
             number(
                 "Damage", "count", "Miner sum of one start.",
-                f"q = Σ nᵢ/Nᵢ over the rainflow cycles of SCF · {STRESS}; amplitude = half range, mean ignored; "
-                "N on the log-log S-N line; bending data halved for torsion",
-                f"{FIGURE_3}; {ASTM}", of_row=FATIGUE, of_case=(*START, "RainflowResidue"),
+                f"q = Σ nᵢ/Nᵢ over the rainflow cycles of Kf · {STRESS}; amplitude = half range, mean ignored or by Goodman; "
+                "N on the log-log S-N line, lowered by the factors of FatigueLimits; bending data halved for torsion",
+                f"{FIGURE_3}; {ASTM}", of_row=FATIGUE, of_case=(*START, "RainflowResidue", "MeanStress"),
                 format=shown.DAMAGE, error=ReportedError.STARTS,
             ),
             number(
@@ -968,6 +992,71 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 "1 / damage / StartsFactor, rounded down, calculated by the spreadsheet", FIGURE_3,
                 of_row=("AllowableStarts.Damage",), of_case=("StartsFactor",),
                 formula=live.STARTS_TO_JUDGE, format=shown.WHOLE,
+            ),
+        ),
+    ),
+    table(
+        "FatigueLimits", sheet="Fatigue", caption="Endurance limit, factors and safety",
+        help="Largest stress amplitude of one start beside the endurance limit of each judged shaft, and the factors on both.",
+        row_name=("Element",), changes_shown=("Safety factor",), of_the_start=True, rank=6, later=True,
+        columns=(
+            text("Element", "Element.", kind="element", trace=named("Elements.Element")),
+            number(
+                "Stress amplitude", "pressure", "Half of maximum minus minimum stress of the start, with Kf; reversed with a mean "
+                "stress.",
+                f"½ (maximum − minimum) of Kf · {STRESS}; with Goodman over 1 − mean / 0.67 UTS",
+                f"{FIGURE_3}; {SHIGLEY}, page 347", of_row=FATIGUE, of_case=(*START, "MeanStress", "Materials.UTS"),
+                error=ReportedError.PEAKS,
+            ),
+            number(
+                "Endurance limit", "pressure", "In torsion, with the factors.", "Endurance of data × surface × size × reliability",
+                STRENGTH_FACTORS, of_row=(
+                    "FatigueLimits.Endurance of data", "FatigueLimits.Surface", "FatigueLimits.Size", "FatigueLimits.Reliability",
+                ),
+            ),
+            number(
+                "Safety factor", "ratio", "Endurance limit over stress amplitude; below 1 the starts are limited.",
+                "Endurance limit / stress amplitude", SAFETY,
+                of_row=("FatigueLimits.Stress amplitude", "FatigueLimits.Endurance limit"), format=shown.TWO_DECIMALS,
+                error=ReportedError.PEAKS,
+            ),
+            number(
+                "Kt", "ratio", "Stress concentration.", "SCF; or of the fillet or keyway of FatigueFactors", NOTCHES,
+                of_row=(*NOTCH, "Elements.Stress diameter"), of_case=("Sections.OD", "Sections.Fillet"), format="0.000",
+            ),
+            number(
+                "Notch sensitivity", "ratio", "q; 1 where nothing is typed.",
+                "Typed; or 1/(1 + √a/√r) by Neuber, 1/(1 + a/r) by Peterson, a of UTS",
+                f"{SHIGLEY}, Eqs. 6-34, 6-35b; Dowling, Mechanical Behavior of Materials",
+                of_row=("FatigueFactors.Notch sensitivity", "FatigueFactors.Notch radius", "Elements.Material"),
+                of_case=("Materials.UTS", "Sections.Fillet"), format="0.000",
+            ),
+            number(
+                "Kf", "ratio", "What multiplies the nominal stress in fatigue.", "1 + q (Kt − 1)", f"{SHIGLEY}, Eq. 6-32",
+                of_row=("FatigueLimits.Kt", "FatigueLimits.Notch sensitivity"), format="0.000",
+            ),
+            number(
+                "Surface", "ratio", "Surface factor; 1 where nothing is typed.", "Typed; or a UTS^b of the finish",
+                f"{SHIGLEY}, Eq. 6-19, Table 6-2", of_row=("FatigueFactors.Surface", "Elements.Material"),
+                of_case=("Materials.UTS",), format="0.000",
+            ),
+            number(
+                "Size", "ratio", "Size factor; 1 where nothing is typed.", "Typed; or of the Stress diameter",
+                f"{SHIGLEY}, Eq. 6-20", of_row=("FatigueFactors.Size", "Elements.Stress diameter"), format="0.000",
+            ),
+            number(
+                "Reliability", "ratio", "Reliability factor; 1 where nothing is typed.", "1 − 0.08 z of the share that endures",
+                f"{SHIGLEY}, Table 6-5", of_row=("FatigueFactors.Reliability",), format="0.000",
+            ),
+            number(
+                "Endurance of data", "pressure", "Endurance limit in torsion of the S-N data.",
+                "Endurance; blank = the last S-N stress; bending data halved", CRITERION, of_row=(
+                    "Elements.Material", "Materials.Endurance", "Materials.Basis", "SNPoints.Stress",
+                ),
+            ),
+            sentence(
+                "Sources", "Where each of them comes from.", "As typed, or the formula used", STRENGTH_FACTORS,
+                of_row=FATIGUE, width=60.0, pane=Pane.MINOR,
             ),
         ),
     ),
@@ -1080,6 +1169,12 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             sentence(
                 "Note", "Summary of the result.", "Summary of the row", REVERSALS,
                 of_row=("TorqueReversals.Reversals", "TorqueReversals.Limit"), width=20.0, pane=Pane.WORKBOOK,
+            ),
+            number(
+                "Safety factor", "ratio", "Limit over the reversing torque; blank: no limit, or no reversal.",
+                "Limit / −minimum torque", SAFETY,
+                of_row=("TorqueReversals.Minimum torque", "TorqueReversals.Limit"), format=shown.TWO_DECIMALS,
+                error=ReportedError.PEAKS, pane=Pane.WORKBOOK,
             ),
         ),
         extra_columns=(
@@ -1236,8 +1331,8 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             number(
                 "Damage", "count", "Miner sum of one such event, the worst one where something is worst; of one in a start, from it to the end of "
                 "the start.",
-                f"Σ nᵢ/Nᵢ over the rainflow cycles of SCF · {STRESS}; amplitude = half range, mean ignored",
-                FIGURE_3, of_case=(*EVENT, *FATIGUE), format=shown.DAMAGE, error=ReportedError.EVENT_DAMAGE,
+                f"Σ nᵢ/Nᵢ over the rainflow cycles of Kf · {STRESS}; amplitude = half range, mean as in AllowableStarts",
+                FIGURE_3, of_case=(*EVENT, *FATIGUE, "MeanStress"), format=shown.DAMAGE, error=ReportedError.EVENT_DAMAGE,
             ),
             number(
                 "Damage per life", "count", "The same times Per life; blank where that is blank.",
@@ -1280,6 +1375,11 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             ),
             *_worst_instant("torque"),
             *_worst_instant("damage", " of damage"),
+            number(
+                "Safety factor", "ratio", "Limit over the larger extreme; blank: not judged.", "Limit / larger extreme",
+                SAFETY, of_row=("EventPeaks.Maximum", "EventPeaks.Minimum", "EventPeaks.Limit"),
+                format=shown.TWO_DECIMALS, error=ReportedError.EVENTS, pane=Pane.MINOR,
+            ),
         ),
     ),
     table(
@@ -1436,9 +1536,9 @@ WORKBOOK_TABLES: tuple[TableSpec, ...] = (
         row_name=("Amplitude",), of_the_start=True,
         columns=(
             number(
-                "Amplitude", "pressure", "Stress amplitude of a cycle, with SCF.",
-                f"Half range of a rainflow cycle of SCF · {STRESS}", ASTM,
-                of_case=("AllowableStarts.Governing", *FATIGUE, *START), error=ReportedError.PEAKS,
+                "Amplitude", "pressure", "Stress amplitude of a cycle, with SCF or Kf.",
+                f"Half range of a rainflow cycle of Kf · {STRESS}; with Goodman over 1 − mean / 0.67 UTS", ASTM,
+                of_case=("AllowableStarts.Governing", "MeanStress", *FATIGUE, *START), error=ReportedError.PEAKS,
             ),
             number(
                 "Cycles", "count", "n: cycles in one start; 0.5 is a half cycle.",

@@ -187,6 +187,13 @@ _BY_GROUP: Mapping[str, tuple[Field, ...]] = {
             blank="half cycles",
         ),
         choice(
+            "MeanStress",
+            tuple(choices.MeanStress),
+            "Mean stress of a cycle in fatigue: none = ignored; Goodman = with the ultimate strength in torsion, "
+            "0.67 UTS.",
+            blank="none",
+        ),
+        choice(
             "KeepHistory",
             tuple(choices.HistoryFile),
             "Write the full torque history to a file beside the workbook.",

@@ -268,7 +268,7 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
     Sheet(
         "Events",
         "result",
-        {"A": 1.5, "B": 16, "C": 13, "D:E": 9, "F:H": 7, "I:K": 8, "L": 8.5, "M": 11, "N:U": 7.3},
+        {"A": 1.5, "B": 16, "C": 13, "D:E": 9, "F:H": 7, "I:K": 8, "L": 8.5, "M": 11, "N:V": 6.5},
         {"EventPeaks": "B5"},
         on="Torque and motor",
         intro="Faults in operation: events of tables EventTorque and MotorEvents upon the train that "
@@ -289,11 +289,21 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
         {"A": 1.5, "B": 19, "C:M": 8.8, "N": 1, "O:U": 8},
         {"Materials": "B5", "SNPoints": "I5", "AllowableStarts": "B26", "StartCycles": "O37"},
         (ChartAt("sn", "O5", 427, 300),),
-        intro="Strength and S-N lines of the shaft materials (zero-to-peak; nominal stress times SCF is compared "
+        intro="Strength and S-N lines of the shaft materials (zero-to-peak; nominal stress times SCF or Kf is compared "
         "with them), and the fatigue damage of one start by rainflow count and Miner's rule.",
         printed_for=ALWAYS,
         print_to=35,
         largest=70,
+    ),
+    Sheet(
+        "Strength",
+        "input",
+        {"A": 1.5, "B": 19, "C:L": 9, "M": 64},
+        {"FatigueFactors": "B5", "FatigueLimits": "B18"},
+        on="Fatigue",
+        intro="Optional: stress concentration from geometry and the factors that lower the strength of a shaft. Below, the "
+        "endurance limit beside the largest stress amplitude of each judged shaft.",
+        printed_for=("FatigueFactors",),
     ),
     Sheet(
         "Frequencies",
@@ -316,7 +326,7 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
     Sheet(
         "Steady state",
         "result",
-        {"A": 1.5, "B": 20, "C": 20, "D": 6, "E": 9, "F": 16, "G:K": 11, "L": 24, "M:N": 10},
+        {"A": 1.5, "B": 20, "C": 20, "D": 6, "E": 9, "F": 16, "G:K": 11, "L": 24, "M:O": 10},
         {"SteadyState": "B26"},
         (ChartAt("shapes", "B5", 596, 336), ChartAt("interference", "H5", 640, 336)),
         on="Results",
@@ -505,7 +515,12 @@ CYCLE_FACTS = (
         "Stress diameter", _of_shaft("Stress diameter"), "Elements[Stress diameter]", "0.000"
     ),
     KeyNumber("Stress bore", _of_shaft("Stress bore"), "Elements[Stress bore]", "0.000"),
-    KeyNumber("SCF", _of_shaft("SCF")),
+    KeyNumber(
+        "Kf, or SCF",
+        '=IF(run_GoverningShaft="","",IFERROR('
+        'INDEX(FatigueLimits[Kf],MATCH(run_GoverningShaft,FatigueLimits[Element],0)),""))',
+        number_format="0.000",
+    ),
     KeyNumber("Material", _of_shaft("Material")),
     KeyNumber(
         "Endurance limit in torsion",

@@ -112,6 +112,10 @@ CLEARANCE = (
 )
 MAKERS = "docs/method.md, Sheet to the makers"
 STEPPED_SHAFTS = "docs/method.md, Shafts from sections"
+SHIGLEY = "Shigley's Mechanical Engineering Design, 9th ed. (2011)"
+STRENGTH_FACTORS = f"{SHIGLEY}, section 6-9; docs/method.md, Notches and strength factors"
+NOTCHES = "Pilkey, Formulas for Stress, Strain, and Structural Matrices (2005), Table 6-1; docs/method.md, Notches and strength factors"
+SAFETY = "docs/method.md, Safety factors"
 STRENGTH = "Timoshenko, Strength of Materials, torsion of a circular shaft"
 ASTM = f"{RAINFLOW.cited}-85, rainflow counting; Miner, J. Applied Mechanics 12 (1945) A-159"
 NAME = "Name, as typed"
@@ -287,9 +291,19 @@ EVENT = (
 SPEEDS = ("MinimumSpeed", "MaximumSpeed", "Stations.Speed ratio", *LINE)
 EXCITATION = ("Excitations.Order", "Excitations.Of station", "Excitations.Frequency")
 SECTION = ("Elements.Stress diameter", "Elements.Stress bore")
+NOTCH = (
+    "Elements.SCF",
+    "FatigueFactors.Notch",
+    "FatigueFactors.Notch radius",
+    "FatigueFactors.Shoulder diameter",
+)
 FATIGUE = (
     *SECTION,
-    "Elements.SCF",
+    *NOTCH,
+    "FatigueFactors.Notch sensitivity",
+    "FatigueFactors.Surface",
+    "FatigueFactors.Size",
+    "FatigueFactors.Reliability",
     "Elements.Material",
     "Materials.Endurance",
     "Materials.Basis",

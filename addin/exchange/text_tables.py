@@ -28,7 +28,7 @@ from addin.exchange.table_headers import (
 
 #: What a train is made of and stressed by; the order is that of the text.
 TRAIN_TABLES = (
-    "Stations", "Elements", "Sections", "SectionMaterials", "Meshes", "ModeDamping", "Materials", "SNPoints",
+    "Stations", "Elements", "Sections", "SectionMaterials", "Meshes", "ModeDamping", "Materials", "SNPoints", "FatigueFactors",
 )  # fmt: skip
 #: A row a mass with the shaft to the next mass, as makers list a train.
 CHAIN = "masses and shafts"

@@ -64,6 +64,7 @@ from engine.errors import Problem
 _OPTIONAL = frozenset(
     {
         "RainflowResidue",
+        "MeanStress",
         "Standard",
         "Gear type",
         "ContactLaw",

@@ -66,7 +66,7 @@ _PAGES = (
     _Page(
         "results-start.md", "Results: the start and its fatigue",
         ("StartupPeaks", "StartupCrossings", "TorqueReversals", "MakerSheet", "BearingForces",
-         "AllowableStarts", "StartCycles"),
+         "AllowableStarts", "FatigueLimits", "StartCycles"),
     ),
     _Page("results-tuning.md", "Results: tuning", studies=("tuning",)),
     _Page(

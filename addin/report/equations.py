@@ -108,9 +108,10 @@ EQUATIONS: tuple[Equation, ...] = (
     Equation(
         "Shear stress",
         formula("τ =", frac("16 T D", formula("π", fence("D^4 − d^4"))), ",~~ τ_a =",
-                frac(formula("SCF · Δ τ"), "2")),
+                frac(formula("K_f · Δ τ"), "2")),
         "τ = nominal stress, D and d = stress diameter and bore; the amplitude of a cycle is "
-        "half its range Δτ times SCF; mean stress is ignored.",
+        "half its range Δτ times Kf, which is SCF unless a notch sensitivity is stated; mean stress is ignored "
+        "unless Goodman is stated.",
         "strength of materials",
     ),
     Equation(

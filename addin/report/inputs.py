@@ -238,7 +238,11 @@ def _fatigue(subject: Subject) -> Section:
     )
     empty = materials is None and points is None
     return section(
-        "Materials and S-N data", materials, points, Paragraph(sentence) if empty else None
+        "Materials and S-N data",
+        materials,
+        points,
+        *(folded(factors) if (factors := _table(subject, "FatigueFactors")) is not None else ()),
+        Paragraph(sentence) if empty else None,
     )
 
 

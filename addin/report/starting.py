@@ -16,6 +16,7 @@ from addin.report.numbers import clean, fixed, of_dimension, significant, typed
 from addin.report.opening import largest_peak, largest_torque
 from addin.report.subject import Subject
 from addin.report.tables import turned, with_column
+from engine.case.choices import MeanStress
 from engine.case.coverage import links
 from engine.case.practice_limits import PRACTICE_LIMITS
 
@@ -241,8 +242,32 @@ def fatigue(subject: Subject) -> Section:
             where = clean(row["where"] or "")
             facts.append(("Verdict", row["verdict"] + (f" ({where})" if where else "")))
     return section(
-        title, Facts(tuple(facts)), table, subject.pictures.chart("sn"), *_governing(subject)
+        title,
+        Facts(tuple(facts)),
+        table,
+        *_limits(subject),
+        subject.pictures.chart("sn"),
+        *_governing(subject),
     )
+
+
+def _limits(subject: Subject) -> Iterator[Block]:
+    """Endurance limits with their safety; factors and their sources where any is typed."""
+    case, rows = subject.calculation.case, subject.rows("FatigueLimits")
+    is_factored = bool(case.fatigue_factors) or case.mean_stress == MeanStress.GOODMAN
+    columns = ("Element", "Stress amplitude", "Endurance limit", "Safety factor", "Kf")
+    caption, note = "Endurance limits and safety", by("Shear stress")
+    if not is_factored:
+        yield subject.table("FatigueLimits", caption, columns, note=note)
+        return
+    yield from turned(subject.table("FatigueLimits", caption, note=note), without=("Sources",))
+    named = [f"{clean(r['element'])}: {clean(r['sources'])}" for r in rows if r["sources"]]
+    published = (
+        "Surface, size and reliability factors, notch sensitivity by Neuber and Goodman's line: Budynas and Nisbett, "
+        "Shigley's Mechanical Engineering Design, 9th ed.; fillets and keyways: Pilkey, Formulas for Stress, Strain, "
+        "and Structural Matrices, Table 6-1; notch sensitivity by Peterson: Dowling, Mechanical Behavior of Materials."
+    )
+    yield Paragraph(f"{'. '.join(named)}. {published}" if named else published, "note")
 
 
 def _governing(subject: Subject) -> Iterator[Block]:

@@ -8,6 +8,10 @@ module             responsibility
 `gear_ratios`      speed ratios of the stations: typed, or carried through shafts and gears
 `steels`           six steels, with the source of their strengths
 `data`             what the engineer states: train, motor, loads, start, material, wanted accuracy
+`fatigue_tables`   published numbers of fatigue factors, with their sources and the ranges they hold
+                   in
+`notches`          geometry of the notch of a judged shaft: typed in table FatigueFactors, or taken
+                   from the sections
 `conditions`       the scalars of a case that a row of StartConditions changes
 `coverage`         which elements a check can judge: those that the train calls for, and those
                    without a limit for it

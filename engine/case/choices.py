@@ -111,6 +111,42 @@ class RainflowResidue(StrEnum):
     REPEATED = "repeated"
 
 
+class MeanStress(StrEnum):
+    """How the mean stress of a cycle enters its damage."""
+
+    NONE = "none"
+    GOODMAN = "Goodman"
+
+
+class NotchKind(StrEnum):
+    """Notch whose stress concentration follows from geometry."""
+
+    FILLET = "fillet"
+    KEYWAY = "keyway"
+
+
+class NotchSensitivity(StrEnum):
+    """Formula of the notch sensitivity of steel."""
+
+    NEUBER = "Neuber"
+    PETERSON = "Peterson"
+
+
+class SurfaceFinish(StrEnum):
+    """Finish of a surface, as the table of surface factors names it."""
+
+    GROUND = "ground"
+    MACHINED = "machined"
+    HOT_ROLLED = "hot-rolled"
+    AS_FORGED = "as-forged"
+
+
+class SizeRule(StrEnum):
+    """Rule of a size factor, instead of its number."""
+
+    BY_DIAMETER = "by diameter"
+
+
 class SNBasis(StrEnum):
     """What S-N data were measured in."""
 

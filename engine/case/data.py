@@ -455,6 +455,23 @@ class SNPointRow:
 
 
 @dataclass(frozen=True)
+class FatigueFactorRow:
+    """One row of `FatigueFactors`: notch and reductions of the strength of a judged shaft; blank = as without it."""
+
+    element: str | None = None  #: Row of `Elements`, with Stress diameter and Material.
+    #: Notch at the stress diameter, ``fillet`` or ``keyway``; blank = SCF of `Elements`.
+    notch: str | None = None
+    notch_radius: float | None = None  #: Radius at its bottom; blank = Fillet of `Sections`. [m]
+    #: Larger diameter behind a fillet; blank = from `Sections`. [m]
+    shoulder_diameter: float | None = None
+    #: Its value, ``Neuber`` or ``Peterson``; blank = 1. [1]
+    notch_sensitivity: float | str | None = None
+    surface: float | str | None = None  #: Surface factor, or a finish; blank = 1. [1]
+    size: float | str | None = None  #: Size factor, or ``by diameter``; blank = 1. [1]
+    reliability: float | None = None  #: Share of parts that endure; blank = as the data. [1]
+
+
+@dataclass(frozen=True)
 class ExcitationRow:
     """One row of `Excitations`: something that shakes the train in continuous operation."""
 
@@ -517,6 +534,7 @@ TABLES: dict[str, tuple[str, type]] = {
     "MotorEvents": ("motor_events", MotorEventRow),
     "Materials": ("materials", MaterialRow),
     "SNPoints": ("sn_points", SNPointRow),
+    "FatigueFactors": ("fatigue_factors", FatigueFactorRow),
     "Excitations": ("excitations", ExcitationRow),
     "EffectChoices": ("effect_choices", EffectChoiceRow),
     "StartConditions": ("start_conditions", StartConditionRow),
@@ -596,6 +614,7 @@ class CaseData:
     method: str | None = None  #: ``exponential`` (default) or ``newmark``.
     keep_history: str | None = None  #: ``no`` (default), ``parquet`` or ``npz``.
     rainflow_residue: str | None = None  #: ``half cycles`` (ASTM, default) or ``repeated``.
+    mean_stress: str | None = None  #: ``none`` (default) or ``Goodman``.
     #: Phase of the pulsation at t = 0; blank = 0; or ``worst``. [rad]
     pulsation_phase: float | str | None = None
     #: Voltage over the voltage at which the torque curves are given; blank = 1. [1]
@@ -627,6 +646,7 @@ class CaseData:
     motor_events: tuple[MotorEventRow, ...] = ()  #: Likewise. [rows]
     materials: tuple[MaterialRow, ...] = ()  #: Rows of the tables of the same name. [rows]
     sn_points: tuple[SNPointRow, ...] = ()  #: Likewise. [rows]
+    fatigue_factors: tuple[FatigueFactorRow, ...] = ()  #: Likewise. [rows]
     excitations: tuple[ExcitationRow, ...] = ()  #: Likewise. [rows]
     effect_choices: tuple[EffectChoiceRow, ...] = ()  #: Likewise. [rows]
     start_conditions: tuple[StartConditionRow, ...] = ()  #: Likewise. [rows]

@@ -503,7 +503,8 @@ def _notches(case: CaseData) -> Iterator[str]:
     """A shaft without any notch is not built."""
     known = {p.material for p in case.sn_points}
     judged = [e for e in case.elements if e.stress_diameter and e.material in known]
-    if judged and all(e.scf is None for e in judged):
+    notched = {row.element for row in case.fatigue_factors if row.notch}
+    if judged and all(e.scf is None and e.element not in notched for e in judged):
         yield (
             f"Elements, SCF is blank at all {len(judged)} shafts whose starts are counted, so 1 is taken. "
             "Keyways, fillets and fits usually have 1.5 to 4 in torsion: type it."

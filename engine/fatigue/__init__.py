@@ -9,6 +9,12 @@ module              responsibility
                     m, stress in Pa
 `sn_curve`          the S-N line of a material in torsion: log-log through points, endurance,
                     bending halved
+`notches`           stress concentration of fillets and keyways in torsion, and how much of it
+                    fatigue feels
+`strength_factors`  surface, size and reliability factors, and the S-N line that they lower
+`mean_stress`       mean stress of a cycle: the reversed cycle that damages as much
+`shaft_strength`    what the fatigue of one shaft is judged with: its notch, the factors on its
+                    strength, its S-N line and mean stress
 `damage`            damage of counted cycles: Palmgren-Miner sum, its interval, and the starts it
                     allows
 `allowable_starts`  fatigue of the judged shafts in one start: damage, permitted starts, and what

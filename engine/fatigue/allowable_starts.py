@@ -1,7 +1,8 @@
 """Fatigue of the judged shafts in one start: damage, permitted starts, and what a reader must know.
 
 SI: torque in N m, stress in Pa, diameters in m. A stress amplitude is half a range; the mean
-stress is ignored. Torques are actual, at the shaft's own speed.
+stress is ignored unless the strength of the shaft has an ultimate strength for Goodman. Torques
+are actual, at the shaft's own speed.
 
 "The paper" is Szenasi and von Nimitz, Transient analyses of synchronous motor trains (1978):
 section "Stress criterion" and Figure 3, q = Σ nᵢ/Nᵢ and 1/q starts.
@@ -11,11 +12,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from engine.arrays import Floats
 from engine.case.choices import RainflowResidue
 from engine.case.data import ElementRow, MaterialRow
 from engine.fatigue.cycle_counting import (
@@ -25,6 +27,8 @@ from engine.fatigue.cycle_counting import (
     paper_count,
 )
 from engine.fatigue.damage import damage_interval, miner_damage, needs_counting, starts_from_damage
+from engine.fatigue.mean_stress import reversed_amplitude
+from engine.fatigue.shaft_strength import ShaftStrength
 from engine.fatigue.sn_curve import SNCurve
 from engine.fatigue.stress import SHEAR_YIELD_RATIO, in_megapascals, stress_of_unit_torque
 
@@ -52,9 +56,9 @@ class ShaftFatigue:
     starts_high: float | None  #: Likewise. [1]
     paper_damage: float  #: Miner sum of one start, the paper's count. [1]
     paper_starts: float | None  #: 1/paper_damage. [1]
-    cycles: CycleCount  #: Rainflow cycles of local stress, with SCF; empty when not counted. [Pa]
+    cycles: CycleCount  #: Rainflow cycles of local stress, with Kf; empty when not counted. [Pa]
     counted: bool  #: False when `largest_amplitude` alone settled it.
-    #: Half of maximum minus minimum local stress, rest included, with SCF. [Pa]
+    #: Half of maximum minus minimum local stress, rest included, with Kf; with a mean stress, reversed. [Pa]
     largest_amplitude: float
     endurance: float  #: Endurance limit in torsion it is compared with. [Pa]
     peak_nominal_stress: float  #: Largest absolute nominal stress, without SCF. [Pa]
@@ -68,6 +72,10 @@ class ShaftFatigue:
     left_out: float | None = 0.0
     #: Phase of the pulsation with the largest damage; None: one phase was asked for. [rad]
     phase: float | None = None
+    #: Amplitude of each cycle that is compared with the S-N line: with a mean stress, reversed. [Pa] Shape (n_cycles,).
+    amplitudes: Floats = field(default_factory=lambda: np.zeros(0))
+    #: A cycle's mean reaches the ultimate strength, where Goodman's line ends.
+    above_ultimate: bool = False
 
     @property
     def starts_error(self) -> float | None:
@@ -85,11 +93,12 @@ def shaft_fatigue(
     *,
     relative_torque_error: float = 0.0,
     always_count: bool = False,
+    strength: ShaftStrength | None = None,
 ) -> ShaftFatigue:
     """Damage and allowable starts of one shaft from its torque during one start.
 
-    The history is counted from rest and closed by a return to zero. Local stress is SCF times
-    nominal; amplitude is half a range; the mean is ignored.
+    The history is counted from rest and closed by a return to zero. Local stress is Kf times
+    nominal; amplitude is half a range; the mean is ignored, or enters by Goodman.
 
     Parameters
     ----------
@@ -109,28 +118,41 @@ def shaft_fatigue(
         Bound of an error in proportion to each turning point, added to the other. [1]
     always_count : bool
         Count even where the largest amplitude is at or below the endurance limit.
+    strength : ShaftStrength, optional
+        Its notch and ultimate strength; without it SCF alone, the mean ignored. [1, Pa]
 
     Returns
     -------
     ShaftFatigue
         Complete result. [Pa, 1]
     """
-    scf = element.scf or 1.0
+    scf = element.scf or 1.0 if strength is None else strength.notch.concentration.value
+    notch = scf if strength is None else strength.notch.fatigue
+    ultimate = None if strength is None else strength.ultimate
     history = counted_history(torque_turning_points)
     unit_stress = stress_of_unit_torque(element)
-    local = scf * unit_stress
+    local = notch * unit_stress
     peak = unit_stress * float(np.max(np.abs(history)))
-    largest = 0.5 * local * float(np.ptp(history))
     stress_error = local * torque_error
-    bound = stress_error + relative_torque_error * scf * peak
+    bound = stress_error + relative_torque_error * notch * peak
+    half = 0.5 * local * float(np.ptp(history))
+    # No cycle of the history has a larger reversed amplitude: with less amplitude its mean may be larger by as much
+    # at most, and counts for less as long as the stress is below the ultimate strength.
+    middle = 0.5 * local * float(np.max(history) + np.min(history))
+    largest = float(reversed_amplitude(half, middle, ultimate))
+    most = float(reversed_amplitude(half + bound, abs(middle) + bound, ultimate))
+    breaks = ultimate is not None and notch * peak + bound >= ultimate
 
-    counted = always_count or needs_counting(largest, sn_curve, bound)
+    counted = always_count or breaks or needs_counting(most, sn_curve)
     cycles = count_cycles(history if counted else (), residue).scaled(local)
     by_paper = paper_count(history if counted else ()).scaled(local)
-    damage = miner_damage(cycles.amplitude, cycles.count, sn_curve)
-    low, high = damage_interval(cycles, sn_curve, stress_error, relative_torque_error)
-    paper_damage = miner_damage(by_paper.amplitude, by_paper.count, sn_curve)
-    above = float(np.sum(cycles.count[sn_curve.above_first_point(cycles.amplitude)]))
+    amplitudes = reversed_amplitude(cycles.amplitude, cycles.mean, ultimate)
+    damage = miner_damage(amplitudes, cycles.count, sn_curve)
+    low, high = damage_interval(cycles, sn_curve, stress_error, relative_torque_error, ultimate)
+    paper_damage = miner_damage(
+        reversed_amplitude(by_paper.amplitude, by_paper.mean, ultimate), by_paper.count, sn_curve
+    )
+    above = float(np.sum(cycles.count[sn_curve.above_first_point(amplitudes)]))
     starts = starts_from_damage(damage)
     shear_yield = None if material.yield_ is None else SHEAR_YIELD_RATIO * material.yield_
     shaft = ShaftFatigue(
@@ -153,8 +175,11 @@ def shaft_fatigue(
         above_shear_yield=None if shear_yield is None else peak > shear_yield,
         curve_notes=sn_curve.notes,
         notes=(),
+        amplitudes=amplitudes,
+        above_ultimate=ultimate is not None and bool(np.any(np.abs(cycles.mean) >= ultimate)),
     )
-    return replace(shaft, notes=tuple(_notes(shaft, sn_curve, scf, shear_yield)))
+    notes = (*_notes(shaft, sn_curve, scf, shear_yield), *_mean_notes(shaft, ultimate))
+    return replace(shaft, notes=notes)
 
 
 def notes_on_starts(shafts: Iterable[ShaftFatigue]) -> Iterator[str]:
@@ -191,7 +216,7 @@ def _notes(
             "above the first S-N point",
             shaft.above_first_point,
             f"{shaft.above_first_point:g} cycles per start lie above the first S-N point "
-            f"({in_megapascals(float(curve.stress[0]))}); their life is extrapolated, "
+            f"({in_megapascals(curve.first_stress)}); their life is extrapolated, "
             "not test data. Add S-N points at higher stress.",
         )
     if shear_yield is not None and peak > shear_yield:
@@ -217,6 +242,18 @@ def _notes(
             f"endurance limit {in_megapascals(curve.endurance)}, so the upper bound of the allowable "
             "starts is unlimited.",
         )
+
+
+def _mean_notes(shaft: ShaftFatigue, ultimate: float | None) -> Iterator[ShaftNote]:
+    if ultimate is None or not shaft.above_ultimate:
+        return
+    mean = float(np.max(np.abs(shaft.cycles.mean)))
+    yield ShaftNote(
+        "mean above the ultimate strength",
+        mean / ultimate,
+        f"the mean stress of a cycle with Kf, {in_megapascals(mean)}, reaches the ultimate strength in torsion, "
+        f"0.67 UTS = {in_megapascals(ultimate)}, where Goodman's line ends: the allowable starts are invalid.",
+    )
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,6 +11,7 @@ from engine.case.choices import BelowEndurance
 from engine.case.defaults import WHOLE_STARTS
 from engine.errors import InternalError
 from engine.fatigue.cycle_counting import CycleCount
+from engine.fatigue.mean_stress import reversed_amplitude
 from engine.fatigue.sn_curve import SNCurve
 
 #: From here on a number of starts is shown by its power of ten. [1]
@@ -39,11 +40,15 @@ def miner_damage(amplitude: ArrayLike, count: ArrayLike, curve: SNCurve) -> floa
 
 
 def damage_interval(
-    cycles: CycleCount, curve: SNCurve, stress_error: float, relative_error: float = 0.0
+    cycles: CycleCount,
+    curve: SNCurve,
+    stress_error: float,
+    relative_error: float = 0.0,
+    ultimate: float | None = None,
 ) -> tuple[float, float]:
     """Least and largest damage when each turning point may be off by an error.
 
-    Turning points within ± e move every counted amplitude by at most e: rainflow ranges are
+    Turning points within ± e move every counted amplitude, and every mean, by at most e: rainflow ranges are
     persistences of the history, of the history and its mirror image for ASTM half cycles, and those
     are stable in that sense (Cohen-Steiner, Edelsbrunner and Harer, Stability of persistence
     diagrams, 2007). Cycles of less than e that the error hides altogether cannot be known; they
@@ -59,6 +64,8 @@ def damage_interval(
         Bound of the absolute error of each turning point. [Pa]
     relative_error : float
         Bound of an error in proportion to each turning point, added to the other. [1]
+    ultimate : float, optional
+        Ultimate strength in torsion for Goodman; without it the mean is ignored. [Pa]
 
     Returns
     -------
@@ -80,8 +87,10 @@ def damage_interval(
     a = cycles.amplitude
     # Half the sum of |peak| and |valley| is the larger of |mean| and amplitude.
     e = stress_error + relative_error * np.maximum(np.abs(cycles.mean), a)
-    low = miner_damage(np.maximum(a - e, 0.0), cycles.count, curve)
-    return low, miner_damage(a + e, cycles.count, curve)
+    mean = np.abs(cycles.mean)
+    least = reversed_amplitude(np.maximum(a - e, 0.0), np.maximum(mean - e, 0.0), ultimate)
+    most = reversed_amplitude(a + e, mean + e, ultimate)
+    return miner_damage(least, cycles.count, curve), miner_damage(most, cycles.count, curve)
 
 
 def starts_from_damage(damage: float) -> float | None:

@@ -42,6 +42,7 @@ class SNCurve:
     #: ``2k-1``: slope 2k−1 below the knee (Haibach).
     below_endurance: str = BelowEndurance.NONE
     notes: tuple[str, ...] = ()  #: What was assumed in building it.
+    extended: int = 0  #: Points before the first of the data, on its extension. [count]
 
     def __post_init__(self) -> None:
         cycles, stress = read_only(self.cycles), read_only(self.stress)
@@ -133,7 +134,12 @@ class SNCurve:
         ndarray of bool
             True above the first S-N point.
         """
-        return np.asarray(np.asarray(amplitude, float) > self.stress[0])
+        return np.asarray(np.asarray(amplitude, float) > self.first_stress)
+
+    @property
+    def first_stress(self) -> float:
+        """Stress of the first point of the data. [Pa]"""
+        return float(self.stress[self.extended])
 
 
 def sn_curve_for(material: MaterialRow, points: Sequence[SNPointRow]) -> SNCurve:

@@ -33,6 +33,7 @@ from engine.arrays import Complexes, Floats, Ints, Mask
 from engine.case.choices import StressBasis
 from engine.case.data import CaseData, ElementRow
 from engine.case.result_words import Judgement
+from engine.fatigue.shaft_strength import notch_effect
 from engine.fatigue.stress import stress_of_unit_torque
 from engine.model.excitation import Excitation, Place, excitation_places, transmitted_torque
 from engine.model.modal_train import ModalTrain
@@ -734,7 +735,8 @@ class VibratoryLimit:
 def vibratory_limit(case: CaseData, element: ElementRow) -> VibratoryLimit:
     """Limits of an element: UTS/25 for its stress, Vibratory limit for its torque, or both.
 
-    The basis of the S-N data (torsion or bending) does not change UTS/25.
+    The basis of the S-N data (torsion or bending) does not change UTS/25, and notch sensitivity does not lower the
+    stress that is compared with it.
 
     Parameters
     ----------
@@ -751,7 +753,7 @@ def vibratory_limit(case: CaseData, element: ElementRow) -> VibratoryLimit:
     per_torque = None
     if element.stress_diameter:
         nominal = stress_of_unit_torque(element)
-        per_torque = nominal * (element.scf or 1.0)
+        per_torque = nominal * notch_effect(case, element).concentration.value
     uts = next((m.uts for m in case.materials if m.material == element.material and m.uts), None)
     allowable = uts / STRESS_DIVISOR if uts and per_torque is not None else None
     peaks = 1.0 if case.stress_basis == StressBasis.ZERO_TO_PEAK else 2.0

@@ -15,14 +15,17 @@ from typing import Any
 import numpy as np
 
 from engine.backlash.motor_scan import WorstInstant
+from engine.case.choices import StressBasis
 from engine.case.data import CaseData
 from engine.case.result_words import Judgement
+from engine.fatigue.shaft_strength import shaft_strength
 from engine.fatigue.stress import shear_stress, stress_of_unit_torque
 from engine.model.links import link_of
 from engine.model.sections import sections_of
 from engine.motor.from_case import motor_curves, motor_time_constants
 from engine.numerics.same_bits import product
 from engine.operation.margins import percent_speed
+from engine.operation.steady_state import SteadyState
 from engine.results.case_matrix import case_matrix
 from engine.results.maker_sheet import maker_sheet
 from engine.results.results import AccuracyRow, AtSpeed, Results
@@ -52,6 +55,7 @@ def result_tables(results: Results) -> Mapping[str, list[Row]]:
         "TorqueReversals": _torque_reversals(results),
         "MakerSheet": _rows(maker_sheet(results)),
         "AllowableStarts": _allowable_starts(results),
+        "FatigueLimits": _fatigue_limits(results),
         "EventPeaks": _event_peaks(results),
         "AirGapTorque": _air_gap_torques(results),
         "Effects": _rows(results.plans[-1].decisions),
@@ -65,8 +69,24 @@ def speed_tables(results: AtSpeed) -> dict[str, list[Row]]:
         "NaturalFrequencies": _natural_frequencies(results),
         "ModeShapes": _mode_shapes(results),
         "SeparationMargins": _separation_margins(results),
-        "SteadyState": _rows(results.steady.rows),
+        "SteadyState": _steady_state(results.steady),
     }
+
+
+def _steady_state(steady: SteadyState) -> list[Row]:
+    """One an element and excitation, with the least of its safety factors."""
+    is_range = steady.stress_basis != StressBasis.ZERO_TO_PEAK
+    rows = _rows(steady.rows)
+    for row, r in zip(rows, steady.rows, strict=True):
+        stress = r.peak_to_peak_stress if is_range else r.zero_to_peak_stress
+        row["safety_factor"] = _safety((r.allowable, stress), (r.torque_limit, r.torque))
+    return rows
+
+
+def _safety(*pairs: tuple[float | None, float | None]) -> float | None:
+    """Least of some limits over their values; None where no positive value stands beside a limit."""
+    factors = [limit / value for limit, value in pairs if limit and value and value > 0.0]
+    return min(factors, default=None)
 
 
 def _rows(records: Iterable[Any]) -> list[Row]:
@@ -87,6 +107,7 @@ def _torque_reversals(results: Results) -> list[Row]:
         row["note"] = row.pop("sentence")
         for key in REVERSAL_DETAILS:
             del row[key]
+        row["safety_factor"] = _safety((row["limit"], -row["minimum_torque"]))
     return rows
 
 
@@ -207,10 +228,13 @@ def _startup_peaks(results: Results) -> list[Row]:
     if start is None:
         return []
     sections = {e.element: (e.stress_diameter, e.stress_bore or 0.0) for e in results.case.elements}
+    limits = {e.element: e.peak_torque_limit for e in results.case.elements}
+    yields = yield_torque(results.case)
     rows = []
     for p in start.peaks:
         diameter, bore = sections[p.element]
         stress = float(shear_stress(p.peak_to_peak, diameter, bore)) if diameter else None
+        per_torque, strength = yields.get(p.element, (1.0, None))
         rows.append(
             {
                 "element": p.element,
@@ -227,6 +251,9 @@ def _startup_peaks(results: Results) -> list[Row]:
                 "minimum_low": None if p.minimum_range is None else p.minimum_range[0],
                 "minimum_high": None if p.minimum_range is None else p.minimum_range[1],
                 "worst_phase": p.phase,
+                "safety_factor": _safety(
+                    (limits[p.element], p.size), (strength, per_torque * p.size)
+                ),
             }
         )
     return rows
@@ -274,6 +301,7 @@ def _event_peaks(results: Results) -> list[Row]:
                     "damage_error": errors.get(p.element),
                     "limit": limit if math.isfinite(limit) else None,
                     "verdict": event_verdict(limit, p),
+                    "safety_factor": _safety((limit, p.size)) if math.isfinite(limit) else None,
                     "error": p.relative_error,
                     "left_out": event.response.left_out,
                     **_worst_instant(case, event.name, instants.get(p.element)),
@@ -359,3 +387,32 @@ def _allowable_starts(results: Results) -> list[Row]:
         }
         for s in starts.shafts
     ]
+
+
+def _fatigue_limits(results: Results) -> list[Row]:
+    """One a judged shaft; of a start that was not completed without its amplitude, which is not that of a start."""
+    starts, case = results.starts, results.case
+    if starts is None:
+        return []
+    elements = {e.element: e for e in case.elements}
+    rows = []
+    for shaft in starts.shafts:
+        strength = shaft_strength(case, elements[shaft.element])
+        amplitude = shaft.largest_amplitude if is_counted(results.start) else None
+        rows.append(
+            {
+                "element": shaft.element,
+                "stress_amplitude": amplitude,
+                "endurance_limit": shaft.endurance,
+                "safety_factor": _safety((shaft.endurance, amplitude)),
+                "kt": strength.notch.concentration.value,
+                "notch_sensitivity": strength.notch.sensitivity.value,
+                "kf": strength.notch.fatigue,
+                "surface": strength.surface.value,
+                "size": strength.size.value,
+                "reliability": strength.reliability.value,
+                "endurance_of_data": strength.data_endurance,
+                "sources": strength.sources or None,
+            }
+        )
+    return rows

@@ -44,7 +44,7 @@ from engine.start.lowest_torque import lowest_torques
 from engine.start.peaks import ElementPeak
 from engine.start.reversals import Reversal, reversing_elements
 from engine.start.start import Start
-from engine.start.start_fatigue import WHOLE_STARTS, is_counted, sn_curve_of
+from engine.start.start_fatigue import WHOLE_STARTS, is_counted
 
 #: Verdicts of checks, the worst first; what is not judged keeps the whole from passing.
 _WORST_FIRST = (
@@ -656,7 +656,7 @@ def _starts(results: Results) -> Iterator[Verdict]:
         if required is not None and fewest is not None and verdict != Judgement.FAIL:
             least = fewest / starts.starts_factor
             verdict = Judgement.PASS if least >= required else Judgement.WITHIN_ERROR
-        where = "; ".join(filter(None, (where, _undamaged(case, starts))))
+        where = "; ".join(filter(None, (where, _undamaged(starts))))
         if not starts.bounded:
             missing.append(_unbounded(results))
         if _missed(results.crossings):
@@ -668,6 +668,10 @@ def _starts(results: Results) -> Iterator[Verdict]:
         if above and verdict != Judgement.FAIL:
             verdict = Judgement.NOT_JUDGED
             missing.append(f"cycles above the first S-N point: {above[0]}")
+        broken = [s.element for s in starts.shafts if s.above_ultimate]
+        if broken and verdict != Judgement.FAIL:
+            verdict = Judgement.NOT_JUDGED
+            missing.append(f"mean stress above the ultimate strength: {broken[0]}")
     named = "; ".join(missing)
     yield Verdict(
         "Allowable starts",
@@ -711,7 +715,7 @@ def _life(results: Results) -> Iterator[Verdict]:
             high = max(s.damage_high, s.damage * (1.0 + (errors[s.element] or 0.0)))
             used[s.element] = used.get(s.element, 0.0) + times * s.damage
             most[s.element] = most.get(s.element, 0.0) + times * high
-            if s.above_first_point or s.above_shear_yield:
+            if s.above_first_point or s.above_shear_yield or s.above_ultimate:
                 doubtful.append(s.element)
     if doubtful:
         missing.append(f"beyond the S-N line or shear yield: {listed([*dict.fromkeys(doubtful)])}")
@@ -724,12 +728,10 @@ def _life(results: Results) -> Iterator[Verdict]:
     yield Verdict(name, used[worst], allowed, "fraction", verdict, worst, coverage, named)
 
 
-def _undamaged(case: CaseData, starts: AllowableStarts) -> str:
+def _undamaged(starts: AllowableStarts) -> str:
     """Shafts without damage, and how near to the endurance limit they come; empty if there are none."""
-    material = {e.element: e.material for e in case.elements}
     without = [s for s in starts.shafts if s.damage == 0.0]
-    limits = [sn_curve_of(case, material[s.element]).endurance for s in without]
-    shares = [s.largest_amplitude / x for s, x in zip(without, limits, strict=True) if x]
+    shares = [s.largest_amplitude / s.endurance for s in without if s.endurance]
     if not without:
         return ""
     names = listed([s.element for s in without])

@@ -9,13 +9,12 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import lru_cache
 
 import numpy as np
 
 from engine.arrays import Floats
 from engine.case.choices import RainflowResidue
-from engine.case.data import CaseData, ElementRow, MaterialRow, SNPointRow
+from engine.case.data import CaseData, ElementRow
 from engine.case.defaults import LEAST_PEAK_ERROR
 from engine.case.result_words import Outcome
 from engine.fatigue.allowable_starts import (
@@ -26,8 +25,8 @@ from engine.fatigue.allowable_starts import (
 )
 from engine.fatigue.cycle_counting import count_cycles, counted_history
 from engine.fatigue.damage import miner_damage, needs_counting, starts_from_damage
-from engine.fatigue.sn_curve import SNCurve, sn_curve_for
-from engine.fatigue.stress import stress_of_unit_torque
+from engine.fatigue.mean_stress import reversed_amplitude
+from engine.fatigue.shaft_strength import shaft_strength
 from engine.numerics.same_bits import exp, log
 from engine.start.event_results import prediction_interval
 from engine.start.peaks import JudgedRun
@@ -85,21 +84,9 @@ def sn_slope(case: CaseData) -> float:
         Slope; 0 where no shaft is judged. [1]
     """
     steepest = 0.0
-    for name in {e.material for _, e in judged_shafts(case)}:
-        steepest = max(steepest, float(np.max(sn_curve_of(case, name).slope)))
+    for _, element in judged_shafts(case):
+        steepest = max(steepest, float(np.max(shaft_strength(case, element).curve.slope)))
     return steepest
-
-
-def sn_curve_of(case: CaseData, name: str | None) -> SNCurve:
-    """S-N line in torsion of a material by its name."""
-    material = next(m for m in case.materials if m.material == name)
-    return _sn_curve(material, tuple(p for p in case.sn_points if p.material == name))
-
-
-@lru_cache(maxsize=64)
-def _sn_curve(material: MaterialRow, points: tuple[SNPointRow, ...]) -> SNCurve:
-    """Made once for all cases that share the rows, as those of a study do."""
-    return sn_curve_for(material, points)
 
 
 def starts_of(
@@ -157,7 +144,7 @@ def _shaft(
     """
     start, full, otherwise = starts
     material = next(m for m in case.materials if m.material == element.material)
-    curve = sn_curve_of(case, element.material)
+    strength = shaft_strength(case, element)
     residue = case.rainflow_residue or RainflowResidue.HALF_CYCLES
     peak = next(p for p in start.peaks if p.element == element.element)
 
@@ -165,8 +152,8 @@ def _shaft(
         history: Floats, error: float = 0.0, always: bool = True, relative: float = 0.0
     ) -> ShaftFatigue:
         return shaft_fatigue(
-            element, history, curve, material, residue, error,
-            relative_torque_error=relative, always_count=always,
+            element, history, strength.curve, material, residue, error,
+            relative_torque_error=relative, always_count=always, strength=strength,
         )  # fmt: skip
 
     pieces = PIECES_ON_DAMAGE * dict(start.pieces_error).get(str(element.element), 0.0)
@@ -280,11 +267,15 @@ def largest_damage(case: CaseData, element: ElementRow, histories: Sequence[Floa
     float
         Miner sum of one start. [1]
     """
-    curve = sn_curve_of(case, element.material)
+    strength = shaft_strength(case, element)
     residue = case.rainflow_residue or RainflowResidue.HALF_CYCLES
-    local = (element.scf or 1.0) * stress_of_unit_torque(element)
-    counted = (count_cycles(counted_history(h), residue).scaled(local) for h in histories)
-    return max(miner_damage(c.amplitude, c.count, curve) for c in counted)
+    counted = (count_cycles(counted_history(h), residue).scaled(strength.local) for h in histories)
+    return max(
+        miner_damage(
+            reversed_amplitude(c.amplitude, c.mean, strength.ultimate), c.count, strength.curve
+        )
+        for c in counted
+    )
 
 
 def _largest_ranges(fine: Floats, coarse: Floats) -> tuple[Floats, Floats]:
@@ -311,7 +302,7 @@ def stress_over_endurance(case: CaseData, start: Start) -> tuple[float, bool] | 
     """Largest possible stress amplitude over the endurance limit, and whether cycles must be counted.
 
     No counted range exceeds maximum minus minimum, rest included; the amplitude is half of it, with
-    SCF and the error of the history.
+    Kf, the error of the history and, by Goodman, its mean.
 
     Parameters
     ----------
@@ -328,14 +319,35 @@ def stress_over_endurance(case: CaseData, start: Start) -> tuple[float, bool] | 
     worst, wanted = -1.0, False
     for index, element in judged_shafts(case):
         assert element.stress_diameter is not None
-        curve = sn_curve_of(case, element.material)
+        strength = shaft_strength(case, element)
+        curve, unit = strength.curve, strength.local
         peak = next(p for p in start.peaks if p.element == element.element)
         histories = _histories(start, index)
         error = max(peak.error, *(_cycle_difference(a, b) for a, b in histories))
-        unit = (element.scf or 1.0) * stress_of_unit_torque(element)
-        largest = max(max(h.max(), 0.0) - min(h.min(), 0.0) for h, _ in histories)
+        ends = [(max(h.max(), 0.0), min(h.min(), 0.0)) for h, _ in histories]
+        largest = max(high - low for high, low in ends)
         half = 0.5 * unit * float(largest)
-        wanted = wanted or needs_counting(half, curve, unit * error)
+        most = half + unit * error
+        if strength.ultimate is not None:
+            most, breaks = _with_mean(ends, unit, error, strength.ultimate)
+            wanted = wanted or breaks
+        wanted = wanted or needs_counting(most, curve)
         if curve.endurance > 0.0:
-            worst = max(worst, (half + unit * error) / curve.endurance)
+            worst = max(worst, most / curve.endurance)
     return (worst, wanted) if judged_shafts(case) else None
+
+
+def _with_mean(
+    ends: Sequence[tuple[float, float]], unit: float, error: float, ultimate: float
+) -> tuple[float, bool]:
+    """Largest reversed amplitude of histories between some extremes, and whether one reaches the ultimate strength."""
+    found = [
+        reversed_amplitude(
+            unit * (0.5 * (high - low) + error),
+            unit * (0.5 * abs(high + low) + error),
+            ultimate,
+        )
+        for high, low in ends
+    ]
+    reach = max(max(high, -low) for high, low in ends) + error
+    return float(max(map(float, found))), unit * reach >= ultimate

@@ -24,6 +24,8 @@ from engine.case.effect import StartEffects
 from engine.errors import InternalError, ModelError
 from engine.fatigue.cycle_counting import count_cycles, counted_history
 from engine.fatigue.damage import miner_damage
+from engine.fatigue.mean_stress import reversed_amplitude
+from engine.fatigue.shaft_strength import shaft_strength
 from engine.fatigue.stress import stress_of_unit_torque
 from engine.model.build_train import build_train
 from engine.model.excitation import excitations_of, operating_range
@@ -38,7 +40,7 @@ from engine.start.outcome import StartOutcome
 from engine.start.peaks import sections_of
 from engine.start.settings import has_start
 from engine.start.start import PreparedStart, Start, prepared_start, starts_to_their_ends
-from engine.start.start_fatigue import COUNTED_STARTS, DAMAGE_SHARE, judged_shafts, sn_curve_of
+from engine.start.start_fatigue import COUNTED_STARTS, DAMAGE_SHARE, judged_shafts
 from engine.start.trajectory import SingleRun
 
 Turning = tuple[Floats, Floats]
@@ -459,14 +461,16 @@ def _histories(run: SingleRun | Start, element: int, worst: Floats) -> list[Floa
 def _damage(case: CaseData, recipe: NearbyStartPlan, index: int, torque: Floats) -> float:
     """Miner sum of one shaft, as `engine.fatigue.allowable_starts.shaft_fatigue` counts it."""
     element = case.elements[index]
-    curve = sn_curve_of(case, element.material)
-    local = (element.scf or 1.0) * stress_of_unit_torque(element)
+    strength = shaft_strength(case, element)
+    curve, local = strength.curve, strength.local
     history = counted_history(torque)
     if (
         not recipe.always_count
+        and strength.ultimate is None
         and curve.below_endurance == "none"
         and 0.5 * local * float(np.ptp(history)) <= curve.endurance
     ):
         return 0.0
     cycles = count_cycles(history, case.rainflow_residue or RainflowResidue.HALF_CYCLES)
-    return miner_damage(local * cycles.amplitude, cycles.count, curve)
+    amplitude = reversed_amplitude(local * cycles.amplitude, local * cycles.mean, strength.ultimate)
+    return miner_damage(amplitude, cycles.count, curve)

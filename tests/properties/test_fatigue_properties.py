@@ -18,7 +18,9 @@ from engine.fatigue.cycle_counting import (
     turning_points,
 )
 from engine.fatigue.damage import damage_interval, miner_damage, starts_from_damage
+from engine.fatigue.mean_stress import reversed_amplitude
 from engine.fatigue.sn_curve import SNCurve, sn_curve_for
+from engine.fatigue.strength_factors import lowered_line
 
 # Whole numbers make ties and repeated extremes frequent, and sums exact.
 WHOLE = st.lists(st.integers(-9, 9).map(float), max_size=40)
@@ -384,3 +386,55 @@ def test_the_worst_shaft_governs_in_any_order(curve, torques, error, random):
         starts.starts_low,
         starts.starts_high,
     )
+
+
+# --- strength factors and mean stress -------------------------------------------------------------
+
+FACTORS = st.floats(0.2, 1.0)
+
+
+@given(curves(), HISTORIES, ANY_RESIDUE)
+def test_factors_of_one_change_no_bit(curve, torque, residue):
+    cycles = count_cycles(counted_history(torque), residue)
+    assert lowered_line(curve, 1.0) is curve
+    same = reversed_amplitude(cycles.amplitude, cycles.mean, None)
+    assert same.tolist() == cycles.amplitude.tolist()
+    assert damage_interval(cycles, curve, 1.0) == damage_interval(cycles, curve, 1.0, 0.0, None)
+
+
+@given(curves(), FACTORS, FACTORS, st.lists(st.floats(1.0, 2000.0), min_size=1, max_size=20))
+def test_a_lower_factor_never_lengthens_a_life(curve, a, b, stress):
+    low, high = (lowered_line(curve, f).cycles_to_failure(stress) for f in sorted((a, b)))
+    assert np.all(low <= high * (1.0 + 1e-6))
+    assert np.all(high <= curve.cycles_to_failure(stress) * (1.0 + 1e-6))
+
+
+@given(curves(), FACTORS)
+def test_the_endurance_limit_takes_the_whole_factor(curve, factor):
+    line = lowered_line(curve, factor)
+    assert line.endurance == pytest.approx(factor * curve.endurance, rel=1e-9)
+    assert line.knee_cycles == pytest.approx(curve.knee_cycles, rel=1e-6)
+
+
+@given(
+    st.floats(0.0, 500.0), st.floats(-600.0, 600.0), st.floats(0.0, 50.0), st.floats(50.0, 700.0)
+)
+def test_a_larger_mean_or_amplitude_never_damages_less(amplitude, mean, more, ultimate):
+    plain = float(reversed_amplitude(amplitude, mean, ultimate))
+    assert plain >= amplitude
+    assert float(reversed_amplitude(amplitude + more, mean, ultimate)) >= plain
+    further = float(reversed_amplitude(amplitude, abs(mean) + more, ultimate))
+    assert further >= plain or further == pytest.approx(plain)
+    assert float(reversed_amplitude(amplitude, -mean, ultimate)) == plain
+
+
+@given(HISTORIES, ANY_RESIDUE, st.floats(300.0, 2000.0))
+def test_no_cycle_has_a_larger_reversed_amplitude_than_the_extremes(torque, residue, ultimate):
+    """What settles the matter without counting, for stresses below the ultimate strength."""
+    history = counted_history(torque)
+    assume(float(np.max(np.abs(history))) < ultimate)
+    cycles = count_cycles(history, residue)
+    top, bottom = float(np.max(history)), float(np.min(history))
+    bound = float(reversed_amplitude(0.5 * (top - bottom), 0.5 * (top + bottom), ultimate))
+    found = reversed_amplitude(cycles.amplitude, cycles.mean, ultimate)
+    assert np.all(found <= bound * (1.0 + 1e-9))

@@ -72,6 +72,11 @@ class Mesh:
 
 def revolution_stiffness(mesh: Mesh, fixed: Floats, turned: Floats) -> float:
     """Torque over G for one radian between two rows of points."""
+    return revolution_twist(mesh, fixed, turned)[0]
+
+
+def revolution_twist(mesh: Mesh, fixed: Floats, turned: Floats) -> tuple[float, Floats]:
+    """Torque over G for one radian between two rows of points, and the rotation of every point."""
     r, z, cells = np.array(mesh.x), np.array(mesh.y), np.concatenate(mesh.cells)
     x, y = r[cells], z[cells]
     values = np.zeros((len(cells), 4, 4))
@@ -99,11 +104,13 @@ def revolution_stiffness(mesh: Mesh, fixed: Floats, turned: Floats) -> float:
     free = np.ones(len(r), dtype=bool)
     free[fixed] = free[turned] = False
     angle[free] = spsolve(K[free][:, free].tocsc(), -(K @ angle)[free])
-    return float(2.0 * math.pi * angle @ (K @ angle))
+    return float(2.0 * math.pi * angle @ (K @ angle)), angle
 
 
-def coarse_step(ratio: float, fillet: float, bore: float, n: int) -> float:
-    """Added length over the thinner diameter, on one mesh; lengths are in thinner diameters."""
+def step_mesh(
+    ratio: float, fillet: float, bore: float, n: int
+) -> tuple[Mesh, list[Floats], list[Floats]]:
+    """Mesh of a step, its rows of points in the thinner and in the thicker shaft; lengths are in thinner diameters."""
     a, A, c, f = 0.5, 0.5 * ratio, 0.5 * bore, fillet
     before, behind = 1.5, 1.5 * ratio
     share = (towards(c, a, n, end=f == 0.0) - c) / (a - c)
@@ -124,6 +131,14 @@ def coarse_step(ratio: float, fillet: float, bore: float, n: int) -> float:
     for chain in (rows, thick):
         for p, q in zip(chain[:-1], chain[1:], strict=True):
             mesh.between(p, q)
+    return mesh, rows, thick
+
+
+def coarse_step(ratio: float, fillet: float, bore: float, n: int) -> float:
+    """Added length over the thinner diameter, on one mesh; lengths are in thinner diameters."""
+    a, A, c, f = 0.5, 0.5 * ratio, 0.5 * bore, fillet
+    before, behind = 1.5, 1.5 * ratio
+    mesh, rows, thick = step_mesh(ratio, fillet, bore, n)
     polar, wide = (0.5 * math.pi * (R**4 - c**4) for R in (a, A))
     twist = (
         1.0 / revolution_stiffness(mesh, rows[0], thick[-1]) - (before + f) / polar - behind / wide

@@ -17,7 +17,7 @@ TABLES = (
     "Stations", "Elements", "Meshes", "ModeDamping", "MotorTorque", "LoadTorque", "TorqueTime",
     "Materials", "SNPoints", "Excitations", "EffectChoices", "EventTorque", "MotorData",
     "MotorCircuit", "MotorEvents", "SupplyVoltage", "Supply", "Sections", "SectionMaterials",
-    "StartConditions",
+    "StartConditions", "FatigueFactors",
 )  # fmt: skip
 
 

@@ -5,7 +5,8 @@ module           responsibility
 ===============  =================================================================================
 `problem`        how a problem of a cell is worded, and the checks that every table shares
 `effects`        checks of the chosen effects: one that is forced on needs its data
-`fatigue`        checks of materials and their S-N points
+`fatigue`        checks of materials, their S-N points, and the factors on the strength of
+                 shafts
 `scalars`        checks of the scalars of the case: each by itself, and those that contradict each
                  other
 `motors`         checks of the data sheets and circuits of motors

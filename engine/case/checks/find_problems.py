@@ -12,7 +12,7 @@ from itertools import chain
 
 from engine.case.checks.effects import check_effect_choices
 from engine.case.checks.events import check_events
-from engine.case.checks.fatigue import check_materials, check_sn_points
+from engine.case.checks.fatigue import check_fatigue_factors, check_materials, check_sn_points
 from engine.case.checks.gears import check_meshes
 from engine.case.checks.motor_events import check_motor_events
 from engine.case.checks.motors import check_motors
@@ -45,6 +45,7 @@ CHECKS: tuple[Callable[[CaseData], Iterator[Problem]], ...] = (
     check_supply,
     check_materials,
     check_sn_points,
+    check_fatigue_factors,
     check_excitations,
     check_effect_choices,
 )

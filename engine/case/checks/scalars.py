@@ -24,6 +24,7 @@ from engine.case.choices import (
     HistoryFile,
     InitialState,
     MarginBasis,
+    MeanStress,
     Method,
     RainflowResidue,
     Scanned,
@@ -77,6 +78,7 @@ CHOICES: dict[str, type[StrEnum]] = {
     "Method": Method,
     "KeepHistory": HistoryFile,
     "RainflowResidue": RainflowResidue,
+    "MeanStress": MeanStress,
     "ContactLaw": ContactLaw,
 }
 SHARES = (

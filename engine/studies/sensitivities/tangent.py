@@ -12,10 +12,11 @@ from engine.arrays import Floats
 from engine.case.choices import BelowEndurance
 from engine.case.study_inputs import SN_LINE
 from engine.fatigue.cycle_counting import counted_history, half_cycle_points
+from engine.fatigue.mean_stress import reversed_amplitude
+from engine.fatigue.shaft_strength import ShaftStrength, shaft_strength
 from engine.fatigue.sn_curve import SNCurve
-from engine.fatigue.stress import stress_of_unit_torque
 from engine.start.start import PreparedStart
-from engine.start.start_fatigue import judged_shafts, sn_curve_of
+from engine.start.start_fatigue import judged_shafts
 from engine.studies.nearby_start import LINEAR, NearStart, near_start, near_train
 from engine.studies.sensitivities.linear_start import (
     OutputSensitivity,
@@ -132,10 +133,9 @@ def _from_tangent(
     starts = np.zeros((len(plan.parameters), len(judged)))
     edge = np.zeros(len(judged))
     for j, (element, row) in enumerate(judged):
-        curve = sn_curve_of(case, row.material)
-        local = (row.scf or 1.0) * stress_of_unit_torque(row)
+        strength = shaft_strength(case, row)
         by_stress, by_line, edge[j] = _damage_slope(
-            curve, local, plain.turning[element][1], watched[element].derivative
+            strength, plain.turning[element][1], watched[element].derivative
         )
         starts[place, j] = -by_stress
         for i, (quantity, name) in enumerate(plan.parameters):
@@ -145,9 +145,10 @@ def _from_tangent(
 
 
 def _damage_slope(
-    curve: SNCurve, local: float, torque: Floats, change: Floats
+    strength: ShaftStrength, torque: Floats, change: Floats
 ) -> tuple[Floats, float, float]:
     """d ln q by each parameter, d ln(starts) by the S-N line itself, share of the damage at the edge."""
+    curve, local = strength.curve, strength.local
     history = counted_history(torque)
     # every counted point is one of the history, or the rest at both ends
     values = np.concatenate([[0.0], torque, [0.0]])
@@ -159,7 +160,8 @@ def _damage_slope(
         index[i], at = at, at + 1
     first, second, count = half_cycle_points(history)
     span = history[first] - history[second]
-    amplitude = 0.5 * local * np.abs(span)
+    mean = 0.5 * local * (history[first] + history[second])
+    amplitude = reversed_amplitude(0.5 * local * np.abs(span), mean, strength.ultimate)
     damage = count / curve.cycles_to_failure(amplitude)
     total = float(damage.sum())
     if total == 0.0:
@@ -167,6 +169,10 @@ def _damage_slope(
     used = damage > 0.0
     slope = _life_slope(curve, amplitude[used])
     relative = (moved[index[first[used]]] - moved[index[second[used]]]) / span[used][:, None]
+    if strength.ultimate is not None:  # d ln of 1 / (1 - |mean| / ultimate)
+        both = moved[index[first[used]]] + moved[index[second[used]]]
+        left = strength.ultimate - np.abs(mean[used])
+        relative += (0.5 * local * np.sign(mean[used]) / left)[:, None] * both
     weight = damage[used] * slope / total
     near = np.abs(amplitude / curve.endurance - 1.0) <= WHOLE
     edge = 0.0  # damage of all that may come or go

@@ -14,6 +14,7 @@ from engine.case.choices import ElementKind
 from engine.case.data import CaseData
 from engine.case.result_words import Judgement
 from engine.errors import CaseError, TorsionError
+from engine.fatigue.shaft_strength import notch_effect
 from engine.fatigue.stress import stress_of_unit_torque
 from engine.model.excitation import transmitted_torque
 from engine.results.results import Results, Verdict
@@ -200,7 +201,8 @@ def _stress(results: Results) -> tuple[float | None, float | None, str]:
         e = rows[p.element]
         if e.stress_diameter:
             nominal = p.peak_to_peak * stress_of_unit_torque(e)
-            ranges.append((nominal * (e.scf or 1.0), nominal, p.element))
+            kt = notch_effect(results.case, e).concentration.value
+            ranges.append((nominal * kt, nominal, p.element))
     if not ranges:
         return None, None, ""
     local, nominal, where = max(ranges, key=lambda f: f[0])

@@ -11,8 +11,9 @@ import pytest
 from engine.case.case import Case
 from engine.case.data import SNPointRow
 from engine.fatigue.allowable_starts import shaft_fatigue
+from engine.fatigue.shaft_strength import shaft_strength
 from engine.start.start import Start
-from engine.start.start_fatigue import sn_curve_of, starts_of, stress_over_endurance
+from engine.start.start_fatigue import starts_of, stress_over_endurance
 from tests.sample_case import sample_case
 from tests.trains import started
 
@@ -87,7 +88,7 @@ def test_a_third_of_the_change_of_the_damaging_ranges_is_the_error_of_every_turn
     by_hand = shaft_fatigue(
         SHAFT,
         torque,
-        sn_curve_of(case, SHAFT.material),
+        shaft_strength(case, SHAFT).curve,
         case.materials[0],
         relative_torque_error=1e-3 / 3.0 + start.truncation_error,
     )
