@@ -25,6 +25,7 @@ import numpy as np  # noqa: E402
 
 from benchmarks import report  # noqa: E402
 from benchmarks.report import Section, Table, milliseconds  # noqa: E402
+from engine.backlash.event_start import run_event_start  # noqa: E402
 from engine.backlash.operating_events import OperatingEvent, operating_events  # noqa: E402
 from engine.case.case import Case  # noqa: E402
 from engine.case.choices import MotorEventKind, Scanned  # noqa: E402
@@ -35,9 +36,11 @@ from engine.case.data import (  # noqa: E402
     MotorEventRow,
     StationRow,
 )
+from engine.case.effect import StartEffects  # noqa: E402
 from engine.model.modal_analysis import analyse  # noqa: E402
 from engine.motor.curves import slip_curves  # noqa: E402
 from engine.motor.from_case import motors_from_data  # noqa: E402
+from engine.start.start import run_start  # noqa: E402
 from tests.machine_reference import LENGTH, reference  # noqa: E402
 
 __all__ = ["PAGE", "speed_rows", "accuracy_rows"]
@@ -114,6 +117,9 @@ def speed_rows(rounds: int) -> list[tuple[str, ...]]:
     begins = replace(FAULT, begins=0.5)
     in_start = train(motor_events=(begins,), **A_START)
     worst_in_start = train(motor_events=(replace(begins, clears_after=Scanned.WORST),), **A_START)
+    plain, in_time = train(motor_events=(), **A_START), StartEffects(motor_transient=True)
+    modal = analyse(plain).reported
+    linear = run_start(plain, modal)
     calls: dict[str, tuple[Callable[[], Any], str]] = {
         "curves at 101 slips": (lambda: slip_curves(motor.circuit, slips), "≤ 1 ms"),
         f"three-phase fault, 0.5 s, {STATIONS} stations, with its error": (
@@ -125,6 +131,10 @@ def speed_rows(rounds: int) -> list[tuple[str, ...]]:
         "line-to-line fault, worst of 24 phases and 240 clearing times": (lambda: event_of(of_all), "–"),
         "three-phase fault in a start of 3 s, with its error": (lambda: event_of(in_start), "–"),
         "the same, worst of 240 clearing times": (lambda: event_of(worst_in_start), "–"),
+        "start of 3 s from curves, with its error": (lambda: run_start(plain, modal), "–"),
+        "the same with the motor's fluxes in time": (
+            lambda: run_event_start(plain, modal, in_time, linear), "≤ 3 × the start from curves",
+        ),
     }  # fmt: skip
     taken = by_turns({name: call for name, (call, _) in calls.items()}, rounds)
     return [

@@ -177,8 +177,7 @@ def _worst_of_phases(case: CaseData, analysis: ModalAnalysis) -> WorstOfPhases:
         start, starts, errors = judged_starts(asked, planned_start(asked, analysis))
         return answers_at(case, phase, start, () if starts is None else starts.shafts, errors)
 
-    turns = 2 if case.pulsates_at_slip else 1
-    return worst_of_phases(lambda phases: [answers(phase) for phase in phases], turns)
+    return worst_of_phases(lambda phases: [answers(phase) for phase in phases], case.turns_of_phase)
 
 
 def at_speed(case: CaseData) -> AtSpeed:

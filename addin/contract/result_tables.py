@@ -97,15 +97,16 @@ def _worst_instant(largest: str, suffix: str = "") -> tuple[Field, ...]:
         number(
             f"{name}{suffix}", dimension, f"{column} with the largest {largest} of this row, where {column} is worst.",
             f"largest of all {column} of the scan, then of those beside it, ever nearer", _SCAN_METHOD,
-            of_case=(f"MotorEvents.{column}", *more), pane=Pane.MINOR, error=ReportedError.ESTIMATE,
+            of_case=of_case, pane=Pane.MINOR, error=ReportedError.ESTIMATE,
         )
-        for name, dimension, column, more in (
-            ("Worst phase", "angle", "Phase", ()),
-            ("Worst angle", "angle", "Angle", ()),
+        for name, dimension, column, of_case in (
+            ("Worst phase", "angle", "Phase", ("MotorEvents.Phase",)),
+            ("Worst angle", "angle", "Angle", ("MotorEvents.Angle",)),
             (
                 "Worst clearing time", "time", "Clears after",
-                ("MotorEvents.Earliest clearing", "MotorEvents.Latest clearing"),
+                ("MotorEvents.Clears after", "MotorEvents.Earliest clearing", "MotorEvents.Latest clearing"),
             ),
+            ("Worst pulsation phase", "angle", "PulsationPhase", ("PulsationPhase", "MotorEvents.Begins")),
         )
     )  # fmt: skip
 

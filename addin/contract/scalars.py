@@ -148,7 +148,7 @@ _BY_GROUP: Mapping[str, tuple[Field, ...]] = {
         number(
             "PulsationPhase",
             "angle",
-            "Phase of the torque pulsation at t = 0; worst: of 36 phases.",
+            "Phase of the torque pulsation at t = 0; worst: of 36 phases in a turn.",
             blank="0",
             choices=tuple(choices.Scanned),
         ),

@@ -268,7 +268,7 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
     Sheet(
         "Events",
         "result",
-        {"A": 1.5, "B": 16, "C": 13, "D:E": 9, "F:H": 7, "I:K": 8, "L": 8.5, "M": 11, "N:V": 6.5},
+        {"A": 1.5, "B": 16, "C": 13, "D:E": 9, "F:H": 7, "I:K": 8, "L": 8.5, "M": 11, "N:R": 7.3, "S": 8.5, "T:U": 7.3, "V:W": 10.5, "X": 6.5},
         {"EventPeaks": "B5"},
         on="Torque and motor",
         intro="Faults in operation: events of tables EventTorque and MotorEvents upon the train that "
@@ -277,7 +277,7 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
     Sheet(
         "Air-gap torque",
         "result",
-        {"A": 1.5, "B:I": 10, "J": 1.5, "K": 20, "L:S": 9},
+        {"A": 1.5, "B:I": 10, "J": 1.5, "K": 20, "L:U": 8.5},
         {"AirGapTorque": "K5"},
         (ChartAt("air-gap", "B5", 600, 334), ChartAt("clearing", "B26", 600, 334)),
         on="Torque and motor",

@@ -15,7 +15,7 @@ module                responsibility
 `event_start`         starts with clearances, lateral motion of gears, field application and
                       trip: the event runs
 `motor_events`        faults and switching of a motor in operation, by the two-axis machine in time
-`motor_scan`          the worst phase, angle and clearing time of an event of a motor
+`motor_scan`          the worst phase, angle and clearing time of an event of a motor, and of the start it begins in
 `operating_events`    events in operation: a fault, or any torque that comes upon a train that runs at
                       synchronous speed
 ====================  ============================================================================

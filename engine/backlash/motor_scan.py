@@ -1,4 +1,5 @@
-"""The worst phase, angle and clearing time of an event of a motor: a scan, and a finer one around its worst.
+"""The worst phase, angle and clearing time of an event of a motor, and the worst phase of the pulsation of the start in
+which it begins: a scan, and a finer one around its worst.
 
 What is looked for is the largest torque of each element and of the motor, and the largest damage of each judged shaft, each by
 itself. In operation a combination is one event as it would be calculated alone, with longer steps and followed for a
@@ -13,8 +14,11 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
+from itertools import product as every_pair
+from typing import NamedTuple
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from engine.arrays import Floats
 from engine.backlash.motor_events import MOTOR_FOLLOWED, motor_drive, motor_event, number
@@ -27,6 +31,7 @@ from engine.start.machine_motion import MachineMotion, machine_motion, stretch_o
 from engine.start.prescribed import first_step
 from engine.start.start_fatigue import judged_shafts, largest_damage, sn_slope
 from engine.start.time_response import ModalSystem, modal_system
+from engine.start.worst_phase import PHASES as PULSATIONS
 from engine.stepping.linear_loop import turning_points
 
 #: Phases of a whole turn. [count]
@@ -53,22 +58,37 @@ SHARE_OF_TOLERANCE, MOST_HALVINGS = 0.25, 4
 MOST_TOPS = 4
 
 
-#: Phase or angle, and clearing time; None: it is not looked for. [rad, s]
-Place = tuple[float | None, float | None]
-#: What combinations answer: phase or angle, clearing times, and the share of their spacing of which the times are
+#: Phase of the pulsation of the start, and phase or angle of the event; None: it is not looked for. [rad]
+Angles = tuple[float | None, float | None]
+#: These, and the clearing time. [rad, s]
+Place = tuple[float | None, float | None, float | None]
+#: What combinations answer: angles, clearing times, and the share of their spacing of which the times are
 #: multiples. One row a clearing time, as `answers_of` has it.
-Answers = Callable[[float | None, Sequence[float | None], float], Floats]
+Answers = Callable[[Angles, Sequence[float | None], float], Floats]
+
+
+class Instant(NamedTuple):
+    """One combination."""
+
+    row: MotorEventRow  #: The event with numbers in the place of words. [rad, s]
+    #: Phase of the pulsation of the start in which it begins; None: it is not looked for. [rad]
+    pulsation: float | None = None
 
 
 @dataclass(frozen=True)
 class WorstInstant:
     """The combination with the largest torque of one element or of the motor, or the largest damage of a shaft."""
 
-    row: MotorEventRow  #: The event with numbers in the place of words. [rad, s]
+    instant: Instant  #: Which one. [rad, s]
     largest: float  #: That torque or damage, as the scan has it. [N m, 1]
     #: What it may be larger at another one: its change when the spacing was halved last, or the top of a
     #: parabola through three of them, relative; None: not known, as teeth separate. [1]
     error: float | None
+
+    @property
+    def row(self) -> MotorEventRow:
+        """The event with numbers in the place of words. [rad, s]"""
+        return self.instant.row
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,10 +109,10 @@ class WorstInstants:
     turn: str  #: What was looked for beside the clearing time: ``phase``, ``angle``, or nothing.
 
     @property
-    def rows(self) -> Iterable[MotorEventRow]:
-        """Every event that is the worst of something, once."""
+    def instants(self) -> Iterable[Instant]:
+        """Every combination that is the worst of something, once."""
         instants = (*self.of_element.values(), *self.of_damage.values(), self.of_motor)
-        return dict.fromkeys(i.row for i in instants)
+        return dict.fromkeys(i.instant for i in instants)
 
 
 def worst_instants(case: CaseData, modal: ModalTrain, row: MotorEventRow) -> WorstInstants:
@@ -120,7 +140,7 @@ def worst_instants_of(
     case: CaseData,
     train: Train,
     row: MotorEventRow,
-    answers: Callable[[MotorEventRow], Floats],
+    answers: Callable[[Instant], Floats],
     *,
     apart: bool,
 ) -> WorstInstants:
@@ -146,8 +166,8 @@ def worst_instants_of(
     """
     grid = _Grid.of(case, row)
 
-    def each(turn: float | None, times: Sequence[float | None], share: float) -> Floats:
-        return np.stack([answers(grid.row_of(turn, time)) for time in times])
+    def each(angles: Angles, times: Sequence[float | None], share: float) -> Floats:
+        return np.stack([answers(grid.instant(*angles, time)) for time in times])
 
     return _searched(case, train, grid, each, apart=apart)
 
@@ -188,20 +208,23 @@ def _searched(
     case: CaseData, train: Train, grid: _Grid, answers: Answers, *, apart: bool = False
 ) -> WorstInstants:
     """The worst of a grid, then of combinations ever nearer to it unless teeth separate."""
-    turns, times = grid.turns, grid.times
+    pulsations, turns, times = grid.pulsations, grid.turns, grid.times
+    angles = len(pulsations) * len(turns)
     if apart:
-        fewer = np.linspace(0, len(times) - 1, min(len(times), max(MOST_APART // len(turns), 1)))
+        fewer = np.linspace(0, len(times) - 1, min(len(times), max(MOST_APART // angles, 1)))
         times = tuple(times[int(i)] for i in fewer)
-    sizes = np.stack([answers(turn, times, 0.5) for turn in turns])  # turn, time, answer
+    # pulsation, turn, time, answer
+    sizes = np.stack(
+        [np.stack([answers((first, turn), times, 0.5) for turn in turns]) for first in pulsations]
+    )
     n, tolerance = len(train.elements), case.tolerance_peak or DEFAULT_TOLERANCE_PEAK
     finer = cache(lambda place, halvings: grid.around(place, halvings, answers))
     found = []
     for k in range(sizes.shape[-1]):
         tops = _tops(sizes[..., k])
-        (i, j), error = tops[0], None
-        place, largest = (turns[i], times[j]), float(sizes[i, j, k])
+        around = [(pulsations[h], turns[i], times[j]) for h, i, j in tops]
+        place, largest, error = around[0], float(sizes[(*tops[0], k)]), None
         enough = SHARE_OF_TOLERANCE * tolerance * (1.0 if k <= n else sn_slope(case))
-        around = [(turns[i], times[j]) for i, j in tops]
         for halvings in range(1, 1 if apart or not largest else MOST_HALVINGS + 1):
             found_near = {
                 middle: {where: float(every[k]) for where, every in finer(middle, halvings).items()}
@@ -214,10 +237,10 @@ def _searched(
             error, around = _rise(beside, middle) / (largest or 1.0), [place]
             if error <= enough:
                 break
-        found.append(WorstInstant(grid.row_of(*place), largest, error))
-    names, looked_for = train.elements, bool(grid.spacing[1])
-    largest_of = int(np.argmax(sizes[..., :n].max(axis=(0, 1)))) if names else -1
-    over_time = sizes.max(axis=0) if looked_for else sizes[0, :0]
+        found.append(WorstInstant(grid.instant(*place), largest, error))
+    names, looked_for = train.elements, bool(grid.spacing[2])
+    largest_of = int(np.argmax(sizes[..., :n].max(axis=(0, 1, 2)))) if names else -1
+    over_time = sizes.max(axis=(0, 1)) if looked_for else sizes[0, 0, :0]
     damaged = zip(judged_shafts(case), found[n + 1 :], strict=True)
     return WorstInstants(
         dict(zip(names, found[:n], strict=True)),
@@ -231,33 +254,50 @@ def _searched(
     )
 
 
-def any_instant(row: MotorEventRow) -> MotorEventRow:
+def begins_at_worst_phase(case: CaseData, row: MotorEventRow) -> bool:
+    """Whether an event begins in a start whose worst phase of the pulsation is looked for.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+    row : MotorEventRow
+        The event. [rad, s]
+    """
+    return row.in_start is not None and case.looks_for_worst_phase
+
+
+def any_instant(case: CaseData, row: MotorEventRow) -> Instant:
     """An event with some number in the place of each word.
 
     Parameters
     ----------
+    case : CaseData
+        The case. [SI]
     row : MotorEventRow
         The event. [rad, s]
 
     Returns
     -------
-    MotorEventRow
+    Instant
         [rad, s]
     """
     latest = row.latest_clearing or DEFAULT_LATEST_CLEARING
     numbers = {"phase": 0.0, "angle": 0.0, "clears_after": latest}
-    return replace(row, **{name: numbers[name] for name in row.scanned})  # type: ignore[arg-type]
+    of_row = replace(row, **{name: numbers[name] for name in row.scanned})  # type: ignore[arg-type]
+    return Instant(of_row, 0.0 if begins_at_worst_phase(case, row) else None)
 
 
 @dataclass(frozen=True)
 class _Grid:
-    """Combinations of phase or angle and clearing time."""
+    """Combinations of the phase of the pulsation, of phase or angle of the event, and of clearing time."""
 
     row: MotorEventRow
-    turn: str  #: Which angle is scanned, ``phase`` or ``angle``; empty: none.
-    spacing: tuple[
-        float, float
-    ]  #: Of angles and of clearing times; 0: that is not scanned. [rad, s]
+    turn: str  #: Which angle of the event is scanned, ``phase`` or ``angle``; empty: none.
+    #: Of phases of the pulsation, of angles and of clearing times; 0: that is not scanned. [rad, rad, s]
+    spacing: tuple[float, float, float]
+    #: Turns of the phase of the pulsation after which a start is the same. [count]
+    turns_of_phase: int = 1
 
     @classmethod
     def of(cls, case: CaseData, row: MotorEventRow) -> _Grid:
@@ -266,20 +306,31 @@ class _Grid:
         range_ = (row.latest_clearing or DEFAULT_LATEST_CLEARING) - (row.earliest_clearing or 0.0)
         periods = (case.ratings.line_frequency or 0.0) * range_
         count = max(math.ceil(TIMES_PER_PERIOD * periods - 1e-9), FEWEST_TIMES)
+        phases = PHASES if row.in_start is None else PHASES_IN_START
+        pulsations = PHASES_IN_START if row.scanned else PULSATIONS
         spacing = (
-            2.0 * math.pi / (PHASES if row.in_start is None else PHASES_IN_START) if turn else 0.0,
+            2.0 * math.pi / pulsations if begins_at_worst_phase(case, row) else 0.0,
+            2.0 * math.pi / phases if turn else 0.0,
             range_ / count if "clears_after" in row.scanned else 0.0,
         )
-        return cls(row, turn, spacing)
+        return cls(row, turn, spacing, case.turns_of_phase)
+
+    @property
+    def pulsations(self) -> tuple[float | None, ...]:
+        """Phases of the pulsation of the scan, from 0 on. [rad]"""
+        if not self.spacing[0]:
+            return (None,)
+        count = self.turns_of_phase * round(2.0 * math.pi / self.spacing[0])
+        return tuple(k * self.spacing[0] for k in range(count))
 
     @property
     def turns(self) -> tuple[float | None, ...]:
         """Angles of the scan: phases from 0 on, angles of closing around 0. [rad]"""
         if not self.turn:
             return (None,)
-        count = round(_period(self.row) / self.spacing[0])
+        count = round(_period(self.row) / self.spacing[1])
         first = 1 - count // 2 if self.turn == "angle" else 0
-        return tuple((k + first) * self.spacing[0] for k in range(count))
+        return tuple((k + first) * self.spacing[1] for k in range(count))
 
     @property
     def limits(self) -> tuple[float, float]:
@@ -292,34 +343,37 @@ class _Grid:
     @property
     def times(self) -> tuple[float | None, ...]:
         """Clearing times of the scan; nothing clears before it begins. [s]"""
-        if not self.spacing[1]:
+        if not self.spacing[2]:
             return (number(self.row.clears_after),)
         earliest, latest = self.limits
-        count = round((latest - earliest) / self.spacing[1])
+        count = round((latest - earliest) / self.spacing[2])
         first = 0 if earliest else 1
         times = (earliest + k / count * (latest - earliest) for k in range(first, count + 1))
         return tuple(min(time, latest) for time in times)
 
-    def row_of(self, turn: float | None, time: float | None) -> MotorEventRow:
+    def instant(self, pulsation: float | None, turn: float | None, time: float | None) -> Instant:
         """One combination as an event of its own."""
         turned = {self.turn: turn} if self.turn else {}
-        return replace(
+        row = replace(
             self.row, **turned, clears_after=time, earliest_clearing=None, latest_clearing=None  # type: ignore[arg-type]
         )  # fmt: skip
+        return Instant(row, pulsation)
 
     def around(self, place: Place, halvings: int, answers: Answers) -> dict[Place, Floats]:
         """What a combination and those beside it answer, at a spacing that was halved so often."""
-        (turn, time), share = place, math.ldexp(1.0, -halvings)
+        *angles, time = place
+        share = math.ldexp(1.0, -halvings)
         earliest, latest = self.limits
         times = [
             t
-            for t in _beside(time, share * self.spacing[1])
+            for t in _beside(time, share * self.spacing[2])
             if t is None or (earliest <= t <= latest and t > 0.0)
         ]
+        beside = (_beside(angle, share * self.spacing[i]) for i, angle in enumerate(angles))
         return {
-            (other, when): sizes
-            for other in _beside(turn, share * self.spacing[0])
-            for when, sizes in zip(times, answers(other, times, share), strict=True)
+            (first, other, when): sizes
+            for first, other in every_pair(*beside)
+            for when, sizes in zip(times, answers((first, other), times, share), strict=True)
         }
 
 
@@ -338,19 +392,19 @@ class _Together:
     def of(cls, case: CaseData, modal: ModalTrain, grid: _Grid) -> _Together:
         """The event of a grid."""
         train, modes, damping = modal
-        drive = motor_drive(modal, motor_event(case, train, any_instant(grid.row)))
+        drive = motor_drive(modal, motor_event(case, train, any_instant(case, grid.row).row))
         step, keep, _ = first_step(train, modes, drive, TOLERANCE, grid.limits[1] + FOLLOWED)
         system = modal_system(train, modes, drive.stations, damping.structural, keep)
         offset = transmitted_torque(case, train).element[train.output_element]
         return cls(case, modal, grid, system, LONGER * step, offset)
 
-    def answers(self, turn: float | None, times: Sequence[float | None], share: float) -> Floats:
+    def answers(self, angles: Angles, times: Sequence[float | None], share: float) -> Floats:
         """What the combinations with one angle answer. [N m, 1] Shape (n_times, n_answers)."""
         grid = self.grid
-        event = motor_event(self.case, self.modal.train, grid.row_of(turn, times[-1]))
+        event = motor_event(self.case, self.modal.train, grid.instant(*angles, times[-1]).row)
         system, machine, balance = self.system, event.machine, event.balance
         before, state = event.beginning(system)
-        if not grid.spacing[1]:
+        if not grid.spacing[2]:
             end = min(event.last_change + MOTOR_FOLLOWED, self.case.maximum_time or math.inf)
             motion = machine_motion(
                 system,
@@ -363,7 +417,7 @@ class _Together:
                 before=before,
             )
             return self._answers(self._turning(motion, event.held))[None]
-        step = share * grid.spacing[1]  # steps end at clearing times
+        step = share * grid.spacing[2]  # steps end at clearing times
         step /= math.ceil(step / self.step)
         changed, cleared = event.supplies
         stretch, now = stretch_of(system, machine, changed, state, (*before, state.flux), balance)
@@ -411,21 +465,24 @@ class _Together:
         return answers_of(self.case, self.modal.train, histories, float(np.max(np.abs(values[-1]))))
 
 
-def _tops(sizes: Floats) -> list[tuple[int, int]]:
+def _tops(sizes: Floats) -> list[tuple[int, ...]]:
     """The largest value of a grid, then the next local maxima; between its points another one may be the largest."""
-    n, m = sizes.shape
-    around = np.pad(sizes, 1, constant_values=-math.inf)
-    beside = np.max([around[i : i + n, j : j + m] for i in range(3) for j in range(3)], axis=0)
+    around = sliding_window_view(np.pad(sizes, 1, constant_values=-math.inf), (3,) * sizes.ndim)
+    beside = around.max(axis=tuple(range(-sizes.ndim, 0)))
     tops = sorted(np.argwhere(sizes == beside).tolist(), key=lambda at: -sizes[tuple(at)])
-    return [(i, j) for i, j in tops[:MOST_TOPS]]
+    return [tuple(at) for at in tops[:MOST_TOPS]]
 
 
 def _rise(beside: Mapping[Place, float], middle: Place) -> float:
     """What a worst one may be above the largest of some: the change from the middle, or to the top of parabolas."""
     worst, own = max(beside.values()), beside[middle]
     top = own
-    for axis in (0, 1):
-        others = [v for place, v in beside.items() if place[1 - axis] == middle[1 - axis]]
+    for axis in range(len(middle)):
+        others = [
+            v
+            for place, v in beside.items()
+            if all(place[k] == middle[k] for k in range(len(middle)) if k != axis)
+        ]
         if len(others) == 3:
             before, _, after = others
             curved = 2.0 * own - before - after

@@ -43,9 +43,11 @@ from engine.backlash.motor_events import (
 )
 from engine.backlash.motor_scan import (
     FOLLOWED,
+    Instant,
     WorstInstants,
     answers_of,
     any_instant,
+    begins_at_worst_phase,
     worst_instants,
     worst_instants_of,
 )
@@ -81,6 +83,7 @@ from engine.start.start import Start, run_start, with_left_out
 from engine.start.start_fatigue import starts_of
 from engine.start.start_model import FADED
 from engine.start.time_response import PrescribedTorque, TimeResponse, tabled_torques
+from engine.start.worst_phase import at_phase
 
 #: Largest amplification of a mode when its share of a torque is estimated; no damping is less. [1]
 LARGEST_GAIN = 1e3
@@ -172,7 +175,7 @@ def operating_events(case: CaseData, analysis: ModalAnalysis) -> tuple[Operating
 def _event(case: CaseData, analysis: ModalAnalysis, name: str) -> OperatingEvent:
     tolerance = case.tolerance_peak or DEFAULT_TOLERANCE_PEAK
     row = _motor_row(case, name)
-    if row is not None and row.scanned:
+    if row is not None and (row.scanned or begins_at_worst_phase(case, row)):
         return _worst_event(case, analysis, row)
     if row is not None and row.in_start is not None:
         return _event_in_start(case, analysis, row)
@@ -316,14 +319,13 @@ def _effects_of_start(case: CaseData, train: Train) -> StartEffects:
 def _worst_event(case: CaseData, analysis: ModalAnalysis, row: MotorEventRow) -> OperatingEvent:
     """An event of which each element shows its own worst instant, of its torque and of its damage."""
     name, modal = str(row.event), analysis.reported
-    plain = CaseData(**vars(case))
 
-    def alone(one: MotorEventRow) -> OperatingEvent:
-        return _event(replace(plain, motor_events=(one,)), analysis, name)
+    def alone(one: Instant) -> OperatingEvent:
+        return _event(replace(_case_at(case, one), motor_events=(one.row,)), analysis, name)
 
     apart = False
     if row.in_start is not None:
-        some = alone(any_instant(row))
+        some = alone(any_instant(case, row))
         if some.response is None:
             return some
         apart = bool(some.response.contacts)
@@ -331,41 +333,41 @@ def _worst_event(case: CaseData, analysis: ModalAnalysis, row: MotorEventRow) ->
             worst = _worst_in_start(case, modal, row, apart=apart)
         except ModelError as wrong:
             return OperatingEvent.not_calculated(name, str(wrong).rstrip("."))
-    elif words := _unable(case, modal.train, any_instant(row)):
+    elif words := _unable(case, modal.train, any_instant(case, row).row):
         return OperatingEvent.not_calculated(name, words)
     else:
         worst = worst_instants(case, modal, row)
-    events: dict[MotorEventRow, OperatingEvent] = {}
-    for one in worst.rows:
+    events: dict[Instant, OperatingEvent] = {}
+    for one in worst.instants:
         events[one] = event = alone(one)
         if not apart and event.response is not None and event.response.contacts:
             worst, apart = _worst_apart(case, modal, row, event.response), True
-            events = {one: alone(one) for one in worst.rows}
+            events = {one: alone(one) for one in worst.instants}
             break
     if lost := next((e for e in events.values() if e.response is None), None):
         return lost
     responses = {instant: e.response for instant, e in events.items() if e.response is not None}
     peaks, shafts, errors = [], [], []
     for element, instant in worst.of_element.items():
-        for peak in responses[instant.row].peaks:
+        for peak in responses[instant.instant].peaks:
             if peak.element == element:
                 missed = 0.0  # of teeth that separate no run at a longer step tells
                 if instant.error is not None:
                     missed = instant.error * peak.size + abs(peak.size - instant.largest)
                 peaks.append(peak.with_error(missed))
         damaged = worst.of_damage.get(element, instant)
-        shafts += [s for s in events[damaged.row].shafts if s.element == element]
+        shafts += [s for s in events[damaged.instant].shafts if s.element == element]
         errors += [
             (e, None if error is None else error + (damaged.error or 0.0))
-            for e, error in events[damaged.row].damage_errors
+            for e, error in events[damaged.instant].damage_errors
             if e == element
         ]
-    drawn = worst.of_element[worst.element].row if worst.element else worst.of_motor.row
+    drawn = worst.of_element[worst.element].instant if worst.element else worst.of_motor.instant
     # torques of slipping poles change too fast with the instant to be scanned
     slipping = {
         element
         for element, instant in worst.of_element.items()
-        if (gap := events[instant.row].air_gap)
+        if (gap := events[instant.instant].air_gap)
         and any(p.element == element and p.time > gap.slips_from for p in peaks)
     }
     peaks = [replace(p, left_out=None) if apart or p.element in slipping else p for p in peaks]
@@ -380,7 +382,7 @@ def _worst_event(case: CaseData, analysis: ModalAnalysis, row: MotorEventRow) ->
         and error <= (case.tolerance_peak or DEFAULT_TOLERANCE_PEAK)
         and not (slipping or apart),
     )
-    air_gap = events[worst.of_motor.row].air_gap
+    air_gap = events[worst.of_motor.instant].air_gap
     if air_gap is not None and worst.of_motor.error is not None:
         missed = worst.of_motor.error + abs(abs(air_gap.largest) - worst.of_motor.largest) / (
             abs(air_gap.largest) or 1.0
@@ -538,8 +540,8 @@ def _worst_apart(
     end = min(last + FOLLOWED, response.outcome.time)
     scale = replace(response, outcome=replace(response.outcome, time=end))
 
-    def answers(instant: MotorEventRow) -> Floats:
-        effects, event = _apart(case, modal, str(row.event), motor_event(case, train, instant))
+    def answers(instant: Instant) -> Floats:
+        effects, event = _apart(case, modal, str(row.event), motor_event(case, train, instant.row))
         return _answers(case, train, one_run(case, modal, effects, scale, None, event), 0)
 
     return worst_instants_of(case, train, row, answers, apart=True)
@@ -550,15 +552,23 @@ def _worst_in_start(
 ) -> WorstInstants:
     """The worst instants of an event in the start, each a start of its own."""
     train, effects = modal.train, _effects_of_start(case, modal.train)
-    linear = run_start(case, modal, replace(effects, clearances=()))
+    first = _case_at(case, any_instant(case, row))
+    linear = run_start(first, modal, replace(effects, clearances=()))  # the scale of each torque
 
-    def answers(instant: MotorEventRow) -> Floats:
-        event = start_event(case, train, instant)
-        run = one_run(case, modal, effects, linear, None, event)
+    def answers(instant: Instant) -> Floats:
+        event = start_event(case, train, instant.row)
+        run = one_run(_case_at(case, instant), modal, effects, linear, None, event)
         motor = [m.station for m in motors_of(case, train)].index(event.station)
         return _answers(case, train, run, motor)
 
     return worst_instants_of(case, train, row, answers, apart=apart)
+
+
+def _case_at(case: CaseData, instant: Instant) -> CaseData:
+    """The case with the phase of the pulsation of one combination."""
+    if instant.pulsation is None:
+        return CaseData(**vars(case))
+    return at_phase(case, instant.pulsation)
 
 
 def _answers(case: CaseData, train: Train, run: EventSimulation, motor: int) -> Floats:

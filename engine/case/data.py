@@ -716,6 +716,13 @@ class CaseData:
         )
 
     @property
+    def turns_of_phase(self) -> int:
+        """After how many turns of the phase of the pulsation a start is the same: a field, and a torque at the slip frequency
+        itself, follow half the phase. [count]"""
+        has_field = self.field_slip is not None and self.pull_out_torque is not None
+        return 2 if self.pulsates_at_slip or has_field else 1
+
+    @property
     def looks_for_worst_phase(self) -> bool:
         """Whether starts at many phases of the pulsation are asked for. [flag]"""
         return self.pulsation_phase == Scanned.WORST

@@ -319,7 +319,10 @@ def _worst_instant(
         return {}
     (row,) = (r for r in case.motor_events if r.event == event)
     names = {"phase": "worst_phase", "angle": "worst_angle", "clears_after": "worst_clearing_time"}
-    return {names[name] + of_what: getattr(instant.row, name) for name in row.scanned}
+    found = {names[name] + of_what: getattr(instant.row, name) for name in row.scanned}
+    if instant.instant.pulsation is not None:
+        found["worst_pulsation_phase" + of_what] = instant.instant.pulsation
+    return found
 
 
 #: Name of the start among the events of motors.

@@ -205,7 +205,7 @@ def _start_warnings(results: Results) -> Iterator[str]:
         return
     if start.phase is not None:
         yield (
-            f"PulsationPhase is worst: peaks and damage are each the worst of {(2 if case.pulsates_at_slip else 1) * PHASES} phases and of those between "
+            f"PulsationPhase is worst: peaks and damage are each the worst of {case.turns_of_phase * PHASES} phases and of those between "
             "the worst of them. All else of the start is that of "
             f"{math.degrees(start.phase):.0f} degrees, where the largest peak is."
         )

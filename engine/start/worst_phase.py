@@ -1,7 +1,7 @@
 """The worst of starts that differ in the phase of the pulsation alone, `PulsationPhase` = worst.
 
 Nobody chooses at which instant a breaker closes, so that the phase is chance. Starts at phases spread evenly over a turn (two
-turns where a motor pulsates at 1 × slip frequency, whose phase is half as large) are calculated, then those half-way to the neighbours of each phase that is the worst of some peak or shaft: what these change is
+where a motor has its field applied or pulsates at 1 × slip frequency, which follow half the phase) are calculated, then those half-way to the neighbours of each phase that is the worst of some peak or shaft: what these change is
 part of the stated error.
 """
 

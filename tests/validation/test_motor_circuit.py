@@ -168,7 +168,7 @@ INDUCTION = Circuit(0.02, 0.1, 3.0, 3.0, None, *2 * ((Winding(0.02, 0.1), Windin
     [STARTING, starting_circuit(SALIENT, is_open=True), replace(SALIENT, dampers_d=(), dampers_q=()), SECOND_CAGE, INDUCTION],
     ids=["discharge resistor", "open field", "field alone", "second cage", "induction"],
 )  # fmt: skip
-@pytest.mark.parametrize("slip", [1.0, 0.47, 0.08])
+@pytest.mark.parametrize("slip", [1.6, 1.0, 0.47, 0.08])
 def test_torques_of_the_equations_in_time(circuit, slip):
     mean, pulsation = steady_torque(circuit, slip)
     curves = slip_curves(circuit, np.array([slip]))
@@ -183,6 +183,33 @@ def test_a_field_alone_leaves_a_notch_above_half_speed():
     average = slip_curves(alone, np.array([0.55, 0.48, 0.4])).average
     assert average[0] > 0.0 > average[1]
     assert average[2] > average[1]
+
+
+@pytest.mark.parametrize(
+    "circuit", [STARTING, SECOND_CAGE, INDUCTION], ids=["salient", "second cage", "induction"]
+)
+def test_without_stator_resistance_a_small_slip_gives_the_torque_of_fluxes_that_stand_still(
+    circuit,
+):
+    """The flux of the stator is the voltage then, and currents of the rotor are what it induces: s (Xm/X)² / R a winding."""
+    bare = replace(circuit, stator_resistance=0.0)
+    field = () if bare.field is None else (bare.field,)
+    share_d, share_q = (
+        m / (m + bare.stator_leakage) for m in (bare.magnetising_d, bare.magnetising_q)
+    )
+    of_d = share_d**2 * sum(1.0 / w.resistance for w in (*field, *bare.dampers_d))
+    of_q = share_q**2 * sum(1.0 / w.resistance for w in bare.dampers_q)
+    slips = np.array([0.0, 1e-6, -1e-6])
+    curves = slip_curves(bare, slips)
+    assert np.all(np.isfinite([curves.average, curves.pulsating, curves.phase, curves.current]))
+    assert curves.average == pytest.approx(0.5 * (of_d + of_q) * slips, abs=1e-9)
+    assert curves.pulsating == pytest.approx(
+        abs(
+            0.5 / (bare.magnetising_d + bare.stator_leakage)
+            - 0.5 / (bare.magnetising_q + bare.stator_leakage)
+        ),
+        abs=1e-3,
+    )
 
 
 def test_an_induction_motor_does_not_pulsate():

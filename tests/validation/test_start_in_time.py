@@ -18,6 +18,7 @@ from engine.case.choices import MotorEventKind as Kind
 from engine.case.choices import TorqueFollows
 from engine.case.data import (
     EffectChoiceRow,
+    ElementRow,
     MotorCircuitRow,
     MotorDataRow,
     StationRow,
@@ -238,6 +239,28 @@ def test_the_field_pulls_the_motor_into_step():
         lag + reference.axis + 0.5 * math.pi, abs=2e-3
     )
     assert abs(math.remainder(lag, 2.0 * math.pi)) < 0.1
+
+
+def test_two_motors_of_one_kind_at_both_ends_of_a_train_are_one_on_half_of_it():
+    """By symmetry nothing goes through the shaft between them, and each drives its own half."""
+    load = replace(case_from_data().stations[0], station="Other")
+    one = case_from_data(
+        damping_ratio=None, load_torque=(), end_speed=150.0, tolerance_peak=1e-6, stations=case_from_data().stations[:1],
+        elements=(), meshes=(),
+    )  # fmt: skip
+    (sheet,) = one.motor_data
+    shaft = ElementRow("Between", "shaft", "Motor", "Other", 2.0e6)
+    both = replace(
+        one, stations=(*one.stations, load), elements=(shaft,), motor_data=(sheet, replace(sheet, station="Other")),
+    )  # fmt: skip
+    alone, found = in_time(one), in_time(both)
+    (own,) = alone.machines
+    assert len(found.machines) == 2
+    for machine in found.machines:
+        assert machine.largest == pytest.approx(own.largest, rel=1e-6)
+        assert machine.time == pytest.approx(own.time, abs=1e-6)
+    assert found.outcome.time == pytest.approx(alone.outcome.time, rel=1e-6)
+    assert max(p.size for p in found.peaks) < 1e-6 * abs(own.largest)
 
 
 def test_a_tripped_motor_gives_no_torque():

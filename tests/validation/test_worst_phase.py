@@ -8,11 +8,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from engine.case.data import MeshRow
+from engine.case.data import EffectChoiceRow, MeshRow
 from engine.errors import ModelError
 from engine.run import run
 from tests.sample_case import sample_case
 from tests.trains import geared, started
+from tests.validation.test_start_from_motor_data import case_from_data
 
 DEGREES = range(0, 360, 4)
 
@@ -76,6 +77,27 @@ def test_clearances_are_simulated_at_each_phase() -> None:
     for peak, one in zip(worst.start.peaks, own.start.peaks, strict=True):
         assert peak.maximum >= one.maximum
         assert peak.minimum <= one.minimum
+
+
+def test_a_field_follows_half_the_phase() -> None:
+    """It pulls in another way a whole turn of the phase later, so that two turns are calculated."""
+    given = {
+        "field_slip": 0.05, "pull_out_torque": 2.5e4, "field_time_constant": 0.2, "end_speed": None, "maximum_time": 12.0,
+        "load_torque": (), "damping_ratio": 0.01, "effect_choices": (EffectChoiceRow("motor transient", "on"),),
+    }  # fmt: skip
+    case = case_from_data(**given)
+    assert case.turns_of_phase == 2
+    assert case_from_data().turns_of_phase == 1
+    once, again, twice = (
+        run(replace(case, pulsation_phase=2.0 * math.pi * k)).start for k in range(3)
+    )
+    assert once is not None
+    assert again is not None
+    assert twice is not None
+    assert once.pull_in is not None
+    assert again.pull_in is not None
+    assert twice.outcome.time == pytest.approx(once.outcome.time, rel=1e-6)
+    assert abs(again.outcome.time - once.outcome.time) > 0.1
 
 
 def test_one_start_needs_one_phase() -> None:

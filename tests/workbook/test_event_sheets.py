@@ -139,7 +139,7 @@ def test_a_worst_clearing_time_on_the_sheet(tmp_path: Path) -> None:
     assert not done.problems
     rows = json.loads((tmp_path / "results.json").read_text(encoding="utf-8"))["event_peaks"]
     sheet = shown(open_workbook(book), "EventPeaks")
-    assert [row[-6:-3] for row in sheet] == [
+    assert [row[-8:-5] for row in sheet] == [
         [pytest.approx(math.degrees(r["worst_phase"])), None, r["worst_clearing_time"]]
         if r["event"] == "Worst"
         else [None] * 3

@@ -209,7 +209,8 @@ def _clearing(cells: Cells, row: MotorEventRow) -> Iterator[Problem]:
     elif row.clears_after == Scanned.WORST:
         yield cells.wrong(
             "Clears after", row.clears_after, "a number where Clearing is zeros of current",
-            "Phases clear at zeros whatever its number: type some, or Clearing at once.",
+            "Torques jump with the instant where another zero comes next, so that nothing is known between instants that are "
+            "tried: type one a row of this table, some in a period of the line, or choose Clearing at once.",
         )  # fmt: skip
 
 
@@ -253,10 +254,11 @@ def _begins(case: CaseData, cells: Cells, row: MotorEventRow) -> Iterator[Proble
             "Begins", row.begins, "blank or running without the fluxes of every motor in the start",
             f"It needs {MOTOR_TRANSIENT.inputs.cells}. Fill and clear these, or clear the cell.",
         )  # fmt: skip
-    elif case.looks_for_worst_phase:
+    elif case.looks_for_worst_phase and len(row.scanned) > 1:
         yield cells.wrong(
-            "Begins", row.begins, "blank or running where PulsationPhase is worst",
-            "It begins in one start: type a number as PulsationPhase, for example Worst phase of table StartupPeaks, or clear the cell.",
+            "Phase", row.phase, "a number where Clears after and PulsationPhase are worst",
+            "Each combination is a start of its own, and those of all three are too many: type a number in one of the three "
+            "cells, such as Worst phase of table EventPeaks with the other two.",
         )  # fmt: skip
     elif case.maximum_time is not None and row.in_start >= case.maximum_time:
         yield cells.wrong(

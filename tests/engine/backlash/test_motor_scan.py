@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from engine.backlash.motor_scan import worst_instants
+from engine.backlash.operating_events import OperatingEvent, operating_events
 from engine.case.case import Case
 from engine.case.data import (
     EffectChoiceRow,
@@ -17,6 +18,7 @@ from engine.case.data import (
     SNPointRow,
     StationRow,
 )
+from engine.model.modal_analysis import analyse
 from engine.model.modal_train import ModalTrain
 from engine.results.tables import result_tables
 from engine.run import run
@@ -255,6 +257,87 @@ def test_a_worst_instant_in_a_start_with_teeth_apart_has_no_bound() -> None:
         (alone,) = run(start(instant.row)).events
         for peak in alone.response.peaks:
             assert peak.size <= shown[peak.element].size * 1.02 + peak.error
+
+
+BETWEEN = replace(FAULT, kind="line-to-line fault", phase=0.3, begins=1.5)
+
+
+def alone_of(case: Case) -> OperatingEvent:
+    """The only event of a case, without its start."""
+    (found,) = operating_events(case, analyse(case))
+    return found
+
+
+def test_no_phase_of_the_pulsation_is_worse_than_the_worst_one() -> None:
+    """Beside the event in starts at each 10 degrees from 2 on, calculated alone."""
+    case = judged_start(BETWEEN)
+    results = run(replace(case, pulsation_phase="worst"))
+    (found,) = results.events
+    phases = [math.radians(2.0 + 10.0 * k) for k in range(36)]
+    alone = [alone_of(replace(case, pulsation_phase=phase)) for phase in phases]
+    mine = [{p.element: p for p in one.response.peaks} for one in alone]
+    for (_, name), row in rows(results).items():
+        size = max(abs(row["maximum"]), abs(row["minimum"]))
+        sizes = [peaks[name].size for peaks in mine]
+        assert max(sizes) <= size * (1.0 + row["error"])
+        assert size <= max(sizes) * 1.002
+        assert max(sizes) > min(sizes) * (1.0 + 2.0 * row["error"])  # else it could not fail
+        assert "worst_phase" not in row
+        typed = alone_of(replace(case, pulsation_phase=row["worst_pulsation_phase"]))
+        (own,) = (p for p in typed.response.peaks if p.element == name)
+        assert (own.maximum, own.minimum) == (row["maximum"], row["minimum"])
+        damages = [s.damage for one in alone for s in one.shafts if s.element == name]
+        if damages:
+            assert 0.0 < max(damages) <= row["damage"] * (1.0 + row["damage_error"])
+            assert row["worst_pulsation_phase_of_damage"] is not None
+    gap = result_tables(results)["AirGapTorque"][-1]
+    largest = max(abs(one.air_gap.largest) for one in alone)
+    assert largest <= abs(gap["largest"]) * (1.0 + gap["error"])
+    assert gap["worst_pulsation_phase"] == found.worst.of_motor.instant.pulsation
+
+
+@pytest.mark.parametrize("scanned", ["phase", pytest.param("clears_after", marks=pytest.mark.slow)])
+def test_the_phase_of_the_start_is_looked_for_together_with_that_of_the_event(scanned: str) -> None:
+    """Beside combinations by chance, calculated alone."""
+    row = replace(BETWEEN, clears_after=0.05)
+    latest = 0.05 if scanned == "clears_after" else None
+    word = replace(row, **{scanned: "worst"}, latest_clearing=latest)
+    found = alone_of(start(word, meshes=(), pulsation_phase="worst"))
+    shown, rng = {p.element: p for p in found.response.peaks}, np.random.default_rng(17)
+    for _ in range(25):
+        chance = (
+            0.05 * rng.uniform(0.1, 1.0) if scanned == "clears_after" else math.pi * rng.random()
+        )
+        typed = replace(row, **{scanned: chance})
+        case = start(typed, meshes=(), pulsation_phase=2.0 * math.pi * rng.random())
+        alone = alone_of(case)
+        for peak in alone.response.peaks:
+            assert peak.size <= shown[peak.element].size + shown[peak.element].error
+        assert abs(alone.air_gap.largest) <= abs(found.air_gap.largest) * (
+            1.0 + found.air_gap.error
+        )
+    instant = found.worst.of_motor.instant
+    again = alone_of(start(instant.row, meshes=(), pulsation_phase=instant.pulsation))
+    assert again.air_gap.largest == found.air_gap.largest
+
+
+@pytest.mark.slow
+def test_with_teeth_apart_no_bound_is_known_at_the_worst_phase_of_the_start() -> None:
+    row = replace(FAULT, begins=1.5)
+    found = alone_of(start(row, pulsation_phase="worst"))
+    assert found.response.left_out is None
+    assert "simulated so at some instants" in found.note
+    shown = {p.element: p for p in found.response.peaks}
+    instant = found.worst.of_element["Mesh"].instant
+    alone = alone_of(start(instant.row, pulsation_phase=instant.pulsation))
+    (mesh,) = (p for p in alone.response.peaks if p.element == "Mesh")
+    assert mesh.maximum == shown["Mesh"].maximum
+
+
+def test_an_event_in_operation_has_no_phase_of_the_pulsation() -> None:
+    case = start(replace(FAULT, begins=None), meshes=(), maximum_time=0.3)
+    plain, worst = (alone_of(replace(case, pulsation_phase=phase)) for phase in (0.0, "worst"))
+    assert plain.response.peaks == worst.response.peaks
 
 
 def test_an_event_that_slips_poles_says_so_once() -> None:

@@ -134,6 +134,13 @@ def test_a_motor_behind_a_line_may_have_any_fault(begins, kind):
     assert problems(event, supply=(SupplyRow("motor", 1e9),)) == []
 
 
+@pytest.mark.parametrize(
+    "change", [{}, {"clears_after": "worst"}, {"kind": "line-to-line fault", "phase": "worst"}], ids=str
+)  # fmt: skip
+def test_the_phase_of_the_start_may_be_worst_beside_one_of_the_event(change):
+    assert problems(replace(IN_START, **change), pulsation_phase="worst") == []
+
+
 def test_an_induction_motor_may_have_a_fault_while_it_starts():
     """It needs no field that keeps it in step."""
     assert problems(IN_START, motors=(INDUCTION,)) == []
@@ -146,7 +153,12 @@ def test_an_induction_motor_may_have_a_fault_while_it_starts():
         ({"begins": -0.5}, {}, "Begins", "from the closing of the breaker"),
         ({"begins": 500.0}, {"maximum_time": 10.0}, "Begins", "below MaximumTime, 10 s"),
         ({}, {"initial_state": "running"}, "Begins", "There is no start in which it could begin"),
-        ({}, {"pulsation_phase": "worst"}, "Begins", "type a number as PulsationPhase"),
+        (
+            {"kind": "line-to-line fault", "phase": "worst", "clears_after": "worst"},
+            {"pulsation_phase": "worst"},
+            "Phase",
+            "those of all three are too many: type a number in one of the three",
+        ),
         (
             {},
             {"motor_torque": (MotorTorqueRow("motor", 0.0, 1e4, 0.0), MotorTorqueRow("motor", 1.0, 1e4, 0.0))},
