@@ -30,9 +30,8 @@ from addin.contract.chart_tables import (
 from addin.contract.shown_units import ShownUnits
 from engine.case.data import CaseData, ElementRow
 from engine.errors import TorsionError
-from engine.fatigue.shaft_strength import notch_effect, shaft_strength
+from engine.fatigue.shaft_strength import ShaftStrength, notch_effect, shaft_strength
 from engine.fatigue.sn_curve import SNCurve, sn_curve_for
-from engine.fatigue.shaft_strength import ShaftStrength, shaft_strength
 from engine.fatigue.stress import stress_of_unit_torque
 from engine.model.links import shaft_stiffness
 from engine.model.sections import Section, sections_of, series_stiffness
