@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+from addin.calculation.audit import library_words
 from addin.charts.data import stiffnesses_of
 from addin.contract import tables as contract
 from addin.report.document import Block, Column, Paragraph, Section, Table, section
@@ -236,10 +237,16 @@ def _fatigue(subject: Subject) -> Section:
         "The inputs contain no material and no S-N data: stresses and allowable starts are "
         "not judged."
     )
-    empty = materials is None and points is None
+    steels = [
+        Paragraph(f"Strength of {row.material}: {library_words(row.library_steel)}.")
+        for row in subject.calculation.case.materials
+        if row.library_steel is not None
+    ]
+    empty = materials is None and points is None and not steels
     return section(
         "Materials and S-N data",
         materials,
+        *steels,
         points,
         *(folded(factors) if (factors := _table(subject, "FatigueFactors")) is not None else ()),
         Paragraph(sentence) if empty else None,

@@ -113,7 +113,7 @@ Start conditions and how often each occurs are in table StartConditions of sheet
 rows of starts: 80 to 110 % voltage, loaded and unloaded, and aborted starts. Writes sheets Start matrix and
 Damage ledger.
 
-Example: `torsionbook starts train.xlsx --add` writes train.out.xlsx."""
+Example: `torsionbook starts train.xlsx` writes train.out.xlsx."""
 
 
 STARTS = Study(

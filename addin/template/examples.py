@@ -504,7 +504,7 @@ STUDY_ROWS: Rows = {
         ("load torque", "normal", 5.0, "together"),
         ("S-N line", "from-to", None, None, 90.0, 110.0),
     ),
-    "StartConditions": _duty(78),
+    "StartConditions": _duty(79),
     **_measured(((29.4, 1), (54.1, 1), (120, 0.5)), 17200),
 }
 

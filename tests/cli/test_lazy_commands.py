@@ -1,6 +1,7 @@
 """Commands are found in a table, and their modules are imported when they are called."""
 
 import importlib
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -10,6 +11,7 @@ import typer
 from typer.testing import CliRunner
 
 from addin.cli.app import COMMANDS, GROUPS, app, module_of
+from addin.cli.study_commands import STUDY_COMMANDS
 from addin.contract.shipped import template_path
 from addin.studies.registry import found_studies
 
@@ -137,3 +139,12 @@ def test_notes_of_a_file_follow_its_own_lines(tmp_path, monkeypatch):
         )
     ]
     assert places == sorted(places)
+
+
+def test_examples_of_the_studies_name_options_that_they_have():
+    """`starts` has no sheet to add, and its help once said --add."""
+    for name in STUDY_COMMANDS:
+        shown = CliRunner().invoke(app, [name, "--help"]).output
+        example = shown[shown.index("Example") :].split("\n\n")[0]
+        for option in re.findall(r"--[a-z-]+", example):
+            assert shown.count(option) > example.count(option), (name, option)

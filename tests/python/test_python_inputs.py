@@ -40,7 +40,7 @@ def test_scalars_rows_and_values_are_in_si(train):
     assert train.value("line_frequency") == 60.0
     coupling = next(row for row in train.rows("Elements") if row["element"] == "LS coupling")
     assert coupling["stiffness"] == pytest.approx(
-        24762330.0, rel=1e-6
+        2.95e8 * 0.0254 * 4.4482216152605, rel=1e-6
     )  # of the example, in N m/rad
     assert train.value("Elements[LS coupling].Stiffness") == coupling["stiffness"]
     assert train.value("Elements[LS coupling].Damping") is None

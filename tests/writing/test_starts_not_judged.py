@@ -1,4 +1,4 @@
-"""Two seconds of an eight-second start: no front may call its starts unlimited."""
+"""Two seconds of a six-second start: no front may call its starts unlimited."""
 
 import json
 from pathlib import Path
@@ -11,6 +11,7 @@ from addin.cli.app import app
 from addin.contract.shipped import template_path
 from addin.reading.case_json import case_to_json
 from addin.reading.workbook import read_workbook
+from tests.sample_case import sample_case, with_limits
 
 
 @pytest.fixture(scope="module")
@@ -44,14 +45,17 @@ def test_batch(cut_short: Path) -> None:
 def test_diff(cut_short: Path) -> None:
     words = said("diff", template_path("example_proposed.xlsx"), cut_short, "--all")
     line = next(x for x in words.splitlines() if "Allowable starts" in x and "HP compressor" in x)
-    assert "436.5" in line
+    assert "477.0" in line
     assert "not judged" in line
     assert "starts are unlimited" not in words
 
 
 def test_a_whole_number_of_starts_is_never_rounded_up(cut_short: Path) -> None:
     """The paper's proposed system: 436.53 starts of its governing shaft are 436."""
-    words = said("diff", template_path("example_proposed.xlsx"), cut_short)
+    case = with_limits(sample_case("proposed", torque_follows="own speed"))
+    whole = cut_short.with_name("whole.json")
+    whole.write_text(json.dumps(case_to_json(case)), encoding="utf-8")
+    words = said("diff", whole, cut_short)
     line = next(x for x in words.splitlines() if x.startswith("Allowable starts") and "2,000" in x)
     assert " 436 " in line
 

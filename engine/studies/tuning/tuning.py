@@ -167,7 +167,10 @@ def _sentence(rows: tuple[Ranked, ...], as_is: Ranked | None, planned: int) -> s
     if better and len(rows) < planned:  # short: what was not calculated may be better
         return f"{sentence} The best of them is {rows[0].combination}."
     if better:
-        return f"{sentence} The best is {rows[0].combination}. {rows[0].reason}"
+        further = (
+            "" if n_kept else " Type other values or elements in table Tuning to look further."
+        )
+        return f"{sentence} The best is {rows[0].combination}. {rows[0].reason}{further}"
     return f"{sentence} No combination is better than the unchanged case."
 
 
