@@ -158,7 +158,7 @@ def text_height(text: str, width: float, letters: float = 9.0) -> float:
     # A letter of Arial 9 takes 5.3 of the 7 pixels a standard character takes, on average.
     each = 5.3 * letters / (9.0 * 7.0 * width)
     lines = sum(max(1, math.ceil(len(part) * each)) for part in text.split("\n"))
-    return 3.0 + max(12.0, 1.2 * letters) * lines
+    return (3.0 if letters <= 9.0 else 2.0) + max(12.0, 1.2 * letters) * lines
 
 
 def plot_name(number: int) -> str:

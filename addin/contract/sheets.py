@@ -316,7 +316,7 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
     Sheet(
         "Margins",
         "result",
-        {"A": 1.5, "B": 6, "C": 20, "D": 8, "E": 10, "F:G": 8, "H": 13, "I": 20, "J": 7.5},
+        {"A": 1.5, "B": 6, "C": 20, "D": 8, "E": 10, "F:G": 8, "H": 13, "I": 13.5, "J": 7.5},
         {"SeparationMargins": "B5"},
         on="Results",
         joins=True,

@@ -150,8 +150,8 @@ class Frames:
         """Paper, margins, footer and repeated rows; the scale and, of a sheet of a study, its pages."""
         page.set_landscape()
         page.set_paper(_LETTER if self.system == "us" else _A4)
-        page.set_margins(left=_SIDE, right=_SIDE, top=0.4, bottom=0.5)
-        page.set_footer('&L&"Arial"&8&F&C&"Arial"&8&A&R&"Arial"&8Page &P of &N', {"margin": 0.25})
+        page.set_margins(left=_SIDE, right=_SIDE, top=0.35, bottom=0.4)
+        page.set_footer('&L&"Arial"&12&F&C&"Arial"&12&A&R&"Arial"&12Page &P of &N', {"margin": 0.2})
         page.repeat_rows(0, sheet.header_rows - 1)
         parts = [part for part in self.parts if part.worksheet == sheet.worksheet]
         if parts:  # `_print_areas` says what of them

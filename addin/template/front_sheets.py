@@ -35,11 +35,11 @@ NOT_CALCULATED_YET = (
     "Not calculated yet. Save and close this workbook, then run: torsionbook recalc FILE"
 )
 #: Size of the schematic, which the sheet has room for. [pixel]
-SCHEMATIC_WIDTH, SCHEMATIC_HEIGHT = 1322, 100
+SCHEMATIC_WIDTH, SCHEMATIC_HEIGHT = 1322, 90
 #: Heights of rows of sheet Summary, counted from 1. [pt]
 _SUMMARY_ROWS = (
     (1, 24.0), (2, 17.25), (3, 3.0), (4, 15.0), (5, 15.0), (6, 1.5), (7, 1.5), (8, 1.5), (9, 21.75), (10, 3.0),
-    (SCHEMATIC_ROW, 75.75), (SCHEMATIC_ROW + 1, 3.0),
+    (SCHEMATIC_ROW, 68.25), (SCHEMATIC_ROW + 1, 3.0),
     *((row, 13.9) for row in range(KEY_NUMBERS_ROW, VERDICTS_ROW)), (VERDICTS_ROW, 16.5),
     (FOOT_ROW, 15.0),
 )  # fmt: skip

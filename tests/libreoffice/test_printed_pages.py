@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import shutil
 import subprocess
+import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ from PIL import Image
 
 from addin.contract.shipped import template_path
 from addin.writing.recalculate import recalculate
+from addin.xlsx import TableData, open_workbook
 
 pytestmark = pytest.mark.slow
 
@@ -59,6 +61,60 @@ def test_a_calculated_example(soffice, tmp_path: Path, design: str) -> None:
         picture = np.asarray(Image.open(page).convert("L"))
         body = picture[int(0.2 * picture.shape[0]) : int(0.93 * picture.shape[0])]
         assert float(np.mean(body < 200)) > 0.01, f"page {number} is nearly blank"
+
+
+def letters_below(pdf: Path, pages: int) -> list[str]:
+    """Words of the first pages whose letters are lower than 8 pt, measured against the title of 16 pt at 70 %."""
+    done = subprocess.run(
+        ["pdftotext", "-bbox", "-l", str(pages), str(pdf), "-"],
+        capture_output=True, check=True, text=True,
+    )  # fmt: skip
+    number = r'"([\d.]+)"'
+    words = re.findall(
+        rf"<word xMin={number} yMin={number} xMax={number} yMax={number}>([^<]*)<", done.stdout
+    )
+    sizes = []
+    for left, top, right, bottom, word in words:
+        height, width = float(bottom) - float(top), float(right) - float(left)
+        # a short word that stands upright is as wide as its letters are high
+        sizes.append((max(height, width) if len(word) <= 3 else height, word))
+    title = next(size for size, word in sizes if word == "Torsional") / (0.7 * 16.0)
+    return [word for size, word in sizes if size < 0.99 * LETTERS * title]
+
+
+def on_paper(path: Path, made: Path, paper: int) -> Path:
+    """A copy of a workbook that is printed on another paper: 1 = Letter, 9 = A4."""
+    with zipfile.ZipFile(path) as old, zipfile.ZipFile(made, "w", zipfile.ZIP_DEFLATED) as new:
+        for name in old.namelist():
+            data = old.read(name)
+            if name.startswith("xl/worksheets/sheet"):
+                data = re.sub(rb' paperSize="\d+"', b"", data)
+                data = data.replace(b"<pageSetup", b'<pageSetup paperSize="%d"' % paper)
+            new.writestr(name, data)
+    return made
+
+
+@pytest.mark.parametrize("paper", [1, 9])
+@pytest.mark.parametrize("design", ["proposed", "backlash"])
+def test_a_case_with_conditions_on_both_papers(
+    soffice, tmp_path: Path, design: str, paper: int
+) -> None:
+    book = open_workbook(template_path(f"example_{design}.xlsx"))
+    columns = list(book.table("StartConditions").columns)
+    rows = [
+        {"Condition": "80 % voltage", "Kind": "start", "Voltage": 80},
+        {"Condition": "hot", "Kind": "steady", "Stiffness factor": 0.9},
+        {"Condition": "aborted", "Kind": "start", "Trip speed": 60},
+    ]
+    cells = [[row.get(name) for name in columns] for row in rows]
+    book.write_tables([TableData("StartConditions", cells, columns)])
+    typed = book.save(tmp_path / "train.xlsx").path
+    (written, *_) = recalculate(typed, destination=tmp_path / "out.xlsx").written
+    pdf = soffice.convert(on_paper(written, tmp_path / "printed.xlsx", paper), "pdf")
+    pages = sheets_of_pages(pdf)
+    assert 0 < len(pages) <= CALCULATED
+    assert pages.count("Summary") == 2
+    assert letters_below(pdf, 2) == []
 
 
 @pytest.mark.parametrize("system", ["us", "si"])
