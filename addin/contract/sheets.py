@@ -269,11 +269,7 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
     Sheet(
         "Events",
         "result",
-<<<<<<< HEAD
-        {"A": 1.5, "B": 16, "C": 13, "D:E": 9, "F:H": 7, "I:K": 8, "L": 8.5, "M": 11, "N:R": 7.3, "S": 8.5, "T:U": 7.3, "V:W": 10.5, "X": 6.5},
-=======
-        {"A": 1.5, "B": 16, "C": 13, "D:E": 9, "F:H": 7, "I:K": 8, "L": 8.5, "M": 11, "N:R": 7.3, "S": 8.5, "T:U": 7.3, "V": 10.5, "W": 14},
->>>>>>> 658172ed5d01e53f45dbca082a492830ac0a9612
+        {"A": 1.5, "B": 16, "C": 13, "D:E": 9, "F:H": 7, "I:K": 8, "L": 8.5, "M": 11, "N:R": 7.3, "S": 8.5, "T:U": 7.3, "V": 10.5, "W": 14, "X": 7.3},
         {"EventPeaks": "B5"},
         on="Torque and motor",
         intro="Faults in operation: events of tables EventTorque and MotorEvents upon the train that "
