@@ -256,8 +256,7 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
     Sheet(
         "Motor",
         "input",
-        {"A": 1.5, "B": 14, "C": 11, "D:J": 8.5, "K:L": 11.5, "M:N": 8.5, "O:P": 11.5, "Q": 8.5, "R:S": 11.5, "T:Z": 8.5,
-         "AA:AG": 7},
+        {"A": 1.5, "B": 14, "C": 11, "D:Z": 8.5, "AA:AG": 7},
         {"MotorData": "B5", "MotorCircuit": "B15", "MotorCurves": "B49", "SupplyVoltage": "N49",
          "Supply": "R49", "MotorTimeConstants": "AB49"},
         (ChartAt("motor-curves", "B24", 640, 400),),
@@ -269,7 +268,7 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
     Sheet(
         "Events",
         "result",
-        {"A": 1.5, "B": 16, "C": 13, "D:E": 9, "F:H": 7, "I:K": 8, "L": 8.5, "M": 11, "N:R": 7.3, "S": 8.5, "T:U": 7.3, "V": 10.5, "W": 14, "X": 7.3},
+        {"A": 1.5, "B": 13, "C": 12, "D:E": 8.5, "F:H": 6.5, "I:K": 7, "L": 7.5, "M": 9.5, "N:R": 6, "S": 8.3, "T:V": 6.2, "W": 8.3, "X": 6},
         {"EventPeaks": "B5"},
         on="Torque and motor",
         intro="Faults in operation: events of tables EventTorque and MotorEvents upon the train that "
