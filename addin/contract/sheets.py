@@ -155,7 +155,7 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
     Sheet(
         "Summary",
         "summary",
-        {"A": 1.5, "B": 33, "C:D": 14, "E": 21, "F": 46, "G": 28.5, "H": 27},
+        {"A": 1.5, "B": 33, "C:D": 14, "E": 24.5, "F": 42.5, "G": 28.5, "H": 27},
         {"Verdicts": f"B{VERDICTS_ROW}", "CaseMatrix": f"B{_MATRIX_ROW}"},
         (
             ChartAt("governing", f"B{_HISTORY_ROW}", 1322, 344),

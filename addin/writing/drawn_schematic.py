@@ -81,7 +81,11 @@ class _Picture:
         for hub, flange in ((left, left + width), (right - width, right - width - 4.0)):
             yield Shape(hub, axis - 0.7 * half, width, 1.4 * half, fill=pale, line=ink)
             yield Shape(flange, axis - half, 4.0, 2.0 * half, fill=ink, line=ink)
-        words = _wrapped(one.name, right - left + 0.9 * self._x * 0.22)
+        room = right - left + 0.9 * self._x * 0.22
+        words = _wrapped(one.name, room)
+        if axis + half + 2.0 * _LINE > self._height and "\n" in words:  # no room for two lines
+            most = int(1.6 * room / _LETTER)
+            words = one.name if len(one.name) <= most else f"{one.name[: most - 1]}…"
         yield self._below(words, 0.5 * (left + right), axis + half)
 
     def _machine(self, one: Machine) -> Iterator[Shape]:

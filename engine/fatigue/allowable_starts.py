@@ -86,14 +86,13 @@ class ShaftFatigue:
 def shaft_fatigue(
     element: ElementRow,
     torque_turning_points: ArrayLike,
-    sn_curve: SNCurve,
+    judged_with: SNCurve | ShaftStrength,
     material: MaterialRow,
     residue: str = RainflowResidue.HALF_CYCLES,
     torque_error: float = 0.0,
     *,
     relative_torque_error: float = 0.0,
     always_count: bool = False,
-    strength: ShaftStrength | None = None,
 ) -> ShaftFatigue:
     """Damage and allowable starts of one shaft from its torque during one start.
 
@@ -106,8 +105,8 @@ def shaft_fatigue(
         The shaft, with stress diameter; bore and SCF as given (blank: 0 and 1). [m, 1]
     torque_turning_points : array_like, shape (n,)
         Turning points of its torque, at its own speed, in order of time. [N m]
-    sn_curve : SNCurve
-        S-N line of its material in torsion. [Pa]
+    judged_with : SNCurve or ShaftStrength
+        S-N line in torsion, with SCF alone and the mean ignored; or line, notch and ultimate strength. [Pa, 1]
     material : MaterialRow
         Its material, for the yield strength. [Pa]
     residue : str
@@ -118,17 +117,18 @@ def shaft_fatigue(
         Bound of an error in proportion to each turning point, added to the other. [1]
     always_count : bool
         Count even where the largest amplitude is at or below the endurance limit.
-    strength : ShaftStrength, optional
-        Its notch and ultimate strength; without it SCF alone, the mean ignored. [1, Pa]
 
     Returns
     -------
     ShaftFatigue
         Complete result. [Pa, 1]
     """
-    scf = element.scf or 1.0 if strength is None else strength.notch.concentration.value
-    notch = scf if strength is None else strength.notch.fatigue
-    ultimate = None if strength is None else strength.ultimate
+    if isinstance(judged_with, ShaftStrength):
+        sn_curve, ultimate = judged_with.curve, judged_with.ultimate
+        scf, notch = judged_with.notch.concentration.value, judged_with.notch.fatigue
+    else:
+        sn_curve, ultimate = judged_with, None
+        scf = notch = element.scf or 1.0
     history = counted_history(torque_turning_points)
     unit_stress = stress_of_unit_torque(element)
     local = notch * unit_stress

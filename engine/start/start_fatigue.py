@@ -152,8 +152,8 @@ def _shaft(
         history: Floats, error: float = 0.0, always: bool = True, relative: float = 0.0
     ) -> ShaftFatigue:
         return shaft_fatigue(
-            element, history, strength.curve, material, residue, error,
-            relative_torque_error=relative, always_count=always, strength=strength,
+            element, history, strength, material, residue, error,
+            relative_torque_error=relative, always_count=always,
         )  # fmt: skip
 
     pieces = PIECES_ON_DAMAGE * dict(start.pieces_error).get(str(element.element), 0.0)

@@ -150,9 +150,7 @@ def judged(torque, mean_stress=None, row=None, **more):
     data = case(row, mean_stress=mean_stress)
     strength = shaft_strength(data, SHAFT)
     per_torque = 16.0 / (np.pi * 0.1**3)
-    return shaft_fatigue(
-        SHAFT, np.array(torque) * MPA / per_torque, strength.curve, STEEL, strength=strength, **more
-    )
+    return shaft_fatigue(SHAFT, np.array(torque) * MPA / per_torque, strength, STEEL, **more)
 
 
 def test_goodman_is_judged_against_the_line():
