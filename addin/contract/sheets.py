@@ -277,9 +277,9 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
     Sheet(
         "Air-gap torque",
         "result",
-        {"A": 1.5, "B:I": 10, "J": 1.5, "K": 20, "L:U": 8.5},
+        {"A": 1.5, "B:I": 9.2, "J": 1.5, "K": 17, "L:U": 8.2},
         {"AirGapTorque": "K5"},
-        (ChartAt("air-gap", "B5", 600, 334), ChartAt("clearing", "B26", 600, 334)),
+        (ChartAt("air-gap", "B5", 550, 334), ChartAt("clearing", "B26", 550, 334)),
         on="Torque and motor",
         intro="Largest air-gap torque of each event of a motor.",
     ),

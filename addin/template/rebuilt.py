@@ -41,6 +41,13 @@ WHOLE_SHEET = Rect(1, 1, MAX_ROW, MAX_COLUMN)
 _LISTED = 8
 #: Where earlier templates have words of their own: rows of the banner, rows above a table, columns beside a scalar.
 _BANNER, _ABOVE_TABLE, _BESIDE_SCALAR = 3, 2, 3
+#: Words on sheet Summary of 0.1.0 beside no table and no name.
+_WORDS_OF_0_1_0 = frozenset({
+    "Revision", "Checked by", "Client", "Software", "Calculated (UTC)", "Inputs SHA-256", "Results", "The train",
+    "Synchronous speed", "rpm", "First torsional mode", "Modes below 2 × line frequency", "Least separation margin",
+    "Duration of the start", "s", "Least mesh torque / transmitted", "Largest nominal stress, p-p",
+    "Least allowable starts, whole",
+})  # fmt: skip
 
 
 class CannotBeRebuilt(Exception):
@@ -307,6 +314,8 @@ def _left_behind(
                 continue
             held = there.value(row, column)
             if held == "" or (earlier and _is_of_template(tables, named, row, column)):
+                continue
+            if earlier and sheet == "Summary" and held in _WORDS_OF_0_1_0:
                 continue
             if isinstance(held, (str, float, int)) and here.value(row, column) is None:
                 left.append(f"{sheet}!{cell_name(row, column)}")

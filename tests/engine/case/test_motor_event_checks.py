@@ -80,7 +80,7 @@ def test_right_events_pass():
         (
             replace(FAULT, clearing="zeros of current", clears_after="worst"),
             "Clears after",
-            "whatever its number",
+            "Torques jump",
         ),
         (replace(RIGHT[8], clearing="zeros of current"), "Clearing", "no fault is cleared"),
         (replace(FAULT, clears_after="best"), "Clears after", "it must be a number, or worst"),
