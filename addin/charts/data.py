@@ -98,7 +98,7 @@ def chart_blocks(
     if run is not None:
         labels["Peaks title"] = _PEAKS if shares else f"{_PEAKS}: no element has a limit"
     blocks["ChartGoverning"], blocks["ChartBulges"] = _governing_rows(
-        case, run, units, shares, chosen, labels
+        case, run, units, shares, labels
     )
     blocks |= reversal_blocks(run, units, labels)
     blocks["ChartPullIn"] = pull_in_rows(run, labels)
@@ -441,10 +441,9 @@ def _governing_rows(
     run: RunView | None,
     units: ShownUnits,
     shares: Mapping[str, Mapping[str, float]],
-    chosen: Sequence[str | None],
     labels: dict[str, Cell],
 ) -> tuple[Rows, Rows]:
-    """History of the element that governs: chosen for History 1, or damaged most, or nearest to a limit in the start."""
+    """History of the element that governs: damaged most, else nearest to a limit in the start."""
     histories = (run.histories if run else None) or {}
     if run is None or not histories:
         if run is not None:
@@ -458,12 +457,12 @@ def _governing_rows(
         for name, of_element in shares.items()
         if name in histories and _IN_START & of_element.keys()
     }
-    named = [name for name in chosen[:1] if name in histories]
-    if not named and damaged in histories and damage[damaged]:
-        named = [damaged]
-    if not named and in_start:
-        named = [max(in_start, key=lambda name: in_start[name])]
-    name = named[0] if named else _drawn_elements(case, histories, chosen)[0]
+    if damaged in histories and damage[damaged]:
+        name = damaged
+    elif in_start:
+        name = max(in_start, key=lambda name: in_start[name])
+    else:
+        name = _drawn_elements(case, histories, ())[0]
     if name is None:
         return [[None] * 6], [[None, None] for _ in range(CROSSINGS)]
     time, torque = histories[name]
