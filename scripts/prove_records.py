@@ -69,33 +69,31 @@ COLUMN = Patch(
     3,
     edits=(
         Edit(
-            "engine/start/peaks.py",
-            "    @property\n    def relative_error",
+            "engine/model/modes.py",
+            "    @property\n    def n_modes(self)",
             "    @property\n"
-            "    def magnitude(self) -> float:\n"
-            '        """Larger magnitude of the extremes. [N m]"""\n'
-            "        return max(abs(self.maximum), abs(self.minimum))\n\n",
+            "    def period(self) -> Floats:\n"
+            '        """Natural periods, 0 of rigid-body modes, shape (n_modes,). [s]"""\n'
+            "        return 2.0 * math.pi / np.where(self.omega > 0.0, self.omega, np.inf)\n\n",
         ),
         Edit(
             "engine/results/tables.py",
-            '                "peak_to_peak_torque": p.peak_to_peak,\n',
-            '                "magnitude": p.magnitude,\n',
+            '                "cpm": 60.0 * f,\n',
+            '                "period": float(modes.period[r]) if elastic else None,\n',
         ),
         Edit(
             "addin/contract/result_tables.py",
+            '            number(\n                "CPM", "cycles per minute",',
             "            number(\n"
-            '                "Peak-to-peak torque", "torque", "Maximum minus minimum.",\n',
-            "            number(\n"
-            '                "Magnitude", "torque", "Larger magnitude of the extremes.",\n'
-            '                "max(|maximum|, |minimum|)", LABEL, us="lbf*ft",\n'
-            '                of_row=("StartupPeaks.Maximum torque", "StartupPeaks.Minimum torque"),\n'
-            '                error=ReportedError.PEAKS, share_of="Peak-to-peak torque",\n'
+            '                "Period", "time", "Natural period.", "1 / f",\n'
+            '                LABEL, of_row=("NaturalFrequencies.Frequency",), error=ReportedError.FREQUENCIES,\n'
+            '                printed="Frequency",\n'
             "            ),\n",
         ),
     ),
     derived=(
-        ("docs/results-start.md", "| Magnitude [N*m] | Larger magnitude of the extremes.<br>"),
-        ("addin/reference/schemas/results.schema.json", '"magnitude": {'),
+        ("docs/results-train.md", "| Period [s] | Natural period.<br>"),
+        ("addin/reference/schemas/results.schema.json", '"period": {'),
     ),
     check="""
 import json, pathlib, subprocess, sys
@@ -103,18 +101,20 @@ import openpyxl
 from addin.worksheet.registry import FUNCTIONS
 import addin.worksheet.functions
 book = openpyxl.load_workbook("templates/blank_si.xlsx")
-sheet = book["Start"]
-cells = [cell.value for row in sheet[sheet.tables["StartupPeaks"].ref] for cell in row]
-assert "Magnitude" in cells, cells
+sheet = book["Results"]
+cells = [cell.value for row in sheet[sheet.tables["NaturalFrequencies"].ref] for cell in row]
+assert "Period" in cells, cells
 rows = [[c.value for c in row] for row in book["Notes"].iter_rows()]
-assert any("Magnitude" in row for row in rows)
+assert any("Period" in row for row in rows)
 folder = pathlib.Path("build/proof")
 folder.mkdir(parents=True, exist_ok=True)
 subprocess.run([sys.executable, "-m", "addin.cli", "recalc", "templates/example_proposed.xlsx",
                 "--out", str(folder), "--json", str(folder)], check=True)
 results = json.loads(next(folder.glob("*.json")).read_text())
-for row in results["startup_peaks"]:
-    assert row["magnitude"] == max(abs(row["maximum_torque"]), abs(row["minimum_torque"]))
+elastic = [row for row in results["natural_frequencies"] if row["mode"]]
+assert len(elastic) > 5
+for row in elastic:
+    assert abs(row["period"] * row["frequency"] - 1.0) < 1e-12
 out = next(folder.glob("*.xlsx"))
 subprocess.run([sys.executable, "-m", "addin.cli", "verify", str(out)], check=True)
 """,

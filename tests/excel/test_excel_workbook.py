@@ -110,7 +110,8 @@ def test_the_drawing_gains_a_button_and_loses_nothing(macro_book):
     names = {child.tag for child in drawing}
     assert names == {etree.QName(drawing.nsmap["xdr"], "twoCellAnchor").text}
     ids = [one.get("id") for one in drawing.iter("{*}cNvPr")]
-    assert len(ids) == len(set(ids)) == 2
+    others = list(etree.fromstring(before).iter("{*}cNvPr"))
+    assert len(ids) == len(set(ids)) == len(others) + 1
     assert "Public Sub Recalculate()" in modules_of(macro_book)[vba.MACROS]
 
 
