@@ -25,15 +25,25 @@ CALCULATED, BLANK = 12, 8
 SCALE, LETTERS = 70, 8.0
 
 
+#: Where the foot of a page begins. [height of the page]
+FOOT = 0.94
+
+
 def sheets_of_pages(pdf: Path) -> list[str]:
     """The sheet named at the foot of each page."""
     if shutil.which("pdftotext") is None:
         pytest.skip("poppler's pdftotext is not installed")
     done = subprocess.run(
-        ["pdftotext", "-layout", str(pdf), "-"], capture_output=True, check=True, text=True
+        ["pdftotext", "-bbox", str(pdf), "-"], capture_output=True, check=True, text=True
     )
-    foot = re.compile(r"^ *\S+\.xlsx? +(.+?) +Page \d+ of \d+ *$", re.MULTILINE)
-    return foot.findall(done.stdout)
+    sheets = []
+    for page in done.stdout.split("<page ")[1:]:
+        height = float(re.search(r'height="([\d.]+)"', page)[1])
+        words = re.findall(r'xMin="([\d.]+)" yMin="([\d.]+)"[^>]*>([^<]*)<', page)
+        foot = sorted((float(x), word) for x, y, word in words if float(y) > FOOT * height)
+        line = " ".join(word for _, word in foot)
+        sheets += re.findall(r"^\S+\.xlsx? (.+?) Page \d+ of \d+$", line)
+    return sheets
 
 
 def printed_at_a_readable_size(path: Path) -> None:
