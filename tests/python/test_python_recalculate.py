@@ -52,6 +52,16 @@ def parts(content, pattern="."):
         return {name: archive.read(name) for name in archive.namelist() if re.search(pattern, name)}
 
 
+def sorted_numbers(values):
+    return sorted(float(v) for v in values if isinstance(v, (int, float)) and v == v)
+
+
+def without_results(data):
+    """A drawing less what a calculation makes of it: the schematic, and which charts have nothing to draw."""
+    data = re.sub(rb"<xdr:grpSp>.*?</xdr:grpSp>", b"", data, flags=re.DOTALL)
+    return data.replace(b' hidden="1"', b"")
+
+
 # --- files ----------------------------------------------------------------------------------------
 
 
@@ -63,7 +73,9 @@ def test_a_file_keeps_all_that_is_not_a_result(tmp_path):
     kept = parts(source.read_bytes(), r"styles\.xml|drawings/|theme")
     assert len(kept) > 10
     written = parts(done.content)
-    assert {name: written[name] for name in kept} == kept
+    assert len(kept) == len({name: data for name, data in kept.items() if name in written})
+    for name, data in kept.items():
+        assert without_results(written[name]) == without_results(data), name
     assert [r["frequency"] for r in done.results.rows("NaturalFrequencies")] == [
         r["frequency"] for r in tb.run(source).rows("NaturalFrequencies")
     ]
@@ -82,7 +94,10 @@ def test_frames_in_us_units_hold_the_numbers_of_the_sheets():
             shown = [cell.value for cell in column_of(book, name, column.name)]
             unit_cell = column_of(book, name, column.name)[0].offset(row=-2)
             assert unit_cell.value == frame.attrs["units"][column.key], (name, column.name)
-            for mine, theirs in zip(frame[column.key], shown, strict=True):
+            pairs = zip(frame[column.key], shown, strict=True)
+            if name == "SteadyState":  # the sheet has the rows that decide first
+                pairs = zip(*map(sorted_numbers, (frame[column.key], shown)), strict=True)
+            for mine, theirs in pairs:
                 if isinstance(theirs, (int, float)):
                     assert mine == pytest.approx(theirs, rel=1e-12, abs=1e-300), (name, column.name)
                     compared += 1
@@ -139,7 +154,7 @@ def test_what_comes_back_is_the_shipped_template(tmp_path, example):
     assert parts(done.content).keys() == made.keys()
     for name, data in parts(done.content, r"styles\.xml|drawings/drawing|theme").items():
         if name != "xl/styles.xml":
-            assert data == made[name], name
+            assert without_results(data) == without_results(made[name]), name
     assert (
         tb.read(io_path(tmp_path, done.content)).to_json()
         == tb.read(tb.template(example)).to_json()
