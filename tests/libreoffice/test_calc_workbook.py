@@ -8,7 +8,16 @@ import struct
 
 import pytest
 from flat_sheets import Formula, write_sheets
-from sheet_ranges import CATALOGUE, MOTOR, SCATTER, SECTIONS, TUNING, model_arguments, with_event
+from sheet_ranges import (
+    CATALOGUE,
+    MOTOR,
+    SCATTER,
+    SECTIONS,
+    TUNING,
+    model_arguments,
+    with_conditions,
+    with_event,
+)
 from xls_cells import read_cells
 
 from addin.libreoffice.names import programmatic_name
@@ -112,7 +121,7 @@ def every_call(handle):
 @pytest.fixture(scope="module")
 def expected():
     """Top-left cell on sheet Results → rows of the registry, with the formula."""
-    handle = call("TV_MODEL", with_event(model_arguments()))[0][0]
+    handle = call("TV_MODEL", with_conditions(with_event(model_arguments())))[0][0]
     found, top = {}, 2
     for name, formula, raw in every_call(handle):
         rows = call(name, raw)
@@ -125,7 +134,7 @@ def expected():
 def calculated(calc, expected, tmp_path_factory):
     """The cells of the workbook as LibreOffice calculated it."""
     folder = tmp_path_factory.mktemp("workbook")
-    inputs, places = laid_out(with_event(model_arguments()))
+    inputs, places = laid_out(with_conditions(with_event(model_arguments())))
     broken = [[list(row) for row in block] for block in model_arguments()[:2]]
     column = broken[0][1].index("Inertia")
     broken[0][2][column] = None

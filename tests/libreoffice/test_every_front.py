@@ -12,7 +12,15 @@ import openpyxl
 import pytest
 from office_page import cell, launched, load_in_office
 from servers import inside, outside
-from sheet_ranges import SAME_CELLS, TEMPLATES, in_order, model_arguments, table, with_event
+from sheet_ranges import (
+    SAME_CELLS,
+    TEMPLATES,
+    in_order,
+    model_arguments,
+    table,
+    with_conditions,
+    with_event,
+)
 from test_calc_workbook import calculated, every_call, expected  # noqa: F401  (fixtures)
 from windows_layer import machinery
 
@@ -47,12 +55,12 @@ def comparable(name, rows):
 
 def through_classic(calls):
     with machinery() as excel:
-        made = excel.call("TV_MODEL", *with_event(model_arguments()))
+        made = excel.call("TV_MODEL", *with_conditions(with_event(model_arguments())))
         return made, [excel.call(name, *raw) for name, raw in calls]
 
 
 def through_http(calls):
-    wanted = [{"name": "TV_MODEL", "arguments": with_event(model_arguments())}]
+    wanted = [{"name": "TV_MODEL", "arguments": with_conditions(with_event(model_arguments()))}]
     wanted += [{"name": name, "arguments": raw} for name, raw in calls]
     with inside(Settings(workers=1)) as client:
         made = client.post("/api/v1/batch", json={"calls": wanted[:1]}).json()["results"]
@@ -67,7 +75,7 @@ def through_browser(calls):
         browser = launched(playwright)
         page = browser.new_page(base_url=address)
         load_in_office(page)
-        made = cell(page, "TV_MODEL", with_event(model_arguments()))["value"][0][0]
+        made = cell(page, "TV_MODEL", with_conditions(with_event(model_arguments())))["value"][0][0]
         found = made, [cell(page, name, raw)["value"] for name, raw in calls]
         browser.close()
     return found

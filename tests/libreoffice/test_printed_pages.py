@@ -25,8 +25,8 @@ CALCULATED, BLANK = 12, 8
 SCALE, LETTERS = 70, 8.0
 
 
-#: Where the foot of a page begins. [height of the page]
-FOOT = 0.94
+#: Words of the foot of a page are no more apart in height. [point]
+LEVEL = 0.1
 
 
 def sheets_of_pages(pdf: Path) -> list[str]:
@@ -38,9 +38,10 @@ def sheets_of_pages(pdf: Path) -> list[str]:
     )
     sheets = []
     for page in done.stdout.split("<page ")[1:]:
-        height = float(re.search(r'height="([\d.]+)"', page)[1])
         words = re.findall(r'xMin="([\d.]+)" yMin="([\d.]+)"[^>]*>([^<]*)<', page)
-        foot = sorted((float(x), word) for x, y, word in words if float(y) > FOOT * height)
+        level = max((float(y) for _, y, word in words if word == "Page"), default=0.0)
+        # LibreOffice also writes what a chart of the next page has at this height, and clips it
+        foot = sorted((float(x), word) for x, y, word in words if abs(float(y) - level) < LEVEL)
         line = " ".join(word for _, word in foot)
         sheets += re.findall(r"^\S+\.xlsx? (.+?) Page \d+ of \d+$", line)
     return sheets

@@ -691,11 +691,11 @@ def test_a_table_over_the_whole_sheet_is_read_quickly(workbook, tmp_path):
     with zipfile.ZipFile(path) as archive:
         parts = {name: archive.read(name) for name in archive.namelist()}
     for name, data in parts.items():
-        if name.startswith("xl/tables/") and b'"SNPoints"' in data:
+        if name.startswith("xl/tables/") and b'"FatigueFactors"' in data:
             start = data.index(b'ref="') + 5
             old = data[start : data.index(b'"', start)]
             parts[name] = data.replace(
-                old, old[: old.rindex(b"$") if b"$" in old else old.index(b":")] + b":D1048576"
+                old, old[: old.rindex(b"$") if b"$" in old else old.index(b":")] + b":I1048576"
             )
     with zipfile.ZipFile(path, "w") as archive:
         for name, data in parts.items():
@@ -704,6 +704,8 @@ def test_a_table_over_the_whole_sheet_is_read_quickly(workbook, tmp_path):
     found = read_workbook(path)
     assert time.perf_counter() - began < 2.0
     assert len(found.data.sn_points) == 2
+    assert len(found.data.fatigue_factors) == 0
+    assert found.workbook.table("FatigueFactors").ref.bottom == 1048576
 
 
 def test_an_open_workbook_is_read_as_it_stands(workbook, tmp_path):

@@ -9,7 +9,16 @@ import pytest
 from office_page import cell, launched, load_in_office
 from playwright import sync_api
 from servers import SLOW_CASE, outside, slow_case
-from sheet_ranges import MOTOR, SCATTER, SECTIONS, TEMPLATES, TUNING, model_arguments, with_event
+from sheet_ranges import (
+    MOTOR,
+    SCATTER,
+    SECTIONS,
+    TEMPLATES,
+    TUNING,
+    model_arguments,
+    with_conditions,
+    with_event,
+)
 
 from addin.worksheet import registry
 from addin.worksheet.registry import FUNCTIONS
@@ -87,7 +96,7 @@ def test_every_function_of_the_metadata_is_there_and_no_other(excel, served):
 
 @pytest.mark.slow
 def test_every_function_shows_the_same_doubles(excel):
-    arguments = with_event(model_arguments())
+    arguments = with_conditions(with_event(model_arguments()))
     handle = cell(excel, "TV_MODEL", arguments)["value"][0][0]
     assert handle == registry.call("TV_MODEL", arguments)[0][0]
     from addin.worksheet.models import MODELS

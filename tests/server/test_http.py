@@ -79,7 +79,9 @@ def every_call(handle):
     found = {name: [handle, *rest] for name, rest in CALLS.items()}
     found["TV_SN_LIFE"][1] = material
     found["TV_MODEL"] = model_arguments()
-    found["TV_EVENTS"] = [registry.call("TV_MODEL", with_event(model_arguments()))[0][0]]
+    found["TV_EVENTS"] = [
+        registry.call("TV_MODEL", with_conditions(with_event(model_arguments())))[0][0]
+    ]
     found["TV_CASE_VERDICTS"] = [
         registry.call("TV_MODEL", with_conditions(model_arguments()))[0][0]
     ]

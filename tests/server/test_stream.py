@@ -16,7 +16,7 @@ import openpyxl
 import pytest
 from messages import stream_of, until_stage, until_the_end
 from servers import ROOT, SLOW, outside, slow_case
-from sheet_ranges import TEMPLATES, model_arguments, with_event
+from sheet_ranges import TEMPLATES, model_arguments, with_conditions, with_event
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
@@ -80,7 +80,7 @@ def test_a_view_comes_in_two_parts(served):
 
 
 def test_the_view_of_a_model_with_an_event_has_its_peaks(served):
-    (answer,) = ask(served, ["TV_MODEL", *with_event(model_arguments())])
+    (answer,) = ask(served, ["TV_MODEL", *with_conditions(with_event(model_arguments()))])
     handle = answer["value"][0][0]
     with stream_of(served) as line:
         line.send(json.dumps({"id": "a", "view": handle}))
