@@ -145,6 +145,7 @@ def test_examples_of_the_studies_name_options_that_they_have():
     """`starts` has no sheet to add, and its help once said --add."""
     for name in STUDY_COMMANDS:
         shown = CliRunner().invoke(app, [name, "--help"]).output
-        example = shown[shown.find("Example") :].split("\n\n")[0] if "Example" in shown else ""
+        _, _, after = shown.partition("Example")
+        example = re.split(r"\n\s*\n", after)[0]
         for option in re.findall(r"--[a-z-]+", example):
             assert shown.count(option) > example.count(option), (name, option)
