@@ -32,7 +32,7 @@ def write(table, row, column, value):
 @pytest.mark.parametrize(
     ("edit", "says"),
     [
-        (write("CalculatedStations", 1, "Inertia", 700.0), "calculated with 460.76"),
+        (write("CalculatedStations", 1, "Inertia", 700.0), "calculated with 1011.36"),
         (write("CalculatedStations", 15, "Damping", 1.0), "calculated with nothing"),
         (write("CalculatedElements", 2, "Kind", "gear mesh"), "has gear mesh"),
         (write("CalculatedMotorTorque", 3, "Full speed", 1.0), "calculated with 188"),
