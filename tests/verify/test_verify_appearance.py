@@ -17,6 +17,7 @@ from openpyxl.styles.differential import DifferentialStyle
 from openpyxl.styles.numbers import NumberFormat
 from tampered_package import Package
 
+from addin.contract.sheets import VERDICTS_ROW
 from addin.contract.shipped import template_path
 from addin.contract.texts import NOTES
 from addin.contract.trace_table import TRACE_HEADERS
@@ -391,9 +392,12 @@ def test_a_wide_line_over_a_result_is_found(train, tmp_path):
     sheet = package.part_of_sheet("Summary")
     rels = package.parts[f"xl/worksheets/_rels/{sheet.rsplit('/', 1)[1]}.rels"].decode()
     drawing = "xl/drawings/" + rels.split("drawings/")[1].split('"')[0]
-    end = "<xdr:to><xdr:col>12</xdr:col><xdr:colOff>0</xdr:colOff><xdr:row>16</xdr:row><xdr:rowOff>0</xdr:rowOff></xdr:to>"
+    row = f"<xdr:row>{VERDICTS_ROW + 4}</xdr:row><xdr:rowOff>0</xdr:rowOff>"
+    end = f"<xdr:to><xdr:col>12</xdr:col><xdr:colOff>0</xdr:colOff>{row}</xdr:to>"
     line = f"<a:ln w='1270000'>{_WHITE}</a:ln>"
-    anchor = _ANCHOR.format(kind="twoCell", column=6, row=11, end=end, ground=line, text="")
+    anchor = _ANCHOR.format(
+        kind="twoCell", column=2, row=VERDICTS_ROW + 1, end=end, ground=line, text=""
+    )
     anchor = anchor.replace("<xdr:sp>", "<xdr:cxnSp>").replace("</xdr:sp>", "</xdr:cxnSp>")
     package.change(drawing, lambda text: text.replace("</xdr:wsDr>", f"{anchor}</xdr:wsDr>"))
     workbook = open_workbook(package.store(tmp_path / "line.xlsx"), read_only=True)
@@ -500,8 +504,8 @@ def test_changed_texts_of_notes_and_trace_are_found(train, tmp_path):
 
 def test_other_titles_and_captions_of_result_sheets_are_notes(train, tmp_path):
     package = Package(train)
-    package.put_text("Results", "X1", "Margins: all kept")
-    package.put_text("Results", "X5", "All margins are kept")
+    package.put_text("Results", "L1", "Margins: all kept")
+    package.put_text("Results", "L5", "All margins are kept")
     package.put_text("Fatigue", "B3", "The shafts may start as often as one likes.")
     workbook = open_workbook(package.store(tmp_path / "titles.xlsx"), read_only=True)
     found = list(compare_texts(workbook, same_version=True))

@@ -237,7 +237,8 @@ def test_charts_lie_where_they_are_said_to_lie(train):
     package = Package(train)
     corners = re.compile(r"<xdr:from><xdr:col>(\d+)</xdr:col>.*?<xdr:row>(\d+)</xdr:row>")
     count = sum(
-        len(corners.findall(data.decode())) - data.count(b"<xdr:grpSp>")  # the schematic is no chart
+        len(corners.findall(data.decode()))
+        - data.count(b"<xdr:grpSp>")  # the schematic is no chart
         for name, data in package.parts.items()
         if name.startswith("xl/drawings/drawing")
     )
