@@ -27,7 +27,7 @@ def test_the_train_of_the_paper(geared: CaseData) -> None:
     drawing = schematic(geared)
     named = [(one.name, one.words, one.is_motor) for one in drawing.machines]
     assert named == [
-        ("Motor", "11,008 kW, 1,800 rpm", True),
+        ("Motor", "11,186 kW, 1,800 rpm", True),
         ("LP comp", "10,080 rpm", False),
         ("HP comp", "10,080 rpm", False),
     ]
