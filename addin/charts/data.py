@@ -30,7 +30,7 @@ from addin.contract.chart_tables import (
 from addin.contract.shown_units import ShownUnits
 from engine.case.data import CaseData, ElementRow
 from engine.errors import TorsionError
-from engine.fatigue.shaft_strength import ShaftStrength, notch_effect, shaft_strength
+from engine.fatigue.shaft_strength import notch_effect, shaft_strength
 from engine.fatigue.sn_curve import SNCurve, sn_curve_for
 from engine.fatigue.stress import stress_of_unit_torque
 from engine.model.links import shaft_stiffness
@@ -481,9 +481,8 @@ def _limit_of(case: CaseData, run: RunView, drawn: Drawn) -> tuple[str, float, f
     element = next(e for e in case.elements if e.element == drawn.element)
     amplitude, endurance = run.amplitudes.get(drawn.element, (0.0, 0.0))
     if endurance and amplitude > endurance and element.stress_diameter:
-        strength = shaft_strength(case, element)
-        limit = drawn.per_torque * endurance / strength.local
-        return f"endurance limit / {_concentration(element, strength)}", -limit, limit
+        words, torque = _endurance_torque(case, element)
+        return words, -drawn.per_torque * torque, drawn.per_torque * torque
     peak, reversal = element.peak_torque_limit, element.reversal_limit
     if peak:
         lower = reversal if reversal is not None else peak
@@ -496,9 +495,11 @@ def _limit_of(case: CaseData, run: RunView, drawn: Drawn) -> tuple[str, float, f
     return "shear yield", -limit, limit
 
 
-def _concentration(element: ElementRow, strength: ShaftStrength) -> str:
-    """What stress is multiplied by in fatigue: SCF as typed, or Kf of its notch."""
-    return "SCF" if strength.notch.fatigue == (element.scf or 1.0) else "Kf"
+def _endurance_torque(case: CaseData, element: ElementRow) -> tuple[str, float]:
+    """Torque amplitude of a shaft at its endurance limit, over SCF as typed or Kf of its notch, in words and in N m."""
+    strength = shaft_strength(case, element)
+    notch = "SCF" if strength.notch.fatigue == (element.scf or 1.0) else "Kf"
+    return f"endurance limit / {notch}", strength.curve.endurance / strength.local
 
 
 def history_limits(
@@ -537,10 +538,8 @@ def history_limits(
         if words == "nominal shear stress":
             limit = None
             if name in fatigued:
-                strength = shaft_strength(case, element)
-                torque = strength.curve.endurance / strength.local
-                words = f"Endurance limit / {_concentration(element, strength)} (alternating)"
-                limit = (words, torque * float(unit[0]))
+                words, torque = _endurance_torque(case, element)
+                limit = (f"{words[0].upper()}{words[1:]} (alternating)", torque * float(unit[0]))
         elif element.peak_torque_limit:
             limit = ("Peak torque limit", element.peak_torque_limit * float(unit[0]))
         else:

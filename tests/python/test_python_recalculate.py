@@ -73,7 +73,7 @@ def test_a_file_keeps_all_that_is_not_a_result(tmp_path):
     kept = parts(source.read_bytes(), r"styles\.xml|drawings/|theme")
     assert len(kept) > 10
     written = parts(done.content)
-    assert len(kept) == len({name: data for name, data in kept.items() if name in written})
+    assert kept.keys() <= written.keys()
     for name, data in kept.items():
         assert without_results(written[name]) == without_results(data), name
     assert [r["frequency"] for r in done.results.rows("NaturalFrequencies")] == [
