@@ -125,7 +125,7 @@ wheels: $(RUN_READY) $(LOOPS)
 
 same-bits: $(DEV_READY) $(LOOPS)
 	$(PY) -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements/build.txt
-	$(PY) scripts/same_bits.py
+	$(PY) scripts/same_bits.py $(ARGS)
 
 sanitize: $(DEV_READY) $(LOOPS)
 	scripts/sanitize.sh $(PY) $(PROCESSES)

@@ -1,4 +1,7 @@
-"""Records the calls that starts make of the compiled loops: `python scripts/record_calls.py FOLDER`.
+"""Records the calls that starts make of the compiled loops: `python scripts/record_calls.py FOLDER [EVERY]`.
+
+With EVERY only every so many of the random starts and of the published cases are calculated, and of the calls of one
+function those beyond the first 200 are noted so seldom.
 
 A call is words of 64 bits: its arguments, and the structs and arrays that they point to. `replay_calls.c` makes the same
 calls of the library of another system, without Python (`other_systems.py`). The folder gets
@@ -14,6 +17,7 @@ import hashlib
 import struct
 import sys
 from array import array
+from collections import Counter
 from collections.abc import Iterable
 from dataclasses import replace
 from functools import partial
@@ -35,6 +39,8 @@ FUNCTIONS = [n for n in dir(real) if n != "about" and isinstance(getattr(real, n
 ONLY_IN_TESTS = {"exponential_step", "first_fall", "newmark_step", "start_forces"}
 #: Words of a page. Equal pages are kept once, which leaves a sixth: most of what is passed is passed again.
 PAGE = 512
+#: Calls of one function that are noted whatever the sample.
+ALWAYS = 200
 #: What an operation makes of no number: the sign is set by x86, not by ARM. It means nothing.
 NAN, NEGATIVE_NAN = np.array([0x7FF8000000000000, 0xFFF8000000000000], dtype=np.uint64)
 #: SplitMix64 spreads each bit over a word: Steele, Lea & Flood, "Fast splittable pseudorandom number generators",
@@ -128,8 +134,10 @@ def _spread(words: Words) -> Words:
 class Recorder:
     """The library, which notes each call."""
 
-    def __init__(self) -> None:
+    def __init__(self, every: int = 1) -> None:
         self.expected: list[str] = []
+        self._every = every
+        self._made: Counter[str] = Counter()  # calls of each function
         self._calls = array("q")
         self._pages: list[bytes] = []
         self._places: dict[bytes, int] = {}  # word at which a page begins, by its digest
@@ -140,6 +148,9 @@ class Recorder:
 
     def _call(self, name: str, *arguments: Any) -> Any:
         function = getattr(real, name)
+        self._made[name] += 1
+        if self._made[name] > ALWAYS and self._made[name] % self._every:
+            return function(*arguments)
         memory = Memory(function, arguments)
         before, pointers = memory.words(), memory.pointers()
         self._calls.extend((FUNCTIONS.index(name), len(before), len(pointers)))
@@ -186,9 +197,12 @@ def driver_code() -> str:
     return "\n".join([*lines, "    }", "}", ""])
 
 
-def record() -> Recorder:
-    """Calls of random starts, of the published cases, of a study, of a motor and of the modes of a long chain."""
-    loaded.library = recorder = Recorder()
+def record(every: int = 1) -> Recorder:
+    """Calls of random starts, of the published cases, of a study, of a motor and of the modes of a long chain.
+
+    Of the first two every so many.
+    """
+    loaded.library = recorder = Recorder(every)
     # What a call leaves unwritten is then the same each time.
     np.empty, np.empty_like = np.zeros, np.zeros_like
 
@@ -201,9 +215,10 @@ def record() -> Recorder:
     from engine.numerics.singular_values import LARGE, singular_triplets
     from engine.run import run
 
-    for number in TRAINS:
+    for number in TRAINS[::every]:
         run(study_train(number).case)
-    for _, case in compare_cases.published_cases(ROOT / "tests" / "validation" / "cases"):
+    published = list(compare_cases.published_cases(ROOT / "tests" / "validation" / "cases"))
+    for _, case in published[::every]:
         calculated(case, ["recalc"])
     calculated(compare_cases.random_case("studies", 2), ["sensitivities", "--jobs", "1"])
     # the motor in time; its other event would repeat calls of starts
@@ -224,4 +239,4 @@ def check_all_are_called(lines: Iterable[str]) -> None:
 
 
 if __name__ == "__main__":
-    record().write(Path(sys.argv[1]))
+    record(*map(int, sys.argv[2:])).write(Path(sys.argv[1]))

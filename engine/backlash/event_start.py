@@ -468,7 +468,8 @@ def _start(
     share = min(tolerance / DEFAULT_TOLERANCE_PEAK, 1.0)
     step = COARSEST_EVENT_ANGLE * math.sqrt(math.sqrt(share)) / plain.pulsation_omega
     if linear.method == Method.EXPONENTIAL:  # Newmark's steps are shorter than these runs need
-        step = min(linear.step * 2.0 ** (linear.halvings + 1), step)
+        first = linear.step * 2.0 ** (linear.halvings + 1)
+        step = min(first, step) if effects.clearances else first  # without contacts no runs part
     judge: Settled | None = _settled_judge(case, waited, motors[0], synchronous)
     if effects.full_length and case.maximum_time:
         judge = None  # asked to go on to MaximumTime although the train has settled

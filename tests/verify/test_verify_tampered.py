@@ -179,7 +179,7 @@ def test_verdicts_that_are_typed_are_seen_on_sheets_of_torsionbook_and_of_others
     package = Package(train)
     package.put_text("Results", "Y1", "PASSED!")
     package.put_text("Notes", "B2", "PASS: all 8 checks")
-    package.put_text("Fatigue", "B2", "a word")
+    package.put_text("Audit", "B2", "a word")
     own = (
         '<worksheet xmlns="http://schemas.openxmlformats.org/spreadsheetml/2006/main"><sheetData><row r="1">'
         '<c r="A1" t="inlineStr"><is><t>PASS</t></is></c>'
@@ -202,7 +202,7 @@ def test_verdicts_that_are_typed_are_seen_on_sheets_of_torsionbook_and_of_others
     assert "'Cover'" in cover.sentence
     banners = {sheet for sheet, _, _ in verdict_cells(workbook)}
     assert [(one.sheet, one.fails) for one in without_banner(workbook, banners)] == [
-        ("Fatigue", False)
+        ("Audit", False)
     ]
 
 
