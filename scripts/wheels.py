@@ -12,6 +12,7 @@ import struct
 import subprocess
 import sys
 import zipfile
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -63,25 +64,25 @@ def wrong_with(wheel: Path, tag: str) -> list[str]:
     return found
 
 
+def built(tag: str, folder: Path) -> Path:
+    """The wheel of one system."""
+    quietly = ["--quiet", "--disable-pip-version-check", "--no-deps", "--no-build-isolation"]
+    subprocess.run(
+        [sys.executable, "-m", "pip", "wheel", *quietly, "--wheel-dir", str(folder), str(ROOT)],
+        env=os.environ | {TARGET: tag},
+        check=True,
+    )
+    (wheel,) = folder.glob(f"*-{tag}.whl")
+    return wheel
+
+
 def main(folder: Path) -> int:
     """Build and look into all; 1 where one is wrong."""
     folder.mkdir(parents=True, exist_ok=True)
     wrong = 0
-    for tag in TARGETS:
-        words = [
-            "pip",
-            "wheel",
-            "--quiet",
-            "--disable-pip-version-check",
-            "--no-deps",
-            "--no-build-isolation",
-        ]
-        subprocess.run(
-            [sys.executable, "-m", *words, "--wheel-dir", str(folder), str(ROOT)],
-            env=os.environ | {TARGET: tag},
-            check=True,
-        )
-        (wheel,) = folder.glob(f"*-{tag}.whl")
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        wheels = list(pool.map(built, TARGETS, [folder] * len(TARGETS)))
+    for tag, wheel in zip(TARGETS, wheels, strict=True):
         found = wrong_with(wheel, tag)
         wrong += bool(found)
         print(f"{wheel.name}: {wheel.stat().st_size / 1e6:.2f} MB; {'; '.join(found) or 'sound'}")
