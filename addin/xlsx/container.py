@@ -96,6 +96,9 @@ class Container:
                 path, "it is truncated, or its table of contents is damaged"
             ) from problem
         self.entries = self._zip.infolist()
+        for entry in self.entries:
+            # Some programs write names with backslashes; the name in the file stays `orig_filename`.
+            entry.filename = entry.orig_filename.replace("\\", "/")
         _check_directory(self.entries, path, limits)
         _check_places(self.entries, self.data, self._zip.start_dir, path)
         self._by_name = {entry.filename: entry for entry in self.entries}
@@ -165,6 +168,7 @@ class Container:
         *,
         added: Mapping[str, bytes] | None = None,
         compress: bool = True,
+        slashes: bool = False,
     ) -> None:
         """Write the workbook with some parts replaced, some left out and some added.
 
@@ -183,6 +187,8 @@ class Container:
             New parts, which come last.
         compress : bool
             Whether replaced parts are compressed or merely stored.
+        slashes : bool
+            Whether names with backslashes get slashes, which most readers of workbooks demand.
         """
         directory: list[bytes] = []
         position = 0
@@ -190,14 +196,15 @@ class Container:
         for entry in (*self.entries, *map(_new_entry, added or ())):
             if entry.filename in dropped:
                 continue
+            name = entry.filename if slashes else entry.orig_filename
             if entry.filename in new_content:
                 local, central, payload = _packed_entry(
-                    entry, new_content[entry.filename], compress, position
+                    entry, name, new_content[entry.filename], compress, position
                 )
             else:
                 payload = stored_bytes(self.data, entry)
                 sizes = (entry.CRC, len(payload), entry.file_size)
-                local, central = _headers(entry, entry.compress_type, sizes, position)
+                local, central = _headers(entry, name, entry.compress_type, sizes, position)
             stream.write(local)
             stream.write(payload)
             directory.append(central)
@@ -346,14 +353,8 @@ def shown_name(name: str) -> str:
 
 
 def _check_name(entry: zipfile.ZipInfo, seen: set[str], path: Path) -> None:
-    name = entry.orig_filename
-    if (
-        name.startswith("/")
-        or "\\" in name
-        or ":" in name
-        or "\0" in name
-        or ".." in name.split("/")
-    ):
+    name = entry.filename
+    if name.startswith("/") or ":" in name or "\0" in name or ".." in name.split("/"):
         raise WorkbookRefused(
             "path",
             f"{path.name} contains a part named {shown_name(name)}, which points outside the "
@@ -403,7 +404,7 @@ def _new_entry(name: str) -> zipfile.ZipInfo:
 
 
 def _packed_entry(
-    entry: zipfile.ZipInfo, data: bytes, compress: bool, position: int
+    entry: zipfile.ZipInfo, name: str, data: bytes, compress: bool, position: int
 ) -> tuple[bytes, bytes, bytes]:
     if compress:
         # Long number blocks shrink by a further seventh at four times the time; that is not worth it.
@@ -412,30 +413,31 @@ def _packed_entry(
         method, payload = zipfile.ZIP_DEFLATED, packer.compress(data) + packer.flush()
     else:
         method, payload = zipfile.ZIP_STORED, data
-    local, central = _headers(entry, method, (zlib.crc32(data), len(payload), len(data)), position)
+    sizes = (zlib.crc32(data), len(payload), len(data))
+    local, central = _headers(entry, name, method, sizes, position)
     return local, central, payload
 
 
 def _headers(
-    entry: zipfile.ZipInfo, method: int, sizes: tuple[int, int, int], position: int
+    entry: zipfile.ZipInfo, name: str, method: int, sizes: tuple[int, int, int], position: int
 ) -> tuple[bytes, bytes]:
     """Local and central header of an entry; sizes are (CRC, stored, inflated)."""
     utf8 = bool(entry.flag_bits & _UTF8_FLAG)
-    # Directory names come decoded from one of these two encodings; orig_filename is what stood in the file.
-    name = entry.orig_filename.encode("utf-8" if utf8 else "cp437")
+    # Directory names come decoded from one of these two encodings.
+    encoded = name.encode("utf-8" if utf8 else "cp437")
     flags = _UTF8_FLAG if utf8 else 0
     year, month, day, hour, minute, second = (
         entry.date_time if entry.date_time[0] >= 1980 else _FIXED_DATE
     )
     date = (year - 1980) << 9 | month << 5 | day
     time = hour << 11 | minute << 5 | second // 2
-    common = (flags, method, time, date, *sizes, len(name), 0)
-    local = _LOCAL_HEADER.pack(_ZIP_MAGIC, 20, *common) + name
+    common = (flags, method, time, date, *sizes, len(encoded), 0)
+    local = _LOCAL_HEADER.pack(_ZIP_MAGIC, 20, *common) + encoded
     central = _CENTRAL_HEADER.pack(
         b"PK\x01\x02", entry.create_version, entry.create_system, 20, 0, *common,
         len(entry.comment), 0, entry.internal_attr, entry.external_attr, position,
     )  # fmt: skip
-    return local, central + name + entry.comment
+    return local, central + encoded + entry.comment
 
 
 def _write_directory(

@@ -346,7 +346,7 @@ class _Refresh:
         fed, dropped = calculator_copy(self.workbook, self.formulas, read, left_out)
         package = io.BytesIO()
         # Not compressed, as it lives for milliseconds.
-        self.workbook.container.write(package, fed, dropped, compress=False)
+        self.workbook.container.write(package, fed, dropped, compress=False, slashes=True)
         try:
             result = formualizer.recalculate_xlsx_bytes(package.getvalue())
         except (KeyboardInterrupt, SystemExit):

@@ -185,7 +185,7 @@ def _target(source: Path, destination: Destination) -> Path:
 def _verify(container: Container, package: bytes, change: PackageChange, check: Check) -> None:
     """Compare the new package with the old one, part by part, and read the written cells again."""
     archive = zipfile.ZipFile(io.BytesIO(package))
-    entries = {entry.filename: entry for entry in archive.infolist()}
+    entries = {entry.orig_filename.replace("\\", "/"): entry for entry in archive.infolist()}
     expected = [name for name in container.names if name not in change.dropped]
     if list(entries) != [*expected, *change.added]:
         raise SaveRefused(
@@ -196,7 +196,7 @@ def _verify(container: Container, package: bytes, change: PackageChange, check: 
     for entry in container.entries:
         name = entry.filename
         if name in change.replaced:
-            parts[name] = archive.read(name)
+            parts[name] = archive.read(entries[name])
         # Equal stored bytes, sizes and check sum: the part inflates to the same bytes as before.
         elif name not in change.dropped and not _identical(
             container, entry, package, entries[name]
@@ -204,7 +204,7 @@ def _verify(container: Container, package: bytes, change: PackageChange, check: 
             raise SaveRefused(
                 f"Nothing was written: the part {name} would have changed. Please report it."
             )
-    parts |= {name: archive.read(name) for name in change.added}
+    parts |= {name: archive.read(entries[name]) for name in change.added}
     wrong = [
         name
         for name, data in (*change.replaced.items(), *change.added.items())

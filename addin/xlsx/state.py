@@ -161,7 +161,7 @@ class WorkbookState:
         part = self.structure.worksheet_part(sheet)
         if part is None:
             raise WorkbookMismatch(
-                f"Sheet {sheet!r} of {self.path.name} is a chart sheet and has no cells. Name a "
+                f"Sheet {sheet!r} of {self.path.name} is a chart or a macro module and has no cells. Name a "
                 "worksheet."
             )
         if sheet not in self._sheets:
