@@ -35,7 +35,7 @@ from addin.xlsx.formula_text import (
     parse_formula,
 )
 from addin.xlsx.kept_calculator import SHELF
-from addin.xlsx.references import Rect
+from addin.xlsx.references import Rect, cell_name
 from addin.xlsx.sheet_part import SheetPart
 from addin.xlsx.state import WorkbookState
 from addin.xlsx.text_row import TextFormula
@@ -56,6 +56,9 @@ MAX_DEPTH = 256
 _MOST_TRIES = 50
 _MOST_TRIED = 20_000
 
+# Cells without a value any more that are named.
+_MOST_NAMED = 20
+
 # Results that are due to the data rather than to a calculator's shortcomings.
 _HONEST_ERRORS = frozenset(["#DIV/0!", "#N/A", "#NUM!"])
 # Two programs evaluate the same formula alike to the last digit or two; a larger difference is a disagreement.
@@ -74,6 +77,7 @@ class CacheReport:
     changed: int = 0  #: Those that got a new value.
     #: Those that were left without a value, to be calculated when the workbook is opened.
     removed: int = 0
+    removed_cells: tuple[str, ...] = ()  #: The first of these, as ``Sheet!B4``.
     reason: str = ""  #: Why values were removed, in words; empty otherwise.
 
 
@@ -221,7 +225,7 @@ class _Refresh:
         # Formulas, by the id of their record, whose value came back as it was.
         self.as_before: set[int] = set()
         self.changed = 0
-        self.removed = 0
+        self.removed: list[str] = []
 
     def run(self) -> CacheReport:
         given = self._given()
@@ -248,7 +252,8 @@ class _Refresh:
             len(self.everything),
             len(self.affected),
             self.changed,
-            self.removed,
+            len(self.removed),
+            tuple(self.removed[:_MOST_NAMED]),
             reason,
         )
 
@@ -487,7 +492,7 @@ class _Refresh:
             if sheet.constant(row, column) is not None:
                 sheet.set_cached(row, column, None)
                 self.workbook.note_changed(cell.sheet, Rect(row, column, row, column))
-        self.removed += 1
+        self.removed.append(f"{cell.sheet[:40]}!{cell_name(cell.rect.top, cell.rect.left)}")
 
 
 class _Recalculated:
