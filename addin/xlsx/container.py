@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import io
+import re
 import stat
 import struct
 import zipfile
@@ -18,7 +19,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from addin.xlsx.errors import WorkbookRefused, damaged
-from addin.xlsx.xml_part import Element, parse_part
+from addin.xlsx.xml_part import Element, has_misleading_tags, parse_part
 
 _OLE_MAGIC = bytes.fromhex("D0CF11E0A1B11AE1")
 _ZIP_MAGIC = b"PK\x03\x04"
@@ -39,6 +40,8 @@ _UNPACKING = (
     RuntimeError,
 )
 
+_CELLS = re.compile(rb"<(\w+:)?sheetData>.*?</(?:\w+:)?sheetData>", re.DOTALL)
+
 _LOCAL_HEADER = struct.Struct("<4s5H3L2H")
 _CENTRAL_HEADER = struct.Struct("<4s4B4H3L5H2L")
 _END_RECORD = struct.Struct("<4s4H2LH")
@@ -57,6 +60,10 @@ class Limits:
     #: Sum of brackets and twice the equal signs of the parts that are parsed, each of which costs
     #: some hundred bytes of memory; 300,000 cells have about as many.
     marks: int = 2_500_000
+    #: Likewise of what is no cell: the workbook part, and what sheets hold beside their cells. Its elements take several
+    #: times the memory of a cell; 100,000 names or merged ranges have about as many.
+    other_marks: int = 400_000
+    texts: int = 32 * 2**20  #: Largest part of shared texts. [byte]
     entries: int = 5_000  #: Largest number of parts.
     #: Largest inflated/stored ratio of a part above ``ratio_from``; ordinary sheets reach 10 to
     #: 20.
@@ -106,6 +113,7 @@ class Container:
         self._inflated: dict[str, bytes] = {}
         self._inflated_size = 0
         self._marks = 0
+        self._other_marks = 0
 
     @property
     def names(self) -> list[str]:
@@ -150,7 +158,7 @@ class Container:
     def charged(self, name: str) -> bytes:
         """A part that is about to be parsed; refused when all parsed parts together would take too much memory."""
         data = self.read(name)
-        self._marks += data.count(b"<") + 2 * data.count(b"=")
+        self._marks += _marks(data)
         if self._marks > self.limits.marks:
             raise WorkbookRefused(
                 "too large",
@@ -159,6 +167,21 @@ class Container:
                 "Move bulk data to another workbook.",
             )
         return data
+
+    def charged_beside_cells(self, name: str) -> bytes:
+        """The same of the workbook part or a sheet, in which names, merged ranges and formats are counted by themselves."""
+        data = self.read(name)
+        # Where comments or another encoding than UTF-8 hide its tags, all of a sheet counts as beside its cells.
+        cells = None if has_misleading_tags(data) else _CELLS.search(data)
+        self._other_marks += _marks(data) - (_marks(cells[0]) if cells else 0)
+        if self._other_marks > self.limits.other_marks:
+            raise WorkbookRefused(
+                "too large",
+                f"With the part {shown_name(name)} of {self.path.name}, the workbook exceeds about 100,000 defined "
+                "names, merged ranges, formats and the like, the limit of torsionbook. Remove those that nothing uses, "
+                "or start from a new template.",
+            )
+        return self.charged(name)
 
     def write(
         self,
@@ -345,6 +368,10 @@ def _check_places(entries: list[zipfile.ZipInfo], data: bytes, directory: int, p
         encoding = "utf-8" if entry.flag_bits & _UTF8_FLAG else "cp437"
         if data[begin : begin + name_length] != entry.orig_filename.encode(encoding):
             raise _damaged(path, f"the part {shown_name(entry.filename)} has two different names")
+
+
+def _marks(data: bytes) -> int:
+    return data.count(b"<") + 2 * data.count(b"=")
 
 
 def shown_name(name: str) -> str:

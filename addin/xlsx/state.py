@@ -165,7 +165,7 @@ class WorkbookState:
                 "worksheet."
             )
         if sheet not in self._sheets:
-            data = self.container.charged(part)
+            data = self.container.charged_beside_cells(part)
             self._sheets[sheet] = SheetPart(sheet, part, data, self.shared_texts.text)
         return self._sheets[sheet]
 

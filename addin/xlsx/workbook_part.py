@@ -22,6 +22,7 @@ from addin.xlsx.xml_part import (
     Element,
     has_misleading_tags,
     main,
+    parse_part,
 )
 
 CONTENT_TYPES_PART = "[Content_Types].xml"
@@ -107,7 +108,7 @@ class WorkbookPart:
         self.content_type = self.type_of(self.part)
         self._check_kind()
         self._relationships = {one.id: one for one in self.relationships(self.part)}
-        root = container.tree(self.part)
+        root = parse_part(container.charged_beside_cells(self.part), self.part)
         if root.tag != main("workbook"):
             raise self._refused("not a workbook", "has an invalid workbook part")
         #: Sheets that nobody sees until they are unhidden, if at all.
