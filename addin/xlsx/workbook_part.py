@@ -248,10 +248,11 @@ class WorkbookPart:
 
     def as_plain_workbook(self, *, without: Collection[str] = ()) -> dict[str, bytes]:
         """Content types of the package declared as .xlsx, for readers that know no macros, without some parts."""
-        data = self._container.read(CONTENT_TYPES_PART)
+        part = self._container.find(CONTENT_TYPES_PART) or CONTENT_TYPES_PART
+        data = self._container.read(part)
         if without:
             data = _without_element(data, rb"Override", rb"PartName=" + _quoted(without, rb"/?"))
-        return {CONTENT_TYPES_PART: data.replace(XLSM_TYPE.encode(), XLSX_TYPE.encode())}
+        return {part: data.replace(XLSM_TYPE.encode(), XLSX_TYPE.encode())}
 
     def _main_part(self) -> str:
         for relationship in self.relationships(""):
