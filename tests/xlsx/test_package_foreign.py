@@ -9,6 +9,7 @@ import pytest
 from rich_workbooks import MODES, changed_parts, parts_of, with_parts
 
 from addin.xlsx import open_workbook
+from addin.xlsx.xml_part import RELATIONSHIP_IDS
 
 
 def typed_by_ending(kind: bytes) -> Callable[[bytes], bytes]:
@@ -56,6 +57,18 @@ def test_sheets_without_a_part_are_left_alone(train: Path) -> None:
     with_parts(train, {}, {"xl/workbook.xml": with_modules})
     assert two_modes_fewer(train) == usual
     assert ("Case", "Local") in open_workbook(train).local_names
+
+
+def test_ids_of_sheets_may_have_any_prefix(train: Path) -> None:
+    """XmlSerializer of .NET declares one of its own at each sheet."""
+
+    def serialised(data: bytes) -> bytes:
+        other = rb'd3p1:id=\1 xmlns:d3p1="%s"' % RELATIONSHIP_IDS.encode()
+        return re.sub(rb'\br:id=("\w+")', other, data)
+
+    usual = two_modes_fewer(train)
+    with_parts(train, {}, {"xl/workbook.xml": serialised})
+    assert two_modes_fewer(train) == usual
 
 
 def test_parts_named_with_backslashes_are_found_and_keep_their_names(train: Path) -> None:
