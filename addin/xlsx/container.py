@@ -58,7 +58,7 @@ class Limits:
     #: Sum of the parts that are inflated here; pictures and the like stay packed. [byte]
     inflated: int = 150 * 2**20
     #: Sum of brackets and twice the equal signs of the parts that are parsed, each of which costs
-    #: some hundred bytes of memory; 300,000 cells have about as many.
+    #: some hundred bytes of memory, and five for each row; 300,000 cells have about as many.
     marks: int = 2_500_000
     #: Likewise of what is no cell: the workbook part, and what sheets hold beside their cells. Its elements take several
     #: times the memory of a cell; 100,000 names or merged ranges have about as many.
@@ -181,6 +181,8 @@ class Container:
                 "names, merged ranges, formats and the like, the limit of torsionbook. Remove those that nothing uses, "
                 "or start from a new template.",
             )
+        # A row takes as much memory as five more marks.
+        self._marks += 5 * (data.count(b"<row") + data.count(b":row "))
         return self.charged(name)
 
     def write(

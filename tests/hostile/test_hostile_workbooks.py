@@ -524,6 +524,7 @@ def test_as_many_as_are_taken(
 ) -> None:
     """Somewhat below the limit they are worked through within the same memory."""
     most = {"defined names": 95_000, "merged ranges": 130_000, "shared strings": 600_000}
+    most |= {"rows": 310_000, "shared formulas": 90_000}
     monkeypatch.setitem(globals(), "ROWS", most.get(kind, 60_000))
     judged(attended, tmp_path, packed(million(kind)))
 
