@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from os import PathLike
@@ -18,6 +17,7 @@ from addin.reading.one_file import Unreadable, read_checked
 from addin.reading.typed_case import CaseInput, Findings, Place, TypedCase
 from addin.studies.check_input import check_input
 from addin.template.filled import MixedUnits, example_of
+from addin.xlsx.temporary import temporary_folder
 from addin.xlsx.whole_files import write_json, write_whole
 from torsionbook.frames import Tables, plain, rows_of, table_called
 from torsionbook.problems import InputError, Problem, records, refuse
@@ -342,8 +342,8 @@ def read(source: Source) -> Input:
             return Input(read_case_json(source))
         return Input(typed_input(TypedCase(), Findings())).change(source)
     if is_openpyxl(source):
-        with tempfile.TemporaryDirectory() as folder:
-            saved = Path(folder) / "openpyxl workbook.xlsx"
+        with temporary_folder() as folder:
+            saved = folder / "openpyxl workbook.xlsx"
             source.save(saved)
             return _of_file(saved)
     if isinstance(source, (str, PathLike)):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from os import PathLike
@@ -16,6 +15,7 @@ from addin.template.filled import MixedUnits
 from addin.writing.recalculate import PreparedInput
 from addin.writing.recalculate import recalculate as recalculate_file
 from addin.xlsx.errors import PackageError
+from addin.xlsx.temporary import temporary_folder
 from addin.xlsx.whole_files import write_whole
 from torsionbook.extras import extra
 from torsionbook.inputs import OpenpyxlWorkbook, is_openpyxl, read
@@ -113,8 +113,7 @@ def recalculate(
         raise ValueError(f"{source} is no workbook. Recalculate a .xlsx or .xlsm file, or use run.")
     if template is not None and not is_openpyxl(source):
         raise ValueError("template is for openpyxl workbooks: a file is its own template.")
-    with tempfile.TemporaryDirectory(prefix="torsionbook-") as place:
-        folder = Path(place)
+    with temporary_folder() as folder:
         path, prepared, notes = found._read.path, found._read, ()
         if is_openpyxl(source):
             prepared, notes = _rebuilt(source, found._read, folder, template)

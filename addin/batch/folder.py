@@ -23,8 +23,7 @@ from addin.batch.inputs import OWN
 from addin.batch.journal import read_journal
 from addin.batch.records import Output, Record, Stamp
 from addin.xlsx.places import real_path
-from addin.xlsx.save import flush_folder
-from addin.xlsx.whole_files import write_whole
+from addin.xlsx.whole_files import flush_folder, write_whole
 
 
 class FolderRefused(Exception):

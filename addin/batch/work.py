@@ -8,7 +8,6 @@ bytes.
 from __future__ import annotations
 
 import pickle
-import tempfile
 import time
 import traceback
 import uuid
@@ -39,6 +38,7 @@ from addin.reading.typed_case import CaseInput
 from addin.writing.recalculate import PreparedInput, recalculate
 from addin.xlsx.errors import WorkbookLocked
 from addin.xlsx.locks import check_not_open
+from addin.xlsx.temporary import temporary_folder
 from engine.case.data import case_digest
 from engine.results.results import Results
 
@@ -115,7 +115,7 @@ def _file_of(task: Examine) -> Iterator[tuple[Path, Stamp]]:
         source = Path(task.source)
         yield source, digested(source)
         return
-    with tempfile.TemporaryDirectory(prefix="torsionbook-") as folder:
+    with temporary_folder() as folder:
         source = Path(folder, "in", Path(task.name).name)
         source.parent.mkdir()
         source.write_bytes(task.content)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import datetime as dt
 import math
-import os
 import platform
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -13,6 +12,7 @@ from importlib import metadata
 from typing import Any
 
 from addin.contract.audit_items import DIGEST_ITEM, SETTING_ITEM, SOFTWARE_ITEM
+from addin.contract.fixed_date import fixed_date
 from addin.contract.sources import (
     CURVES,
     INTEGRATORS,
@@ -82,12 +82,7 @@ class Stamp:
     @classmethod
     def now(cls) -> Stamp:
         """The present; SOURCE_DATE_EPOCH sets another date for reproducible files."""
-        epoch = os.environ.get("SOURCE_DATE_EPOCH")
-        date = (
-            dt.datetime.fromtimestamp(int(epoch), dt.UTC)
-            if epoch
-            else dt.datetime.now(dt.UTC).replace(microsecond=0)
-        )
+        date = fixed_date() or dt.datetime.now(dt.UTC).replace(microsecond=0)
         return cls(f"torsionbook {product_version()}", date)
 
 

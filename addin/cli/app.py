@@ -19,6 +19,7 @@ from typer.main import get_command, get_group
 
 from addin.cli.status import INTERNAL, INTERRUPTED
 from addin.cli.study_commands import STUDY_COMMANDS
+from addin.contract.fixed_date import WrongDate, fixed_date
 from addin.contract.version import product_version
 from addin.workers.stop import causes
 
@@ -147,6 +148,10 @@ def _program(
     ] = False,
 ) -> None:
     """See the help of `app`; only --version is added here."""
+    try:
+        fixed_date()
+    except WrongDate as wrong:
+        raise typer.BadParameter(str(wrong)) from wrong
 
 
 def _by_ctrl_c(ended: BaseException) -> bool:

@@ -45,7 +45,7 @@ from addin.cli.overrides import case_overrides
 from addin.cli.status import INTERRUPTED, WRONG_INPUT, failed, failing_on
 from addin.cli.terminal import print_written
 from addin.contract.version import product_version
-from addin.reading.one_file import file_problem
+from addin.reading.one_file import WORKBOOK_ENDINGS, file_problem
 from addin.workers.cluster import ClusterRefused
 from addin.workers.pool import Pool, Workers
 from addin.workers.stop import Abandoned, Stop, Stopped, cores
@@ -134,6 +134,10 @@ def batch(
     if send not in _SEND:
         raise typer.BadParameter(f"--send is '{send}'; it must be {', '.join(_SEND)}.")
     overrides = case_overrides(method, tolerance)
+    if out.suffix.lower() in WORKBOOK_ENDINGS and not out.exists():
+        raise typer.BadParameter(
+            f"{out} is the name of a workbook; in a batch --out must name a folder."
+        )
     book = _summary_file(summary, out, written=vary is None)
 
     def find() -> list[Input]:

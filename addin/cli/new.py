@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import shutil
-import tempfile
 from pathlib import Path
 from typing import Annotated
 
@@ -20,6 +19,8 @@ from addin.template.build import build_template
 from addin.template.examples import EXAMPLES, Example
 from addin.template.filled import MixedUnits, example_of
 from addin.template.variants import VARIANTS, Variant
+from addin.xlsx.temporary import temporary_folder
+from addin.xlsx.whole_files import flush_file, flush_folder
 
 #: The example that has the sheets of the studies, and the example whose train it is.
 _STUDIES, _STUDIED = "studies", "proposed"
@@ -130,8 +131,8 @@ def make_workbook(
     ExcelError
         If it needs xlwings and that is not installed.
     """
-    with tempfile.TemporaryDirectory(dir=path.parent, prefix=".torsionbook-") as folder:
-        made = Path(folder) / "made.xlsx"
+    with temporary_folder(within=path.parent) as folder:
+        made = folder / "made.xlsx"
         shipped = not studies and (example is None or isinstance(example, str))
         if variant.spelled is None and shipped:
             name = f"example_{example}.xlsx" if example else f"blank_{system}.xlsx"
@@ -141,4 +142,6 @@ def make_workbook(
         if variant.suffix == ".xlsm":
             install(made, made.with_suffix(".xlsm"))
             made = made.with_suffix(".xlsm")
+        flush_file(made)
         os.replace(made, path)
+        flush_folder(path.parent)

@@ -16,7 +16,8 @@ FileArgument = Annotated[
     Path, typer.Argument(help="Workbook or case JSON.", show_default=False, metavar="FILE")
 ]
 OutOption = Annotated[
-    Path | None, typer.Option("--out", help="Folder for the result; default beside the input.")
+    Path | None,
+    typer.Option("--out", help="Folder for the result, or the file; default beside the input."),
 ]
 InPlaceOption = Annotated[
     bool, typer.Option("--in-place", help="Write into the workbook itself; keeps a .bak copy.")

@@ -29,6 +29,7 @@ from addin.cli.terminal import (
     progress,
     refuse_clashes,
     refuse_no_json,
+    result_place,
     stages_of,
 )
 from addin.contract.problems import printable
@@ -41,7 +42,10 @@ from engine.fatigue.damage import starts_in_words
 def recalc(
     files: Files,
     out: Annotated[
-        Path | None, typer.Option(help="Folder for the results; default beside each input.")
+        Path | None,
+        typer.Option(
+            help="Folder for the results, or the file for that of one input; default beside each input."
+        ),
     ] = None,
     in_place: InPlaceOption = False,
     json: Annotated[
@@ -96,7 +100,9 @@ def _targets(
 ) -> tuple[Path | None, Path | None]:
     """Result workbook and JSON of one input; None = the default."""
     ending = ".results.json" if file.suffix.lower() == ".json" else file.suffix
-    destination = out / f"{file.stem}{ending}" if out is not None else None
+    destination = None
+    if out is not None:
+        destination = result_place(out, f"{file.stem}{ending}", several)
     if destination is None and ending == ".results.json" and json is None:
         destination = beside(file)
     folder = json is not None and (several or json.is_dir() or json == out)

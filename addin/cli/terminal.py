@@ -111,6 +111,35 @@ def refuse_no_folder(folder: Path) -> None:
             raise typer.BadParameter(f"{place} is a file; name a folder.")
 
 
+def result_place(out: Path, name: str, several: bool = False) -> Path:
+    """Where a result goes: into a folder, or the file that ``--out`` names.
+
+    Parameters
+    ----------
+    out : Path
+        What was typed: a folder, or a file by its ending. [path]
+    name : str
+        Name of the result in a folder.
+    several : bool
+        Whether results of several inputs go there.
+
+    Raises
+    ------
+    typer.BadParameter
+        For a file where several results need a folder, or one of another type.
+    """
+    if out.is_dir() or out.suffix.lower() not in (*WORKBOOK_ENDINGS, ".json"):
+        return out / name
+    if several:
+        raise typer.BadParameter(
+            f"{out} is the name of one file; for several inputs, name a folder."
+        )
+    ending = Path(name).suffix
+    if out.suffix.lower() != ending.lower():
+        raise typer.BadParameter(f"{out} must end in {ending}, as the result is such a file.")
+    return out
+
+
 def study_targets(
     file: Path, command: str, out: Path | None, json: Path | None, in_place: bool
 ) -> tuple[Path | None, Path | None]:
@@ -128,7 +157,7 @@ def study_targets(
     """
     if out is not None and in_place:
         raise typer.BadParameter("Use either --out or --in-place, not both.")
-    destination = None if out is None else out / file.name
+    destination = None if out is None else result_place(out, file.name)
     if json is not None and (json.is_dir() or json == out):
         json = json / f"{file.stem}.{command}.json"
     refuse_clashes([file], [(destination, json)], in_place)

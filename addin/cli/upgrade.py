@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
 from pathlib import Path
 from typing import Annotated
 
@@ -19,6 +18,7 @@ from addin.template.rebuilt import CannotBeRebuilt
 from addin.template.upgraded import upgraded_workbook
 from addin.xlsx import PackageError
 from addin.xlsx.save import Destination, put_in_place
+from addin.xlsx.temporary import temporary_folder
 
 
 def upgrade(
@@ -45,16 +45,16 @@ def upgrade(
         )
     with (
         failing_on(CannotBeRebuilt, MixedUnits, about=file),
-        tempfile.TemporaryDirectory(prefix="torsionbook-") as folder,
+        temporary_folder() as folder,
     ):
         try:
             read.workbook.allow_saving(ignore_lock=ignore_lock)
-            done = upgraded_workbook(read, Path(folder))
+            done = upgraded_workbook(read, folder)
             place = Destination(file, True, ignore_lock=ignore_lock, keep_backups=True)
-            backup = put_in_place(read.workbook.container, done.path, place)
+            delivered = put_in_place(read.workbook.container, done.path, place)
         except (PackageError, OSError) as wrong:
             raise failed(file_problem(file, wrong).message) from wrong
-    for sentence in done.notes:
+    for sentence in (*done.notes, *delivered.notes):
         typer.echo(f"{file}: note: {printable(sentence)}", err=True)
     print_written([file])
-    typer.echo(f"The workbook as it was: {backup}. Calculate: torsionbook recalc {file}")
+    typer.echo(f"The workbook as it was: {delivered.backup}. Calculate: torsionbook recalc {file}")

@@ -10,6 +10,7 @@ module            responsibility
                   knows
 `charts`          charts as data: what is drawn, from which columns, with which axes and words
 `digests`         digests as people see them: the first digits, which tell inputs apart
+`fixed_date`      the date that takes the place of the present
 `json_formats`    numbers of the forms of JSON: raised when a reader of the form before would go
                   wrong
 `json_shapes`     shapes of JSON objects, as fragments of a JSON Schema

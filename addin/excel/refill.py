@@ -9,7 +9,6 @@ Like any macro it empties Excel's list of steps to undo.
 from __future__ import annotations
 
 import shutil
-import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -23,6 +22,7 @@ from addin.reading.workbook import WorkbookInput
 from addin.writing.recalculate import PreparedInput, recalculate
 from addin.xlsx import ErrorValue, Formula, Table, Workbook
 from addin.xlsx.references import Rect, parse_range
+from addin.xlsx.temporary import temporary_folder
 
 TITLE = "torsionbook"
 #: Most cells handed to Excel at once; between two portions the status bar moves on.
@@ -72,7 +72,7 @@ def refill(book: Any) -> None:
     """
     started = time.perf_counter()
     app = book.app
-    with tempfile.TemporaryDirectory(prefix="torsionbook-") as folder:
+    with temporary_folder() as folder:
         copy = Path(folder, book.name)
         book.api.SaveCopyAs(str(copy))
         _tell(app, "reading")

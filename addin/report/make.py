@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
 from addin.contract.digests import short_digest
+from addin.contract.fixed_date import fixed_date
 from addin.contract.problems import CellProblem
 from addin.diff.compare import compare_read_files
 from addin.diff.files import CannotBeCompared, compared_file, read_compared_file, with_studies
@@ -97,7 +97,7 @@ def report(
         vectors=pdf is not None,
         pixels=docx is not None,
         # with a fixed date the same inputs are to give the same bytes; measured times never do
-        show_times=not os.environ.get("SOURCE_DATE_EPOCH"),
+        show_times=fixed_date() is None,
         against=differences,
     )
     document = replace(document, logo=logo)

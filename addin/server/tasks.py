@@ -10,19 +10,26 @@ from pathlib import Path
 from typing import Any
 
 from addin.calculation.calculation import calculate
-from addin.reading.one_file import Unreadable, read_checked
+from addin.reading.one_file import Unreadable, file_problem, read_checked
+from addin.reading.typed_case import CaseInput
 from addin.server.studies import study_of
 from addin.server.view import speed_view
+from addin.workers.processes import bounded_memory
 from addin.worksheet.answers import speed_results
 from addin.worksheet.models import Model, system_of
 from addin.worksheet.registry import FunctionError
 from addin.writing.recalculate import PreparedInput, recalculate
 from addin.xlsx.container import Limits
+from addin.xlsx.errors import WorkbookRefused
 from engine.errors import InternalError, ModelError
 
 Tell = Callable[[str], None]
 #: What is taken for a workbook here: less than on a machine of one's own.
 LIMITS = Limits(file_size=25 * 2**20, total_size=100 * 2**20, part_size=60 * 2**20, entries=2_000)
+
+
+#: Memory that reading an upload may take, and reading, calculating and writing it together. [B]
+READING, WRITING = 600 * 2**20, 2 * 2**30
 
 
 class LazyTables(Mapping[str, Any]):
@@ -51,15 +58,33 @@ def _workbook(paths: tuple[str, str], tell: Tell) -> Any:
     """Recalculate a workbook; problems, warnings and the verdict."""
     source, target = map(Path, paths)
     tell("reading")
-    prepared = PreparedInput(read_checked(source, LIMITS))
-    done = recalculate(source, destination=target, on_stage=tell, prepared=prepared)
+    try:
+        with bounded_memory(WRITING):
+            prepared = PreparedInput(_bounded(source))
+            done = recalculate(source, destination=target, on_stage=tell, prepared=prepared)
+    except MemoryError:
+        return _too_large(source).problems, ()
     return done.problems, done.warnings
+
+
+def _bounded(source: Path) -> CaseInput | Unreadable:
+    """What is in an upload, which may take so much memory and no more."""
+    try:
+        with bounded_memory(READING):
+            return read_checked(source, LIMITS)
+    except MemoryError:
+        return _too_large(source)
+
+
+def _too_large(source: Path) -> Unreadable:
+    sentence = f"{source.name} takes more memory than this server allows. Calculate it on your own computer."
+    return Unreadable((file_problem(source, WorkbookRefused("too large", sentence)),))
 
 
 def _read(path: str, tell: Tell) -> Any:
     """Read a workbook or a case JSON; problems, warnings, the case and its units."""
     tell("reading")
-    read = read_checked(Path(path), LIMITS)
+    read = _bounded(Path(path))
     if isinstance(read, Unreadable) or read.problems:
         return read.problems, read.warnings, None, ""
     return (), read.warnings, read.case(), system_of(read)

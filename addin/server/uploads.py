@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import asyncio
 import re
-import tempfile
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -28,6 +27,7 @@ from addin.server.settings import Limits
 from addin.worksheet.models import MODELS
 from addin.worksheet.registry import FunctionError
 from addin.writing.results_json import errors_to_json
+from addin.xlsx.temporary import temporary_folder
 
 #: What a workbook is sent back as.
 MEDIA = {
@@ -41,7 +41,7 @@ async def recalculated(request: Request, work: Work, limits: Limits) -> Response
     body, name = await _sent(request, limits)
     if Path(name).suffix.lower() not in WORKBOOK_ENDINGS:
         raise Refused(415, "Send a workbook, .xlsx or .xlsm. /api/v1/model also takes a case JSON.")
-    with tempfile.TemporaryDirectory(prefix="torsionbook-") as folder:
+    with temporary_folder() as folder:
         # the name given may be one that no file can have: it only names what is sent back
         inner = f"train{Path(name).suffix}"
         source, target = Path(folder, inner), Path(folder, f"out-{inner}")
@@ -62,7 +62,7 @@ async def model_of(request: Request, work: Work, limits: Limits) -> Response:
     body, name = await _sent(request, limits)
     if name.endswith(".json"):
         _refuse_no_case(body)
-    with tempfile.TemporaryDirectory(prefix="torsionbook-") as folder:
+    with temporary_folder() as folder:
         inner = f"train{Path(name).suffix}"
         source = Path(folder, inner)
         await asyncio.to_thread(source.write_bytes, body)
@@ -136,7 +136,7 @@ def _refuse_no_case(body: bytes) -> None:
 class TemporaryPaths:
     """The folder a file was worked on in, its name there, and the name it goes by outside."""
 
-    folder: str
+    folder: Path
     inner: str
     name: str
 

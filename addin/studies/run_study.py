@@ -6,7 +6,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 from addin.calculation.audit import Stamp
@@ -31,6 +30,7 @@ from addin.writing.results_json import table_rows
 from addin.writing.workbook import write_study_results
 from addin.xlsx.errors import PackageError
 from addin.xlsx.save import Destination, put_in_place
+from addin.xlsx.temporary import temporary_folder
 from addin.xlsx.whole_files import write_json
 from engine.case.checks.problem import SCALARS
 from engine.case.data import CaseData, case_digest
@@ -108,9 +108,9 @@ def study_one(
     target = source if files.in_place else files.destination or result_beside(source)
     standing, notes = (None, ()) if read.problems else continued(read, target)
     there = read if standing is None else standing
-    with TemporaryDirectory(prefix="torsionbook-") as folder:
+    with temporary_folder() as folder:
         try:
-            book, refused = _with_sheets(study, there, files, Path(folder))
+            book, refused = _with_sheets(study, there, files, folder)
         except (PackageError, OSError) as failed:
             book, refused = there, (file_problem(source, failed),)
         if refused and files.json_file is None:
@@ -127,10 +127,11 @@ def study_one(
             if result is None:  # the new sheets have no usual rows: they are there to be filled in
                 target.parent.mkdir(parents=True, exist_ok=True)
                 there.workbook.allow_saving(ignore_lock=files.ignore_lock)
-                put_in_place(
+                delivered = put_in_place(
                     there.workbook.container, book.path,
                     _place(target, files, standing is not None),
                 )  # fmt: skip
+                warnings += delivered.notes
                 added = missing_sheets(there.workbook.tables, study.spec).inputs
                 warnings.append(
                     f"{target.name} now has sheet {' and '.join(added)}. Fill in, then run the command again on it."
@@ -143,7 +144,7 @@ def study_one(
             else:
                 target.parent.mkdir(parents=True, exist_ok=True)
                 place = _place(target, files, standing is not None)
-                warnings += _write_book(study, (there, book), place, result, Path(folder))
+                warnings += _write_book(study, (there, book), place, result, folder)
                 written.append(target)
             if files.json_file is not None:
                 as_json = study.as_json or partial(to_json, study)
@@ -213,8 +214,8 @@ def _write_book(
     there.workbook.allow_saving(ignore_lock=place.ignore_lock)
     made = folder / f"made{book.path.suffix}"
     notes = write(book, made, result, True)
-    put_in_place(there.workbook.container, made, place)
-    return notes
+    delivered = put_in_place(there.workbook.container, made, place)
+    return (*notes, *delivered.notes)
 
 
 def part_of_study(

@@ -122,6 +122,35 @@ def most_resident() -> int:
     return peak if sys.platform == "darwin" else 1024 * peak
 
 
+@contextmanager
+def bounded_memory(more: int) -> Iterator[None]:
+    """Refuse this process memory beyond so much more than it has, with `MemoryError`; on Linux alone.
+
+    Parameters
+    ----------
+    more : int
+        How much. [B]
+    """
+    if sys.platform != "linux":
+        yield
+        return
+    import resource
+
+    soft, hard = resource.getrlimit(resource.RLIMIT_DATA)
+    held = 0
+    for line in (
+        Path("/proc/self/status").read_text(encoding="ascii", errors="replace").splitlines()
+    ):
+        if line.startswith("VmData"):
+            held = 1024 * int(line.split()[1])
+    known = [limit for limit in (soft, hard) if limit != resource.RLIM_INFINITY]
+    resource.setrlimit(resource.RLIMIT_DATA, (min([held + more, *known]), hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_DATA, (soft, hard))
+
+
 # --- in the processes -----------------------------------------------------------------------------
 
 

@@ -248,12 +248,6 @@ def _write_workbook(
         ignore_lock=ignore_lock,
         read=read,
     )
-    if report.caches.method == "removed":
-        left = (
-            f"{report.caches.removed} formulas have no stored value; they are calculated when you "
-            f"open the workbook: {report.caches.reason}"
-        )
-        return (*report.notes, left, *_on_inputs(read))
     renewed = report.caches.changed or report.caches.removed
     return (*report.notes, *(_on_inputs(read) if renewed else ()))
 

@@ -39,7 +39,8 @@ def continued(source: WorkbookInput, target: Path) -> tuple[WorkbookInput | None
     notes : tuple of str
         Why they begin anew although it has results of studies. [sentences]
     """
-    if not target.exists() or target.resolve() == source.path.resolve():
+    # Nothing goes through a link: it is refused when results are written.
+    if not target.exists() or target.is_symlink() or target.resolve() == source.path.resolve():
         return None, ()
     try:
         workbook = open_workbook(target, read_only=True)

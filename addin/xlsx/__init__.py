@@ -11,7 +11,8 @@ module             responsibility
 `locks`            lock files of spreadsheet programs
 `places`           where a path leads, links followed
 `references`       A1 arithmetic
-`whole_files`      text files written whole or not at all
+`temporary`        files and folders that are gone when their process ends, however it ends
+`whole_files`      files written whole or not at all
 `xml_part`         parsing without trust, writing with the original's declaration
 `chart_titles`     titles of charts that lost their cell
 `container`        the zip file: guards before opening, raw copy of untouched parts

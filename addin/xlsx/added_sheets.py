@@ -209,7 +209,7 @@ class _Merger:
         """Put a sheet behind the others."""
         part = self._from.structure.worksheet_part(name)
         if part is None:
-            self.notes.append(f"Sheet {name} is a chart sheet and is not taken over.")
+            self.notes.append(f"Sheet {name} is a chart or a macro module and is not taken over.")
             return
         book = self._roots[self._book.structure.part]
         sheets = book.find(main("sheets"))
@@ -265,14 +265,8 @@ class _Merger:
 
     def _kind(self, part: str) -> str:
         """Content type of a part of the source, its own or that of its ending."""
-        own = self._from.structure.types.get(part)
-        if own:
-            return own
-        ending = posixpath.splitext(part)[1].lstrip(".").lower()
-        root = self._from.container.tree(CONTENT_TYPES_PART)
-        for entry in root.iter(f"{{{CONTENT_TYPES}}}Default"):
-            if entry.get("Extension", "").lower() == ending:
-                return str(entry.get("ContentType"))
+        if kind := self._from.structure.type_of(part):
+            return kind
         raise damaged(f"{self._from.path.name} does not say what its part {part} is.")
 
     def _copied_relations(self, part: str, dropped: set[str]) -> bytes | None:

@@ -17,7 +17,7 @@ from addin.xlsx.references import Rect
 from addin.xlsx.sheet_part import SheetPart
 from addin.xlsx.state import WorkbookState
 from addin.xlsx.workbook_part import SIGNATURES, relationships_part
-from addin.xlsx.xml_part import Element, main, parse_part, serialise
+from addin.xlsx.xml_part import RELATIONSHIP_IDS, Element, main, parse_part, serialise
 
 # Attributes hold no bracket: a search that passed over one could be led on to the end of the part each time.
 _ROW = re.compile(rb'<((?:\w+:)?)row\b[^<>]*?\br="([0-9]{1,7})"')
@@ -29,6 +29,9 @@ _TABLE_PARTS = re.compile(
 _EXTERNAL = re.compile(r"(?<![\w.\]\[])\[\d+\]")
 _RICH_VALUE = re.compile(rb"""(<(?:\w+:)?c\s[^<>]*?)\svm=["'][^"'<>]*["']""")
 _EXTENSIONS = re.compile(rb"<((?:\w+:)?extLst)\b[^>]*>.*?</\1\s*>", re.DOTALL)
+# The calculator knows the id of a sheet by its usual prefix alone; .NET's XmlSerializer writes d3p1:id.
+_OTHER_PREFIX = re.compile(rb"(<(?:\w+:)?sheet\s[^<>]*?\s)(?!r:)\w+:id=")
+_USUAL_PREFIX = rb'\1xmlns:r="%s" r:id=' % RELATIONSHIP_IDS.encode()
 
 
 def calculator_copy(
@@ -89,6 +92,8 @@ def calculator_copy(
         parts[part] = _without_rich_values(_without_tables_and_extensions(data))
     parts |= structure.as_plain_workbook(without=dropped)
     parts |= _with_plain_names(workbook, formulas)
+    book = structure.part
+    parts[book] = _OTHER_PREFIX.sub(_USUAL_PREFIX, parts.get(book) or workbook.container.read(book))
     return {name: data for name, data in parts.items() if name not in dropped}, dropped
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import io
+import re
 import stat
 import struct
 import zipfile
@@ -18,7 +19,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from addin.xlsx.errors import WorkbookRefused, damaged
-from addin.xlsx.xml_part import Element, parse_part
+from addin.xlsx.xml_part import Element, has_misleading_tags, parse_part
 
 _OLE_MAGIC = bytes.fromhex("D0CF11E0A1B11AE1")
 _ZIP_MAGIC = b"PK\x03\x04"
@@ -39,6 +40,8 @@ _UNPACKING = (
     RuntimeError,
 )
 
+_CELLS = re.compile(rb"<(\w+:)?sheetData>.*?</(?:\w+:)?sheetData>", re.DOTALL)
+
 _LOCAL_HEADER = struct.Struct("<4s5H3L2H")
 _CENTRAL_HEADER = struct.Struct("<4s4B4H3L5H2L")
 _END_RECORD = struct.Struct("<4s4H2LH")
@@ -55,8 +58,12 @@ class Limits:
     #: Sum of the parts that are inflated here; pictures and the like stay packed. [byte]
     inflated: int = 150 * 2**20
     #: Sum of brackets and twice the equal signs of the parts that are parsed, each of which costs
-    #: some hundred bytes of memory; 300,000 cells have about as many.
+    #: some hundred bytes of memory, and five for each row; 300,000 cells have about as many.
     marks: int = 2_500_000
+    #: Likewise of what is no cell: the workbook part, and what sheets hold beside their cells. Its elements take several
+    #: times the memory of a cell; 100,000 names or merged ranges have about as many.
+    other_marks: int = 400_000
+    texts: int = 32 * 2**20  #: Largest part of shared texts. [byte]
     entries: int = 5_000  #: Largest number of parts.
     #: Largest inflated/stored ratio of a part above ``ratio_from``; ordinary sheets reach 10 to
     #: 20.
@@ -96,6 +103,9 @@ class Container:
                 path, "it is truncated, or its table of contents is damaged"
             ) from problem
         self.entries = self._zip.infolist()
+        for entry in self.entries:
+            # Some programs write names with backslashes; the name in the file stays `orig_filename`.
+            entry.filename = entry.orig_filename.replace("\\", "/")
         _check_directory(self.entries, path, limits)
         _check_places(self.entries, self.data, self._zip.start_dir, path)
         self._by_name = {entry.filename: entry for entry in self.entries}
@@ -103,6 +113,7 @@ class Container:
         self._inflated: dict[str, bytes] = {}
         self._inflated_size = 0
         self._marks = 0
+        self._other_marks = 0
 
     @property
     def names(self) -> list[str]:
@@ -147,7 +158,7 @@ class Container:
     def charged(self, name: str) -> bytes:
         """A part that is about to be parsed; refused when all parsed parts together would take too much memory."""
         data = self.read(name)
-        self._marks += data.count(b"<") + 2 * data.count(b"=")
+        self._marks += _marks(data)
         if self._marks > self.limits.marks:
             raise WorkbookRefused(
                 "too large",
@@ -157,6 +168,23 @@ class Container:
             )
         return data
 
+    def charged_beside_cells(self, name: str) -> bytes:
+        """The same of the workbook part or a sheet, in which names, merged ranges and formats are counted by themselves."""
+        data = self.read(name)
+        # Where comments or another encoding than UTF-8 hide its tags, all of a sheet counts as beside its cells.
+        cells = None if has_misleading_tags(data) else _CELLS.search(data)
+        self._other_marks += _marks(data) - (_marks(cells[0]) if cells else 0)
+        if self._other_marks > self.limits.other_marks:
+            raise WorkbookRefused(
+                "too large",
+                f"With the part {shown_name(name)} of {self.path.name}, the workbook exceeds about 100,000 defined "
+                "names, merged ranges, formats and the like, the limit of torsionbook. Remove those that nothing uses, "
+                "or start from a new template.",
+            )
+        # A row takes as much memory as five more marks.
+        self._marks += 5 * (data.count(b"<row") + data.count(b":row "))
+        return self.charged(name)
+
     def write(
         self,
         stream: BinaryIO,
@@ -165,6 +193,7 @@ class Container:
         *,
         added: Mapping[str, bytes] | None = None,
         compress: bool = True,
+        slashes: bool = False,
     ) -> None:
         """Write the workbook with some parts replaced, some left out and some added.
 
@@ -183,6 +212,8 @@ class Container:
             New parts, which come last.
         compress : bool
             Whether replaced parts are compressed or merely stored.
+        slashes : bool
+            Whether names with backslashes get slashes, which most readers of workbooks demand.
         """
         directory: list[bytes] = []
         position = 0
@@ -190,14 +221,15 @@ class Container:
         for entry in (*self.entries, *map(_new_entry, added or ())):
             if entry.filename in dropped:
                 continue
+            name = entry.filename if slashes else entry.orig_filename
             if entry.filename in new_content:
                 local, central, payload = _packed_entry(
-                    entry, new_content[entry.filename], compress, position
+                    entry, name, new_content[entry.filename], compress, position
                 )
             else:
                 payload = stored_bytes(self.data, entry)
                 sizes = (entry.CRC, len(payload), entry.file_size)
-                local, central = _headers(entry, entry.compress_type, sizes, position)
+                local, central = _headers(entry, name, entry.compress_type, sizes, position)
             stream.write(local)
             stream.write(payload)
             directory.append(central)
@@ -340,20 +372,18 @@ def _check_places(entries: list[zipfile.ZipInfo], data: bytes, directory: int, p
             raise _damaged(path, f"the part {shown_name(entry.filename)} has two different names")
 
 
+def _marks(data: bytes) -> int:
+    return data.count(b"<") + 2 * data.count(b"=")
+
+
 def shown_name(name: str) -> str:
     """A name out of the file as it may stand in a sentence."""
     return repr(name if len(name) <= 80 else name[:77] + "...")
 
 
 def _check_name(entry: zipfile.ZipInfo, seen: set[str], path: Path) -> None:
-    name = entry.orig_filename
-    if (
-        name.startswith("/")
-        or "\\" in name
-        or ":" in name
-        or "\0" in name
-        or ".." in name.split("/")
-    ):
+    name = entry.filename
+    if name.startswith("/") or ":" in name or "\0" in name or ".." in name.split("/"):
         raise WorkbookRefused(
             "path",
             f"{path.name} contains a part named {shown_name(name)}, which points outside the "
@@ -403,7 +433,7 @@ def _new_entry(name: str) -> zipfile.ZipInfo:
 
 
 def _packed_entry(
-    entry: zipfile.ZipInfo, data: bytes, compress: bool, position: int
+    entry: zipfile.ZipInfo, name: str, data: bytes, compress: bool, position: int
 ) -> tuple[bytes, bytes, bytes]:
     if compress:
         # Long number blocks shrink by a further seventh at four times the time; that is not worth it.
@@ -412,30 +442,31 @@ def _packed_entry(
         method, payload = zipfile.ZIP_DEFLATED, packer.compress(data) + packer.flush()
     else:
         method, payload = zipfile.ZIP_STORED, data
-    local, central = _headers(entry, method, (zlib.crc32(data), len(payload), len(data)), position)
+    sizes = (zlib.crc32(data), len(payload), len(data))
+    local, central = _headers(entry, name, method, sizes, position)
     return local, central, payload
 
 
 def _headers(
-    entry: zipfile.ZipInfo, method: int, sizes: tuple[int, int, int], position: int
+    entry: zipfile.ZipInfo, name: str, method: int, sizes: tuple[int, int, int], position: int
 ) -> tuple[bytes, bytes]:
     """Local and central header of an entry; sizes are (CRC, stored, inflated)."""
     utf8 = bool(entry.flag_bits & _UTF8_FLAG)
-    # Directory names come decoded from one of these two encodings; orig_filename is what stood in the file.
-    name = entry.orig_filename.encode("utf-8" if utf8 else "cp437")
+    # Directory names come decoded from one of these two encodings.
+    encoded = name.encode("utf-8" if utf8 else "cp437")
     flags = _UTF8_FLAG if utf8 else 0
     year, month, day, hour, minute, second = (
         entry.date_time if entry.date_time[0] >= 1980 else _FIXED_DATE
     )
     date = (year - 1980) << 9 | month << 5 | day
     time = hour << 11 | minute << 5 | second // 2
-    common = (flags, method, time, date, *sizes, len(name), 0)
-    local = _LOCAL_HEADER.pack(_ZIP_MAGIC, 20, *common) + name
+    common = (flags, method, time, date, *sizes, len(encoded), 0)
+    local = _LOCAL_HEADER.pack(_ZIP_MAGIC, 20, *common) + encoded
     central = _CENTRAL_HEADER.pack(
         b"PK\x01\x02", entry.create_version, entry.create_system, 20, 0, *common,
         len(entry.comment), 0, entry.internal_attr, entry.external_attr, position,
     )  # fmt: skip
-    return local, central + name + entry.comment
+    return local, central + encoded + entry.comment
 
 
 def _write_directory(

@@ -136,6 +136,7 @@ class ReferenceResolver:
 
     def __init__(self, sheets: Sequence[str], names: Sequence[DefinedName]) -> None:
         self._sheets = {sheet.lower(): sheet for sheet in sheets}
+        self._folded = {sheet.casefold() for sheet in sheets}
         self._names = {(name.local_sheet.lower(), name.name.lower()): name for name in names}
         self._known: dict[FormulaCell, list[tuple[str, Rect]] | None] = {}
         self._name_steps = 0
@@ -188,7 +189,7 @@ class ReferenceResolver:
     ) -> list[tuple[str, Rect]] | None:
         target = self._sheet(prefix, sheet)
         if target is None:
-            return None
+            return [] if self._is_nowhere(prefix) else None
         moved = shifted_range(text, *shift) if shift != (0, 0) else text
         if target == "" or moved == "#REF!":
             return []
@@ -206,6 +207,10 @@ class ReferenceResolver:
             return ""
         return self._sheets.get(name.lower())
 
+    def _is_nowhere(self, prefix: str) -> bool:
+        """Whether a sheet that is not there is no range of sheets either: what names it is an error for good."""
+        return ":" not in prefix and split_sheet(prefix)[0].casefold() not in self._folded
+
     def _name_areas(
         self, prefix: str, name: str, sheet: str, depth: int
     ) -> list[tuple[str, Rect]] | None:
@@ -213,11 +218,13 @@ class ReferenceResolver:
             return []
         scope = self._sheet(prefix, sheet)
         if scope is None:
-            return None
+            return [] if self._is_nowhere(prefix) else None
         key = name.lower()
         defined = self._names.get((scope.lower(), key)) or self._names.get(("", key))
+        if defined is None:
+            return []  # a variable of LET, a name of another workbook or of nothing: no cell here
         # References of a name are relative to the cell that uses it unless all carry dollar signs.
-        if defined is None or any("$" not in one.text for one in _written_cells(defined.text)):
+        if any("$" not in one.text for one in _written_cells(defined.text)):
             return None
         return self._reads(defined.text, scope or sheet, (0, 0), depth + 1)
 

@@ -35,7 +35,7 @@ from addin.xlsx.formula_text import (
     parse_formula,
 )
 from addin.xlsx.kept_calculator import SHELF
-from addin.xlsx.references import Rect
+from addin.xlsx.references import Rect, cell_name
 from addin.xlsx.sheet_part import SheetPart
 from addin.xlsx.state import WorkbookState
 from addin.xlsx.text_row import TextFormula
@@ -55,6 +55,11 @@ MAX_DEPTH = 256
 # What may be spent on finding formulas that the calculator refuses: calculations, and formulas calculated in all of them.
 _MOST_TRIES = 50
 _MOST_TRIED = 20_000
+# The calculator takes some 5 kB of memory and 0.1 ms of processor time for each formula.
+_MOST_CALCULATED = 50_000
+
+# Cells without a value any more that are named.
+_MOST_NAMED = 20
 
 # Results that are due to the data rather than to a calculator's shortcomings.
 _HONEST_ERRORS = frozenset(["#DIV/0!", "#N/A", "#NUM!"])
@@ -74,6 +79,7 @@ class CacheReport:
     changed: int = 0  #: Those that got a new value.
     #: Those that were left without a value, to be calculated when the workbook is opened.
     removed: int = 0
+    removed_cells: tuple[str, ...] = ()  #: The first of these, as ``Sheet!B4``.
     reason: str = ""  #: Why values were removed, in words; empty otherwise.
 
 
@@ -221,7 +227,7 @@ class _Refresh:
         # Formulas, by the id of their record, whose value came back as it was.
         self.as_before: set[int] = set()
         self.changed = 0
-        self.removed = 0
+        self.removed: list[str] = []
 
     def run(self) -> CacheReport:
         given = self._given()
@@ -248,7 +254,8 @@ class _Refresh:
             len(self.everything),
             len(self.affected),
             self.changed,
-            self.removed,
+            len(self.removed),
+            tuple(self.removed[:_MOST_NAMED]),
             reason,
         )
 
@@ -341,12 +348,17 @@ class _Refresh:
                 "Formulas were not recalculated because the package formualizer is not installed.",
             )
         cells = self.everything
+        if len(cells) > _MOST_CALCULATED:
+            return (
+                None,
+                f"The workbook has more than {_MOST_CALCULATED:,} formulas, too many to calculate here.",
+            )
         if any(_is_beyond_programs(cell.text) for cell in cells if cell.text not in left_out):
             return None, "A formula is too long or nested too deeply for a spreadsheet program."
         fed, dropped = calculator_copy(self.workbook, self.formulas, read, left_out)
         package = io.BytesIO()
         # Not compressed, as it lives for milliseconds.
-        self.workbook.container.write(package, fed, dropped, compress=False)
+        self.workbook.container.write(package, fed, dropped, compress=False, slashes=True)
         try:
             result = formualizer.recalculate_xlsx_bytes(package.getvalue())
         except (KeyboardInterrupt, SystemExit):
@@ -487,7 +499,7 @@ class _Refresh:
             if sheet.constant(row, column) is not None:
                 sheet.set_cached(row, column, None)
                 self.workbook.note_changed(cell.sheet, Rect(row, column, row, column))
-        self.removed += 1
+        self.removed.append(f"{cell.sheet[:40]}!{cell_name(cell.rect.top, cell.rect.left)}")
 
 
 class _Recalculated:

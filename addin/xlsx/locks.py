@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 from addin.xlsx.errors import WorkbookLocked
@@ -19,7 +20,7 @@ def check_not_open(path: Path) -> None:
         ("Excel", path.with_name(f"~${path.name}"), _excel_owner),
         ("LibreOffice", path.with_name(f".~lock.{path.name}#"), _libreoffice_owner),
     ):
-        if not lock_file.exists():
+        if not os.path.exists(lock_file):  # its name may be too long for any file
             continue
         try:
             owner = reader(lock_file.read_bytes()[:2000])

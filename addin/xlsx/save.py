@@ -2,7 +2,8 @@
 
 Order of events: build the new package in memory; write it beside the destination; flush it to the disk; read it back and
 compare; check that nobody changed the original meanwhile; keep a copy of the original if it is to be replaced; replace in
-one step; flush the folder. Whatever goes wrong before the last but one step leaves the original as it was.
+one step; flush the folder. Whatever goes wrong before the last but one step leaves the original as it was; what goes wrong
+in the last is a note, as the file is there.
 """
 
 from __future__ import annotations
@@ -10,17 +11,19 @@ from __future__ import annotations
 import io
 import os
 import stat
-import tempfile
 import zipfile
 from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import NamedTuple
 
 from addin.xlsx.container import Container, stored_bytes
 from addin.xlsx.errors import SaveRefused, SourceChanged
 from addin.xlsx.formulas import CacheReport
 from addin.xlsx.locks import check_not_open
+from addin.xlsx.temporary import temporary_file
+from addin.xlsx.whole_files import flush_folder
 
 Check = Callable[[Mapping[str, bytes]], list[str]]
 
@@ -62,6 +65,13 @@ class Destination:
     keep_replaced: bool = False
 
 
+class Delivered(NamedTuple):
+    """A file that is in its place."""
+
+    backup: Path | None  #: Copy of what stood there; None where nothing did.
+    notes: tuple[str, ...]  #: What the user should know, in sentences.
+
+
 def save_package(
     container: Container,
     change: PackageChange,
@@ -83,18 +93,18 @@ def save_package(
     container.write(payload, change.replaced, change.dropped, added=change.added)
     package = payload.getvalue()
     _verify(container, package, change, check)
-    backup = _deliver(container, package, target, destination)
+    delivered = _deliver(container, package, target, destination)
     return SaveReport(
         target,
-        backup,
+        delivered.backup,
         tuple(sorted([*change.replaced, *change.added])),
         tuple(sorted(change.dropped)),
         caches,
-        notes,
+        (*notes, *delivered.notes),
     )
 
 
-def put_in_place(container: Container, made: Path, destination: Destination) -> Path | None:
+def put_in_place(container: Container, made: Path, destination: Destination) -> Delivered:
     """Put a workbook that was made of another one, step by step, where it belongs.
 
     Parameters
@@ -108,8 +118,8 @@ def put_in_place(container: Container, made: Path, destination: Destination) -> 
 
     Returns
     -------
-    Path or None
-        Copy of what stood there; None where nothing did. [path]
+    Delivered
+        Copy of what stood there, and notes.
 
     Raises
     ------
@@ -131,8 +141,8 @@ def _free_target(container: Container, destination: Destination) -> Path:
 
 def _deliver(
     container: Container, package: bytes, target: Path, destination: Destination
-) -> Path | None:
-    """Write a package in one step; the copy that was kept of what stood there."""
+) -> Delivered:
+    """Write a package in one step; keep a copy of what stood there."""
     with _beside(target, package, _mode(target, container.path)) as temporary:
         if temporary.read_bytes() != package:
             raise SaveRefused(
@@ -145,8 +155,8 @@ def _deliver(
             backup = _keep(container.data, target, destination.keep_backups)
         elif destination.keep_replaced and target.exists():
             backup = _keep(target.read_bytes(), target, destination.keep_backups)
-        _put(temporary, target)
-    return backup
+        notes = _put(temporary, target)
+    return Delivered(backup, notes)
 
 
 def _target(source: Path, destination: Destination) -> Path:
@@ -156,7 +166,12 @@ def _target(source: Path, destination: Destination) -> Path:
         raise SaveRefused(f"{source.name} was opened read-only.")
     if path is None and not in_place:
         raise SaveRefused("No file to write was named.")
-    # A link is followed, so that the file behind it is replaced and the link stays.
+    # The link of a workbook in place is followed, so that the file behind it is replaced and the link stays. Where a
+    # result goes, a link may lead to what nobody meant.
+    if path is not None and not in_place and Path(path).is_symlink():
+        raise SaveRefused(
+            f"{path} is a link to another file, which is not replaced. Remove the link, or name another file."
+        )
     original = Path(os.path.realpath(source))
     target = original if path is None else Path(os.path.realpath(path))
     if target == original and not in_place:
@@ -185,7 +200,7 @@ def _target(source: Path, destination: Destination) -> Path:
 def _verify(container: Container, package: bytes, change: PackageChange, check: Check) -> None:
     """Compare the new package with the old one, part by part, and read the written cells again."""
     archive = zipfile.ZipFile(io.BytesIO(package))
-    entries = {entry.filename: entry for entry in archive.infolist()}
+    entries = {entry.orig_filename.replace("\\", "/"): entry for entry in archive.infolist()}
     expected = [name for name in container.names if name not in change.dropped]
     if list(entries) != [*expected, *change.added]:
         raise SaveRefused(
@@ -196,7 +211,7 @@ def _verify(container: Container, package: bytes, change: PackageChange, check: 
     for entry in container.entries:
         name = entry.filename
         if name in change.replaced:
-            parts[name] = archive.read(name)
+            parts[name] = archive.read(entries[name])
         # Equal stored bytes, sizes and check sum: the part inflates to the same bytes as before.
         elif name not in change.dropped and not _identical(
             container, entry, package, entries[name]
@@ -204,7 +219,7 @@ def _verify(container: Container, package: bytes, change: PackageChange, check: 
             raise SaveRefused(
                 f"Nothing was written: the part {name} would have changed. Please report it."
             )
-    parts |= {name: archive.read(name) for name in change.added}
+    parts |= {name: archive.read(entries[name]) for name in change.added}
     wrong = [
         name
         for name, data in (*change.replaced.items(), *change.added.items())
@@ -262,9 +277,7 @@ def _keep(data: bytes, target: Path, keep_backups: bool) -> Path:
 def _beside(target: Path, data: bytes, mode: int) -> Iterator[Path]:
     """A file beside the target, flushed to the disk, that takes its place or disappears."""
     try:
-        handle, name = tempfile.mkstemp(
-            dir=target.parent, prefix=f".~{target.name}.", suffix=".tmp"
-        )
+        handle, made = temporary_file(target.parent, ".tmp")
     except OSError as problem:
         raise SaveRefused(
             f"Nothing can be written in the folder {target.parent} ({problem.strerror}). Name another "
@@ -276,19 +289,19 @@ def _beside(target: Path, data: bytes, mode: int) -> Iterator[Path]:
                 file.write(data)
                 file.flush()
                 os.fsync(file.fileno())
-            os.chmod(name, mode)
+            os.chmod(made, mode)
         except OSError as problem:
             raise SaveRefused(
                 f"{target.name} could not be written ({problem.strerror}). Check the folder and free "
                 "disk space."
             ) from problem
-        yield Path(name)
+        yield made
     finally:
-        Path(name).unlink(missing_ok=True)
+        made.unlink(missing_ok=True)
 
 
-def _put(temporary: Path, target: Path) -> None:
-    """Put a file in its place."""
+def _put(temporary: Path, target: Path) -> tuple[str, ...]:
+    """Put a file in its place; what the user should know of it then."""
     try:
         os.replace(temporary, target)
     except PermissionError as problem:
@@ -299,15 +312,10 @@ def _put(temporary: Path, target: Path) -> None:
         raise SaveRefused(
             f"{target.name} could not be replaced ({problem.strerror}). Name another file."
         ) from problem
-    flush_folder(target.parent)
-
-
-def flush_folder(folder: Path) -> None:
-    """Make new names in a folder durable; Windows has no such call and needs none."""
-    if os.name != "posix":
-        return
-    handle = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(handle)
-    finally:
-        os.close(handle)
+    doubt = flush_folder(target.parent)
+    if not doubt:
+        return ()
+    return (
+        f"{target.name} is written, but the disk did not confirm it ({doubt}): should the power fail now, the file "
+        "before it may be back. Check the disk.",
+    )

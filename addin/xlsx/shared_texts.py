@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from functools import cached_property, lru_cache
 
 from addin.xlsx.container import Container, shown_name
-from addin.xlsx.errors import damaged
+from addin.xlsx.errors import WorkbookRefused, damaged
 from addin.xlsx.references import whole_number
 from addin.xlsx.values import rich_text
 from addin.xlsx.workbook_part import WorkbookPart
@@ -56,6 +56,13 @@ class SharedTexts:
         if part is None:
             return []
         data = self._container.charged(part)
+        most = self._container.limits.texts
+        if len(data) > most:
+            raise WorkbookRefused(
+                "too large",
+                f"{self._container.path.name} has more than {most // 2**20} MB of texts, the limit of torsionbook. Move "
+                "bulk data to another workbook.",
+            )
         return _kept_texts(data, part) if len(data) <= _MOST_KEPT else _shared_texts(data, part)
 
     @cached_property

@@ -161,11 +161,11 @@ class WorkbookState:
         part = self.structure.worksheet_part(sheet)
         if part is None:
             raise WorkbookMismatch(
-                f"Sheet {sheet!r} of {self.path.name} is a chart sheet and has no cells. Name a "
+                f"Sheet {sheet!r} of {self.path.name} is a chart or a macro module and has no cells. Name a "
                 "worksheet."
             )
         if sheet not in self._sheets:
-            data = self.container.charged(part)
+            data = self.container.charged_beside_cells(part)
             self._sheets[sheet] = SheetPart(sheet, part, data, self.shared_texts.text)
         return self._sheets[sheet]
 

@@ -6,14 +6,15 @@ import errno
 import json
 import os
 import stat
-import tempfile
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
+from addin.xlsx.temporary import temporary_file
+
 
 def write_whole(path: Path, write: Callable[[Path], object]) -> None:
-    """Make a file beside its place, and put it there in one step.
+    """Make a file beside its place, flush it to the disk, and put it there in one step.
 
     Parameters
     ----------
@@ -28,19 +29,56 @@ def write_whole(path: Path, write: Callable[[Path], object]) -> None:
         If it cannot be written; one that was there is as before.
     """
     mode = _mode_of(path)
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=path.suffix)
+    handle, made = temporary_file(path.parent, path.suffix)
     os.close(handle)
     try:
-        write(Path(name))
-        os.chmod(name, mode)
-        os.replace(name, path)
+        write(made)
+        flush_file(made)
+        os.chmod(made, mode)
+        os.replace(made, path)
     except BaseException:
-        Path(name).unlink(missing_ok=True)
+        made.unlink(missing_ok=True)
         raise
+    flush_folder(path.parent)
+
+
+def flush_file(path: Path) -> None:
+    """Have the content of a file on the disk.
+
+    Raises
+    ------
+    OSError
+        If the disk does not take it.
+    """
+    with open(path, "r+b") as file:
+        os.fsync(file.fileno())
+
+
+def flush_folder(folder: Path) -> str:
+    """Have new names in a folder on the disk; Windows has no such call and needs none.
+
+    Returns
+    -------
+    str
+        Why the disk did not confirm it; empty if it did. The files are there, unless the power fails now.
+    """
+    if os.name != "posix":
+        return ""
+    try:
+        handle = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)
+    except OSError as problem:
+        return problem.strerror or "no reason given"
+    return ""
 
 
 def _mode_of(path: Path) -> int:
     """The mode of the file that is replaced, or the one that any other new file would get."""
+    if path.is_symlink() and (path.is_file() or not path.exists()):
+        raise OSError(errno.EINVAL, "is a link to another file, which is not replaced", str(path))
     if not path.exists():
         mask = os.umask(0)
         os.umask(mask)

@@ -337,7 +337,7 @@ class Workbook(WorkbookState):
         if not self.charts_current:
             self.refresh_chart_caches()
         replaced, dropped = self._parts_to_write()
-        notes = (*self.notes, *self._other_copies_of_values())
+        notes = (*self.notes, *_without_value(report), *self._other_copies_of_values())
         return save_package(
             self.container,
             PackageChange(replaced, dropped),
@@ -414,3 +414,22 @@ class Workbook(WorkbookState):
                 again = SheetPart(name, part, data, self.shared_texts.text)
                 wrong += [f"{name}!{cell}" for cell in misread(again, written)]
         return wrong
+
+
+def _without_value(report: CacheReport) -> Iterator[str]:
+    """A note that names the formulas whose values were removed."""
+    if not report.removed:
+        return
+    named = ", ".join(report.removed_cells)
+    more = report.removed - len(report.removed_cells)
+    beyond = f" and {more} more" if more else ""
+    yield (
+        (
+            f"{report.removed} formulas have no stored value; they are calculated when you open the workbook: "
+            f"{named}{beyond}. {report.reason}"
+        )
+        if report.removed > 1
+        else (
+            f"The formula in {named} has no stored value; it is calculated when you open the workbook. {report.reason}"
+        )
+    )

@@ -22,6 +22,7 @@ from addin.xlsx.xml_part import (
     Element,
     has_misleading_tags,
     main,
+    parse_part,
 )
 
 CONTENT_TYPES_PART = "[Content_Types].xml"
@@ -95,15 +96,19 @@ class WorkbookPart:
                 "not a workbook", "is a zip file but not an Excel workbook (.xlsx or .xlsm)"
             )
         types = container.tree(container.find(CONTENT_TYPES_PART) or CONTENT_TYPES_PART)
-        self.types = {
-            entry.get("PartName", "").lstrip("/"): entry.get("ContentType", "")
+        self._types = {
+            entry.get("PartName", "").lstrip("/").lower(): entry.get("ContentType", "")
             for entry in types.iter(f"{{{CONTENT_TYPES}}}Override")
         }
+        self._types_of_endings = {
+            entry.get("Extension", "").lower(): entry.get("ContentType", "")
+            for entry in types.iter(f"{{{CONTENT_TYPES}}}Default")
+        }
         self.part = self._main_part()
-        self.content_type = self.types.get(self.part, "")
+        self.content_type = self.type_of(self.part)
         self._check_kind()
         self._relationships = {one.id: one for one in self.relationships(self.part)}
-        root = container.tree(self.part)
+        root = parse_part(container.charged_beside_cells(self.part), self.part)
         if root.tag != main("workbook"):
             raise self._refused("not a workbook", "has an invalid workbook part")
         #: Sheets that nobody sees until they are unhidden, if at all.
@@ -123,8 +128,14 @@ class WorkbookPart:
         """Names of all sheets in order, chart sheets included."""
         return list(self._sheet_parts)
 
+    def type_of(self, part: str) -> str:
+        """Content type of a part: its own, else that of its ending; empty where the package states neither."""
+        own = self._types.get(part.lower())
+        ending = posixpath.splitext(part)[1].lstrip(".").lower()
+        return self._types_of_endings.get(ending, "") if own is None else own
+
     def worksheet_part(self, sheet: str) -> str | None:
-        """Part of a worksheet; None for chart sheets and others without cells."""
+        """Part of a worksheet; None for chart sheets, sheets of modules and others without cells."""
         relationship = self._sheet_parts[sheet]
         return relationship.part if relationship.kind == "worksheet" else None
 
@@ -159,8 +170,17 @@ class WorkbookPart:
     def chart_parts(self) -> list[str]:
         """All chart parts, wherever they hang."""
         wanted = "application/vnd.openxmlformats-officedocument.drawingml.chart+xml"
-        stored = (self._container.find(part) for part, kind in self.types.items() if kind == wanted)
-        return [part for part in stored if part is not None]
+        stated = [
+            self._container.find(part) for part, kind in self._types.items() if kind == wanted
+        ]
+        found = [part for part in stated if part is not None]
+        if wanted in self._types_of_endings.values():
+            found += [
+                part
+                for part in self._container.names
+                if part not in found and self.type_of(part) == wanted
+            ]
+        return found
 
     def is_signed(self) -> bool:
         """Whether the package carries a digital signature, which any edit would break."""
@@ -228,10 +248,11 @@ class WorkbookPart:
 
     def as_plain_workbook(self, *, without: Collection[str] = ()) -> dict[str, bytes]:
         """Content types of the package declared as .xlsx, for readers that know no macros, without some parts."""
-        data = self._container.read(CONTENT_TYPES_PART)
+        part = self._container.find(CONTENT_TYPES_PART) or CONTENT_TYPES_PART
+        data = self._container.read(part)
         if without:
             data = _without_element(data, rb"Override", rb"PartName=" + _quoted(without, rb"/?"))
-        return {CONTENT_TYPES_PART: data.replace(XLSM_TYPE.encode(), XLSX_TYPE.encode())}
+        return {part: data.replace(XLSM_TYPE.encode(), XLSX_TYPE.encode())}
 
     def _main_part(self) -> str:
         for relationship in self.relationships(""):
@@ -269,8 +290,10 @@ class WorkbookPart:
         seen: set[str] = set()
         for entry in root.iterfind(f"{main('sheets')}/{main('sheet')}"):
             name = entry.get("name", "")
-            relationship = self._relationships.get(entry.get(f"{{{RELATIONSHIP_IDS}}}id"))
-            if relationship is None or self._container.find(relationship.part) is None:
+            named = entry.get(f"{{{RELATIONSHIP_IDS}}}id")
+            # Macro modules of Excel 95 are sheets without a part.
+            relationship = self._relationships.get(named) if named else _no_part(name)
+            if relationship is None or (named and self._container.find(relationship.part) is None):
                 raise self._refused("damaged", f"lacks the part of sheet {shown_name(name)}")
             if not name or name.casefold() in seen or relationship.part in seen:
                 raise damaged(
@@ -296,6 +319,11 @@ class WorkbookPart:
 
     def _refused(self, reason: str, what: str) -> WorkbookRefused:
         return WorkbookRefused(reason, f"{self._container.path.name} {what}.")
+
+
+def _no_part(sheet: str) -> Relationship:
+    # A name that no part can have: each sheet has its own, and none is found under it.
+    return Relationship("", "none", f"//{sheet}")
 
 
 def relationships_part(part: str) -> str:

@@ -1,4 +1,4 @@
-"""Names that are no file to calculate: folders, links in a circle, pipes. Each is answered in a sentence."""
+"""Names that are no file to calculate, and a date that is none. Each is answered in a sentence."""
 
 import os
 import shutil
@@ -61,3 +61,12 @@ def test_a_batch_goes_on_past_links_in_a_circle_and_pipes(folder):
     assert "pipe.xlsx cannot be used: it is a device or a pipe." in done.output
     assert "a.xlsx cannot be used: Too many levels of symbolic links." in done.output
     assert (folder / "results" / "train.xlsx").is_file()
+
+
+@pytest.mark.parametrize("date", ["abc", "1e9", "-5", "9" * 14])
+def test_a_fixed_date_that_is_none_is_refused(folder, monkeypatch, date):
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", date)
+    done = CliRunner().invoke(app, ["recalc", "train.xlsx"], env={"COLUMNS": "400"})
+    assert done.exit_code == 2
+    assert f"SOURCE_DATE_EPOCH is '{date}'; it must be a whole number of seconds" in done.output
+    assert os.listdir(folder) == ["train.xlsx"]

@@ -77,3 +77,21 @@ def test_a_comparison_replaces_an_earlier_one(tmp_path: Path) -> None:
     words = ("diff", PROPOSED, MODIFIED, "--xlsx", "d.xlsx")
     for _ in range(2):
         assert torsionbook(*words, cwd=tmp_path).returncode == 0
+
+
+def test_out_may_name_the_file_of_one_result(tmp_path: Path) -> None:
+    """A folder of the name of a workbook is what nobody means."""
+    shutil.copy(PROPOSED, tmp_path / "a.xlsx")
+    shutil.copy(MODIFIED, tmp_path / "b.xlsx")
+    assert torsionbook("recalc", "a.xlsx", "--out", "sub/mine.xlsx", cwd=tmp_path).returncode == 0
+    assert (tmp_path / "sub" / "mine.xlsx").is_file()
+    for words, sentence in (
+        (("recalc", "a.xlsx", "b.xlsx", "--out", "c.xlsx"), "for several inputs, name a folder"),
+        (("recalc", "a.xlsx", "--out", "c.xlsm"), "c.xlsm must end in .xlsx"),
+        (("tune", "a.xlsx", "--out", "c.json"), "c.json must end in .xlsx"),
+        (("batch", "a.xlsx", "--out", "c.xlsx"), "--out must name a folder"),
+    ):
+        done = torsionbook(*words, cwd=tmp_path)
+        assert done.returncode in (1, 2)
+        assert sentence in " ".join((done.stdout + done.stderr).replace("│", " ").split())
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.xlsx", "b.xlsx", "sub"]

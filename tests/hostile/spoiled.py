@@ -1,7 +1,7 @@
 """Workbooks made to do harm, built from an honest one, and a process that says what they cost.
 
 `Attended` takes files one by one through a whole recalculation, each in a process of its own, and
-counts: bytes that came out of the archive, the largest memory, files left behind.
+counts: bytes that came out of the archive, the largest memory, processor time, files left behind.
 """
 
 from __future__ import annotations
@@ -147,7 +147,9 @@ def one(path):
         import traceback
         said = {"crash": traceback.format_exc()}
     said["inflated"] = counted
-    said["peak_mb"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    used = resource.getrusage(resource.RUSAGE_SELF)
+    said["peak_mb"] = used.ru_maxrss / 1024
+    said["cpu_s"] = used.ru_utime + used.ru_stime
     return said
 for line in sys.stdin:
     reading, writing = os.pipe()

@@ -464,6 +464,18 @@ def test_files_are_read_in_the_pool_within_limits(client, monkeypatch):
     assert again.message == problems[0].message
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems have no such limit")
+def test_memory_of_what_reads_uploads_is_bounded(monkeypatch):
+    """Whatever got past the limits of the file: the process refuses, and has its memory back."""
+    monkeypatch.setattr(tasks, "READING", 2**20)
+    monkeypatch.setattr(tasks, "read_checked", lambda source, limits: bytearray(2**28))
+    (problem,), *_ = tasks._read("train.xlsx", lambda stage: None)
+    assert "train.xlsx takes more memory than this server allows" in problem.message
+    (again,), _ = tasks._workbook(("train.xlsx", "nowhere"), lambda stage: None)
+    assert again.message == problem.message
+    assert len(bytearray(2**28)) == 2**28
+
+
 # --- processes that die ---------------------------------------------------------------------------
 
 

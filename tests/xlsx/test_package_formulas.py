@@ -85,6 +85,31 @@ def test_values_that_hang_on_changes_are_renewed(train: Path) -> None:
     assert report.caches.removed == 0
 
 
+def test_names_that_lead_to_no_cell_cost_no_value(tmp_path: Path) -> None:
+    """What a change cannot reach keeps its value; the formulas that lose theirs are named in a note."""
+    kept = {
+        "A1": ("=Nowhere*2", 5),
+        "A2": ("=Out!Nowhere", 5),
+        "A3": ("=LET(x,2,x*2)", 4),
+        "A4": ("='Gone'!A1", 3),
+        "A5": ("=[1]!Other", 3),
+    }
+    lost = {"B1": ("=Relative+1", 7), "B2": ("=SUM(In:Out!Z9)", 9), "B3": ("='In:Out'!Z9", 9)}
+    path = workbook_of(
+        tmp_path / "a.xlsx", kept | lost | {"C1": ("=In!A1*2", 2)}, {"Relative": "=In!B1"}
+    )
+    book = open_workbook(path)
+    book.set_cell("In", "A1", 5.0)
+    report = book.save(path.with_name("out.xlsx"))
+    sheet = openpyxl.load_workbook(report.path, data_only=True)["Out"]
+    assert {cell: sheet[cell].value for cell in kept} == {cell: v for cell, (_, v) in kept.items()}
+    assert {sheet[cell].value for cell in lost} == {None}
+    assert sheet["C1"].value == 10
+    (note,) = report.notes
+    assert note.startswith("3 formulas have no stored value; they are calculated when you open")
+    assert ": Out!B1, Out!B2, Out!B3. " in note
+
+
 def test_recalculation_is_asked_for(train: Path) -> None:
     with_parts(
         train,

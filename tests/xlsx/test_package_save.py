@@ -1,6 +1,7 @@
 """Saving: whole or not at all."""
 
 import os
+import shutil
 import signal
 import stat
 import subprocess
@@ -19,6 +20,7 @@ from addin.xlsx import save as save_module
 from addin.xlsx.errors import SaveRefused, SourceChanged, WorkbookLocked
 from addin.xlsx.references import Rect
 from addin.xlsx.values import FORMULA_CUT, rows_xml
+from addin.xlsx.whole_files import write_json
 from addin.xlsx.written import Written
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -202,8 +204,11 @@ def test_kill_between_write_and_replace(train: Path, tmp_path: Path) -> None:
         child.wait()
     assert train.read_bytes() == before
     assert train.with_name("train.xlsx.bak").read_bytes() == before
+    flag.unlink()
+    assert len(leftovers(train.parent)) == 3  # the file that was to be put in place
     edited(train).save(in_place=True)
     assert open_workbook(train).value("Case", "B2") == 5000.0
+    assert set(leftovers(train.parent)) == {"train.xlsx", "train.xlsx.bak"}
 
 
 def test_source_changed_meanwhile(train: Path) -> None:
@@ -254,6 +259,72 @@ def test_mode_is_kept(train: Path) -> None:
     assert stat.S_IMODE(out.stat().st_mode) == 0o640
     edited(train).save(in_place=True)
     assert stat.S_IMODE(train.stat().st_mode) == 0o640
+
+
+@pytest.mark.skipif(os.name != "posix", reason="Windows flushes no folders")
+def test_a_folder_that_cannot_be_flushed_is_a_note(
+    train: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The file is there by then: it must not be called unwritten."""
+    real = os.fsync
+
+    def fail(handle: int) -> None:
+        if stat.S_ISDIR(os.fstat(handle).st_mode):
+            raise OSError(5, "Input/output error")
+        real(handle)
+
+    monkeypatch.setattr(os, "fsync", fail)
+    report = edited(train).save(train.with_name("out.xlsx"))
+    assert open_workbook(report.path).value("Case", "B2") == 5000.0
+    (note,) = report.notes
+    assert note.startswith("out.xlsx is written, but the disk did not confirm it (Input/output")
+    write_json(train.with_name("case.json"), {"a": 1})
+    assert train.with_name("case.json").is_file()
+
+
+@pytest.mark.skipif(os.name != "posix", reason="Windows flushes no folders")
+def test_json_is_on_the_disk_before_it_takes_its_place(
+    train: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    calls = []
+    for name in ("fsync", "replace"):
+        real = getattr(os, name)
+
+        def noted(*words: Any, name: str = name, real: Any = real) -> None:
+            calls.append(name)
+            real(*words)
+
+        monkeypatch.setattr(os, name, noted)
+    write_json(train.with_name("case.json"), {"a": 1})
+    assert calls == ["fsync", "replace", "fsync"]
+
+
+def test_names_as_long_as_the_system_takes_them(train: Path) -> None:
+    """No lock file, and no file beside it with a longer name, can be there."""
+    longest = train.rename(train.with_name("t" * 248 + ".xlsx"))
+    report = edited(longest).save(longest.with_name("o" * 248 + ".xlsx"))
+    write_json(longest.with_name("j" * 248 + ".json"), {"a": 1})
+    assert {len(name) for name in leftovers(train.parent)} == {253}
+    assert report.notes == ()
+
+
+@pytest.mark.skipif(os.name != "posix", reason="links need rights on Windows")
+def test_nothing_is_written_through_a_link(train: Path) -> None:
+    """Who may write into the folder of the results must not choose which file is replaced."""
+    other = train.with_name("other.xlsx")
+    shutil.copyfile(train, other)
+    before = other.read_bytes()
+    for target in (other, train.with_name("missing.xlsx")):
+        link = train.with_name("out.xlsx")
+        link.unlink(missing_ok=True)
+        link.symlink_to(target)
+        with pytest.raises(SaveRefused, match="is a link to another file, which is not replaced"):
+            edited(train).save(link)
+        with pytest.raises(OSError, match="is a link to another file, which is not replaced"):
+            write_json(link, {"a": 1})
+        assert link.is_symlink()
+    assert other.read_bytes() == before
+    assert not target.exists()
 
 
 @pytest.mark.skipif(os.name != "posix", reason="links need rights on Windows")

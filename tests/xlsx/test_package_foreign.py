@@ -1,0 +1,82 @@
+"""Workbooks as other programs write them: opened, written and left alone like those of Excel."""
+
+import re
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from rich_workbooks import MODES, changed_parts, parts_of, with_parts
+
+from addin.xlsx import open_workbook
+from addin.xlsx.xml_part import RELATIONSHIP_IDS
+
+
+def typed_by_ending(kind: bytes) -> Callable[[bytes], bytes]:
+    """Content types in which parts of one kind have it by their ending, and no entry of their own."""
+
+    def change(data: bytes) -> bytes:
+        own = re.compile(rb'<Override PartName="[^"]*" ContentType="[^"]*%s\+xml"/>' % kind)
+        found = re.search(rb'ContentType="([^"]*%s\+xml)"' % kind, data)
+        assert found
+        default = b'<Default Extension="XML" ContentType="%s"/>' % found[1]
+        data = re.sub(rb'<Default Extension="xml"[^>]*/>', default, data)
+        return own.sub(b"", data)
+
+    return change
+
+
+def two_modes_fewer(path: Path) -> set[str]:
+    """Parts that differ once a table is shorter, of which formulas and charts must know."""
+    book = open_workbook(path)
+    book.write_table("Modes", [[*MODES[0], None]])
+    report = book.save(path.with_name("out.xlsx"))
+    assert report.caches.method == "recalculated"
+    assert report.caches.removed == 0
+    assert open_workbook(report.path).shown_value("Summary", "B2") == 1.0
+    return changed_parts(path, report.path)
+
+
+@pytest.mark.parametrize("kind", [rb"sheet\.main", rb"drawingml\.chart"])
+def test_a_type_may_be_that_of_the_ending(train: Path, kind: bytes) -> None:
+    """ClosedXML gives the main part its type so, others may give it to charts."""
+    usual = two_modes_fewer(train)
+    with_parts(train, {}, {"[Content_Types].xml": typed_by_ending(kind)})
+    assert two_modes_fewer(train) == usual
+
+
+def test_sheets_without_a_part_are_left_alone(train: Path) -> None:
+    """Macro modules of Excel 95 are sheets with an empty id; those behind them keep their numbers."""
+
+    def with_modules(data: bytes) -> bytes:
+        module = b'<sheet name="Module%d" sheetId="%d" state="veryHidden" r:id=""/>'
+        data = data.replace(b"<sheets>", b"<sheets>" + module % (1, 91) + module % (2, 92))
+        return data.replace(b'localSheetId="0"', b'localSheetId="2"')
+
+    usual = two_modes_fewer(train)
+    with_parts(train, {}, {"xl/workbook.xml": with_modules})
+    assert two_modes_fewer(train) == usual
+    assert ("Case", "Local") in open_workbook(train).local_names
+
+
+def test_ids_of_sheets_may_have_any_prefix(train: Path) -> None:
+    """XmlSerializer of .NET declares one of its own at each sheet."""
+
+    def serialised(data: bytes) -> bytes:
+        other = rb'd3p1:id=\1 xmlns:d3p1="%s"' % RELATIONSHIP_IDS.encode()
+        return re.sub(rb'\br:id=("\w+")', other, data)
+
+    usual = two_modes_fewer(train)
+    with_parts(train, {}, {"xl/workbook.xml": serialised})
+    assert two_modes_fewer(train) == usual
+
+
+def test_parts_named_with_backslashes_are_found_and_keep_their_names(train: Path) -> None:
+    parts = parts_of(train)
+    with zipfile.ZipFile(train, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, data in parts.items():
+            archive.writestr(name.replace("/", "\\"), data)
+    names = set(parts_of(train))
+    assert "xl\\workbook.xml" in names
+    assert "xl\\worksheets\\sheet2.xml" in two_modes_fewer(train)
+    assert set(parts_of(train.with_name("out.xlsx"))) == names - {"xl\\calcChain.xml"}
