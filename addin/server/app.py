@@ -62,6 +62,9 @@ def create_app(settings: Settings) -> Starlette:
     async def workbook(request: Request) -> Response:
         return await uploads.recalculated(request, work, limits)
 
+    async def open_workbook(request: Request) -> Response:
+        return await uploads.open_workbook(request, work, limits)
+
     async def model(request: Request) -> Response:
         return await uploads.model_of(request, reading, limits)
 
@@ -95,6 +98,7 @@ def create_app(settings: Settings) -> Starlette:
             Route("/api/v1/batch", batch, methods=["POST"]),
             Route("/api/v1/model", model, methods=["POST"]),
             Route("/api/v1/workbook", workbook, methods=["POST"]),
+            Route("/api/v1/open-workbook", open_workbook, methods=["POST"]),
             WebSocketRoute("/api/v1/stream", stream),
             Route("/manifest.xml", manifest),
             *(Route(f"/{path}", _constant(*what)) for path, what in constant.items()),
