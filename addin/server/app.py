@@ -30,6 +30,7 @@ FILES = {
     "taskpane.css": "text/css",
     "taskpane.js": "text/javascript",
     "charts.js": "text/javascript",
+    "open_workbook.js": "text/javascript",
     **{f"icon-{size}.png": "image/png" for size in (16, 32, 64, 80)},
 }
 #: The script of the Office host: the one file that does not come from this server.

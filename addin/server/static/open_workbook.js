@@ -66,21 +66,24 @@ function parts(address) {
   return { left, right, top: Number(top), bottom: Number(bottom) };
 }
 
+/** Number of a column from its letters. */
+const column = letters => [...letters].reduce((sum, letter) => 26 * sum + letter.charCodeAt(0) - 64, 0);
+
 /** An address without its sheet. */
 const bare = address => address.slice(address.lastIndexOf("!") + 1).replaceAll("$", "");
 
-/** Rectangles with their rows in pieces that are not too large together: lists of them. */
+/** Rectangles, with their rows if they have any, in pieces that are not too large together: lists of them. */
 function portions(blocks) {
   const lists = [[]];
   let taken = 0;
   for (const { at, rows } of blocks) {
-    const { left, right, top } = parts(at), width = Math.max(rows[0].length, 1);
-    for (let first = 0; first < rows.length;) {
+    const { left, right, top, bottom } = parts(at), width = column(right) - column(left) + 1;
+    for (let first = top; first <= bottom;) {
       if (taken >= PORTION) { lists.push([]); taken = 0; }
-      const count = Math.max(1, Math.floor((PORTION - taken) / width)), piece = rows.slice(first, first + count);
-      lists.at(-1).push({ at: `${left}${top + first}:${right}${top + first + piece.length - 1}`, rows: piece });
-      taken += piece.length * width;
-      first += piece.length;
+      const count = Math.max(1, Math.floor((PORTION - taken) / width)), last = Math.min(bottom, first + count - 1);
+      lists.at(-1).push({ at: `${left}${first}:${right}${last}`, rows: rows && rows.slice(first - top, last - top + 1) });
+      taken += (last - first + 1) * width;
+      first = last + 1;
     }
   }
   return lists;
@@ -89,11 +92,12 @@ function portions(blocks) {
 /** A text would be read as if it were typed: an apostrophe before it, which is no part of it, prevents that. */
 const typed = text => (/^\p{L}[^\d]*$/u.test(text) && !/^(true|false)$/i.test(text) ? text : `'${text}`);
 
-/** Cells as they have to be written to be the same again. */
-function asWritten(range) {
-  return range.formulas.map((row, i) => row.map((cell, j) => {
-    const isText = range.valueTypes[i][j] === "String" && cell === range.values[i][j];
-    return isText && cell !== "" ? typed(cell) : cell;
+/** Cells as they have to be written to be the same again: formulas, numbers with all their digits, texts. */
+function asWritten({ formulas, values, valueTypes }) {
+  return formulas.map((row, i) => row.map((cell, j) => {
+    const value = values[i][j];
+    if (valueTypes[i][j] === "String" && cell === value) return typed(value);
+    return typeof cell === "string" && cell.startsWith("=") ? cell : value;
   }));
 }
 
@@ -111,10 +115,7 @@ async function check(sheets, size, context) {
   await context.sync();
   const gone = found.findIndex(sheet => sheet.isNullObject);
   if (gone >= 0) throw wrong(`Nothing was written: sheet ${sheets[gone].name} was renamed or deleted meanwhile. Try again.`);
-  const tables = sheets.map((sheet, i) => sheet.tables.map(table => {
-    const live = found[i].tables.getItemOrNullObject(table.name);
-    return { table, live };
-  }));
+  const tables = sheets.map((sheet, i) => sheet.tables.map(table => ({ table, live: found[i].tables.getItemOrNullObject(table.name) })));
   for (const sheet of found) sheet.protection.load("protected");
   await context.sync();
   const locked = found.findIndex(sheet => sheet.protection.protected);
@@ -135,10 +136,7 @@ async function cellsOf(sheet, context) {
   const added = sheet.tables.filter(table => table.added).map(table => table.added);
   const places = [...new Set([...added, ...sheet.cleared, ...sheet.blocks.map(block => block.at)])];
   const blocks = [];
-  for (const list of portions(places.map(at => {
-    const { top, bottom } = parts(at);
-    return { at, rows: Array(bottom - top + 1).fill([]) };
-  }))) {
+  for (const list of portions(places.map(at => ({ at })))) {
     const ranges = list.map(({ at }) => {
       const range = context.workbook.worksheets.getItem(sheet.name).getRange(at);
       range.load("formulas, values, valueTypes");
