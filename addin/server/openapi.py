@@ -167,7 +167,13 @@ def _schemas() -> dict[str, Any]:
             {"name": {**TEXT, "enum": list(FUNCTIONS)}}, {"arguments": list_of(_ref("Argument"))}
         ),
         "Batch": _object({"calls": list_of(_ref("Call"))}),
-        "Error": _object({"error": _object({"message": sentence}, {"code": TEXT, "busy": FLAG})}),
+        "Error": _object(
+            {
+                "error": _object(
+                    {"message": sentence}, {"code": TEXT, "busy": FLAG, "forgotten": FLAG}
+                )
+            }
+        ),
         "Value": whole_object({"value": {**list_of(list_of(cell)), "minItems": 1}}),
         "Answers": _object({"results": list_of({"anyOf": [_ref("Value"), _ref("Error")]})}),
         "Model": _object(
