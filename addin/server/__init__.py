@@ -20,7 +20,8 @@ module            responsibility
 `running_starts`  one calculation of a start for everybody who waits for it
 `calls`           a list of function calls → their answers in the same order
 `stream`          long calls over a WebSocket: stages, results as they come, cancel
-`uploads`         a workbook in, the same workbook recalculated out; or a model of it
+`uploads`         a workbook in, the same workbook recalculated out; or what to write into it; or a
+                  model of it
 `app`             routes, put together for one set of settings
 ================  ================================================================================
 

@@ -30,6 +30,7 @@ FILES = {
     "taskpane.css": "text/css",
     "taskpane.js": "text/javascript",
     "charts.js": "text/javascript",
+    "open_workbook.js": "text/javascript",
     **{f"icon-{size}.png": "image/png" for size in (16, 32, 64, 80)},
 }
 #: The script of the Office host: the one file that does not come from this server.
@@ -61,6 +62,9 @@ def create_app(settings: Settings) -> Starlette:
 
     async def workbook(request: Request) -> Response:
         return await uploads.recalculated(request, work, limits)
+
+    async def open_workbook(request: Request) -> Response:
+        return await uploads.open_workbook(request, work, limits)
 
     async def model(request: Request) -> Response:
         return await uploads.model_of(request, reading, limits)
@@ -95,6 +99,7 @@ def create_app(settings: Settings) -> Starlette:
             Route("/api/v1/batch", batch, methods=["POST"]),
             Route("/api/v1/model", model, methods=["POST"]),
             Route("/api/v1/workbook", workbook, methods=["POST"]),
+            Route("/api/v1/open-workbook", open_workbook, methods=["POST"]),
             WebSocketRoute("/api/v1/stream", stream),
             Route("/manifest.xml", manifest),
             *(Route(f"/{path}", _constant(*what)) for path, what in constant.items()),

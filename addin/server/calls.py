@@ -19,7 +19,7 @@ from addin.server.processes import Busy, TooLong
 from addin.server.running_starts import Starts, Tell
 from addin.server.settings import OURS, Limits
 from addin.worksheet.models import AT_SPEED, MODELS, RUN, Model, handed
-from addin.worksheet.registry import FUNCTIONS, FunctionError, call
+from addin.worksheet.registry import FUNCTIONS, FunctionError, ModelForgotten, call
 
 LOG = logging.getLogger("torsionbook.server")
 #: Threads for short functions, for requests of many cells, for what a long one shows of its start,
@@ -137,6 +137,14 @@ def error(message: str, code: str = "#VALUE!", *, busy: bool = False) -> Answer:
         Whether the same call may be answered a little later. [flag]
     """
     return {"error": {"message": message, "code": code} | ({"busy": True} if busy else {})}
+
+
+def refusal(wrong: FunctionError) -> Answer:
+    """The answer of a call that a function refuses; `forgotten` where its model is to be sent again."""
+    answer = error(wrong.message, wrong.code)
+    if isinstance(wrong, ModelForgotten):
+        answer["error"]["forgotten"] = True
+    return answer
 
 
 class _Unsent:
@@ -353,7 +361,7 @@ def _answer(wanted: Call, room: UnsentCells) -> Answer:
         rows = call(wanted.name, wanted.arguments)
         return room.take(rows) or {"value": rows}
     except FunctionError as wrong:
-        return error(wrong.message, wrong.code)
+        return refusal(wrong)
     except Exception:
         LOG.exception("%s failed", wanted.name[:60])
         return error(OURS)

@@ -8,7 +8,7 @@ from addin.contract.json_shapes import FLAG, TEXT, Shape, list_of, whole_object
 from addin.contract.version import product_version
 from addin.worksheet.registry import FUNCTIONS
 
-JSON = "application/json"
+JSON, LINES = "application/json", "application/x-ndjson"
 WORKBOOKS = (
     "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet",
     "application/vnd.ms-excel.sheet.macroEnabled.12",
@@ -53,6 +53,18 @@ def document() -> dict[str, Any]:
                         "content": {kind: {} for kind in WORKBOOKS},
                     },
                     is_file=True,
+                )
+            },
+            "/api/v1/open-workbook": {
+                "post": _post(
+                    "Recalculate a copy of an open workbook; closing the connection cancels it.",
+                    {kind: {"schema": {}} for kind in WORKBOOKS},
+                    {
+                        "description": "A JSON object a line: stages, at the end the rectangles to write, or errors.",
+                        "content": {LINES: {"schema": _ref("OpenWorkbookLine")}},
+                    },
+                    is_file=True,
+                    wrong_inside=True,
                 )
             },
             "/functions.json": {"get": _get("Custom functions of Office.", JSON)},
@@ -109,9 +121,12 @@ def _get(summary: str, media: str, schema: str | None = None) -> dict[str, Any]:
     }
 
 
-def _post(summary: str, body: Shape, answer: Shape, *, is_file: bool) -> dict[str, Any]:
+def _post(
+    summary: str, body: Shape, answer: Shape, *, is_file: bool, wrong_inside: bool = False
+) -> dict[str, Any]:
     """A request with a body; that of a file may be wrong in itself, and may have a name."""
-    wrong = {"422": _answer("All errors of the input.", "Problems")} if is_file else {}
+    has_status = is_file and not wrong_inside
+    wrong = {"422": _answer("All errors of the input.", "Problems")} if has_status else {}
     responses = {"200": answer, **wrong, **_errors(400, 401, 403, 408, 413, 415, 421, 503)}
     content = {"required": True, "content": body}
     parameters = {"parameters": [_NAME]} if is_file else {}
@@ -152,7 +167,13 @@ def _schemas() -> dict[str, Any]:
             {"name": {**TEXT, "enum": list(FUNCTIONS)}}, {"arguments": list_of(_ref("Argument"))}
         ),
         "Batch": _object({"calls": list_of(_ref("Call"))}),
-        "Error": _object({"error": _object({"message": sentence}, {"code": TEXT, "busy": FLAG})}),
+        "Error": _object(
+            {
+                "error": _object(
+                    {"message": sentence}, {"code": TEXT, "busy": FLAG, "forgotten": FLAG}
+                )
+            }
+        ),
         "Value": whole_object({"value": {**list_of(list_of(cell)), "minItems": 1}}),
         "Answers": _object({"results": list_of({"anyOf": [_ref("Value"), _ref("Error")]})}),
         "Model": _object(
@@ -175,6 +196,30 @@ def _schemas() -> dict[str, Any]:
             },
             {"format": {"const": 1}, "version": TEXT, "warnings": list_of(TEXT)},
         ),
+        "OpenWorkbookLine": {
+            "anyOf": [
+                _object({"stage": TEXT}),
+                _object({"value": _ref("Rectangles"), "warnings": list_of(TEXT)}),
+                _ref("Problems"),
+                _ref("Error"),
+            ]
+        },
+        "Rectangles": _object({"cells": {"type": "integer"}, "sheets": list_of(_sheet())}),
         "Health": _object({"ok": {"const": True}}),
         "Version": _object({"name": TEXT, "version": TEXT}),
     }
+
+
+def _sheet() -> Shape:
+    """What to write into one sheet."""
+    cell = {"type": ["number", "string", "boolean"]}
+    table = _object({"name": TEXT, "before": TEXT, "after": TEXT}, {"first": TEXT, "added": TEXT})
+    block = _object({"at": TEXT, "rows": list_of(list_of(cell))})
+    return _object(
+        {
+            "name": TEXT,
+            "tables": list_of(table),
+            "cleared": list_of(TEXT),
+            "blocks": list_of(block),
+        }
+    )

@@ -20,7 +20,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from addin.server.answers import Refused, encoded
 from addin.server.bodies import parsed
-from addin.server.calls import Asked, Calls, UnsentCells, error, is_large, read_call
+from addin.server.calls import Asked, Calls, UnsentCells, error, is_large, read_call, refusal
 from addin.server.keys import is_key, key_of
 from addin.server.processes import Busy, TooLong
 from addin.server.requests import PendingSocket
@@ -200,8 +200,8 @@ class Stream:
             else:
                 self._begin(identity, message, len(text))
         except Refused as wrong:
-            refusal = error(wrong.message, busy=wrong.status == 503)
-            self._out.put_nowait(({"id": identity, **refusal}, None))
+            refused = error(wrong.message, busy=wrong.status == 503)
+            self._out.put_nowait(({"id": identity, **refused}, None))
 
     def _reading(self) -> Any:
         reading = self._socket.scope.get("reading")
@@ -245,7 +245,7 @@ class Stream:
         except Refused as wrong:
             answering.found = error(wrong.message, busy=wrong.status == 503)
         except FunctionError as wrong:
-            answering.found = error(wrong.message, wrong.code)
+            answering.found = refusal(wrong)
         except (Busy, TooLong, RuntimeError) as wrong:
             answering.found = error(str(wrong), "#N/A", busy=isinstance(wrong, Busy))
         except Exception:

@@ -12,15 +12,18 @@ from typing import Any
 from addin.calculation.calculation import calculate
 from addin.reading.one_file import Unreadable, file_problem, read_checked
 from addin.reading.typed_case import CaseInput
+from addin.reading.workbook import WorkbookInput
 from addin.server.studies import study_of
 from addin.server.view import speed_view
 from addin.workers.processes import bounded_memory
 from addin.worksheet.answers import speed_results
 from addin.worksheet.models import Model, system_of
 from addin.worksheet.registry import FunctionError
+from addin.writing.open_workbook import rectangles, written_results
 from addin.writing.recalculate import PreparedInput, recalculate
 from addin.xlsx.container import Limits
 from addin.xlsx.errors import WorkbookRefused
+from addin.xlsx.references import Rect
 from engine.errors import InternalError, ModelError
 
 Tell = Callable[[str], None]
@@ -81,6 +84,38 @@ def _too_large(source: Path) -> Unreadable:
     return Unreadable((file_problem(source, WorkbookRefused("too large", sentence)),))
 
 
+def _rectangles(paths: tuple[str, str], tell: Tell) -> Any:
+    """Recalculate a copy of an open workbook; problems, warnings, and what to write into the open one."""
+    source, target = map(Path, paths)
+    tell("reading")
+    try:
+        with bounded_memory(WRITING):
+            read = _bounded(source)
+            before = {} if isinstance(read, Unreadable) else _table_sizes(read)
+            prepared = PreparedInput(read)
+            done = recalculate(
+                source, destination=target, on_stage=tell, prepared=prepared, ignore_lock=True
+            )
+            if done.problems:
+                return done.problems, done.warnings, {}
+            assert isinstance(read, WorkbookInput), source
+            written = rectangles(written_results(read.workbook), before)
+    except MemoryError:
+        return _too_large(source).problems, (), {}
+    histories = [path.suffix for path in done.written if path != target]
+    return (), (*done.warnings, *([_NO_HISTORY] if histories else [])), written
+
+
+#: Where a workbook asks for full histories, which only a folder can hold.
+_NO_HISTORY = "The full histories were not saved: run torsionbook recalc for them."
+
+
+def _table_sizes(read: CaseInput) -> dict[str, Rect]:
+    """Size of each table of a workbook."""
+    tables = read.workbook.tables.values() if isinstance(read, WorkbookInput) else ()
+    return {table.name: table.ref for table in tables}
+
+
 def _read(path: str, tell: Tell) -> Any:
     """Read a workbook or a case JSON; problems, warnings, the case and its units."""
     tell("reading")
@@ -115,6 +150,7 @@ def _wait(seconds: float, tell: Tell) -> float:
 TASKS: dict[str, Callable[[Any, Tell], Any]] = {
     "start": lambda case, tell: calculate(case, on_stage=tell),
     "workbook": _workbook,
+    "rectangles": _rectangles,
     "read": _read,
     "speed": _speed,
     "view": _view,

@@ -1,4 +1,4 @@
-"""A workbook in, the same workbook recalculated out; or a model of it.
+"""A workbook in, the same workbook recalculated out; or what to write into it; or a model of it.
 
 Files live in a temporary folder of one request and are gone before its answer is complete.
 """
@@ -6,29 +6,32 @@ Files live in a temporary folder of one request and are gone before its answer i
 from __future__ import annotations
 
 import asyncio
+import logging
 import re
-from collections.abc import Iterable
+from collections.abc import AsyncIterator, Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
 from starlette.requests import Request
-from starlette.responses import Response
+from starlette.responses import Response, StreamingResponse
 
 from addin.contract.problems import CellProblem
 from addin.contract.version import product_version
 from addin.reading.one_file import WORKBOOK_ENDINGS
-from addin.server.answers import Refused, answer, input_errors
+from addin.server.answers import Refused, answer, encoded, input_errors
 from addin.server.bodies import read_body, while_connected
+from addin.server.calls import error
 from addin.server.processes import Busy, TooLong, Work
-from addin.server.running_starts import waited_for
-from addin.server.settings import Limits
+from addin.server.running_starts import Tell, waited_for
+from addin.server.settings import OURS, Limits
 from addin.worksheet.models import MODELS
 from addin.worksheet.registry import FunctionError
 from addin.writing.results_json import errors_to_json
 from addin.xlsx.temporary import temporary_folder
 
+LOG = logging.getLogger("torsionbook.server")
 #: What a workbook is sent back as.
 MEDIA = {
     ".xlsx": "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet",
@@ -39,8 +42,7 @@ MEDIA = {
 async def recalculated(request: Request, work: Work, limits: Limits) -> Response:
     """Answer with the workbook of a request, its result sheets filled."""
     body, name = await _sent(request, limits)
-    if Path(name).suffix.lower() not in WORKBOOK_ENDINGS:
-        raise Refused(415, "Send a workbook, .xlsx or .xlsm. /api/v1/model also takes a case JSON.")
+    _refuse_no_workbook(name)
     with temporary_folder() as folder:
         # the name given may be one that no file can have: it only names what is sent back
         inner = f"train{Path(name).suffix}"
@@ -55,6 +57,66 @@ async def recalculated(request: Request, work: Work, limits: Limits) -> Response
     return Response(
         content, media_type=MEDIA[ending.lower()], headers={"Content-Disposition": disposition}
     )
+
+
+async def open_workbook(request: Request, work: Work, limits: Limits) -> Response:
+    """Answer with the stages of a recalculation, and what to write into the workbook that is open.
+
+    Each line is one JSON object: ``{"stage": ...}`` as it goes on, at the end ``{"value": ..., "warnings": [...]}``
+    with what `addin.writing.open_workbook.rectangles` gives, or ``{"error": ..., "errors": [...]}``.
+    """
+    body, name = await _sent(request, limits)
+    _refuse_no_workbook(name)
+    # what a proxy in front collects would come at the end
+    headers = {"X-Accel-Buffering": "no", "Cache-Control": "no-store"}
+    lines = _lines(request, work, body, name)
+    return StreamingResponse(lines, media_type="application/x-ndjson", headers=headers)
+
+
+async def _lines(request: Request, work: Work, body: bytes, name: str) -> AsyncIterator[bytes]:
+    """Stages and the end; whoever closes the connection gives the recalculation up."""
+    stages: asyncio.Queue[str] = asyncio.Queue()
+    ended = asyncio.create_task(
+        while_connected(request, _rectangles(work, body, name, stages.put_nowait))
+    )
+    stage = asyncio.create_task(stages.get())
+    try:
+        while True:
+            await asyncio.wait({ended, stage}, return_when=asyncio.FIRST_COMPLETED)
+            if not stage.done():
+                break
+            yield encoded({"stage": stage.result()}) + b"\n"
+            stage = asyncio.create_task(stages.get())
+        try:
+            yield await asyncio.to_thread(encoded, ended.result()) + b"\n"
+        except Refused:
+            return  # nobody reads it
+        except Exception:
+            LOG.exception("an open workbook failed")
+            yield encoded(error(OURS)) + b"\n"
+    finally:
+        for task in (ended, stage):
+            task.cancel()
+        await asyncio.gather(ended, stage, return_exceptions=True)
+
+
+async def _rectangles(work: Work, body: bytes, name: str, tell: Tell) -> dict[str, Any]:
+    """The last line."""
+    with temporary_folder() as folder:
+        inner = f"train{Path(name).suffix}"
+        source, target = Path(folder, inner), Path(folder, f"out-{inner}")
+        await asyncio.to_thread(source.write_bytes, body)
+        try:
+            job = work.submit("rectangles", (str(source), str(target)))
+            problems, warnings, value = await waited_for(job, tell)
+        except FunctionError as wrong:
+            return error(wrong.message, wrong.code)
+        except (Busy, TooLong, RuntimeError) as wrong:
+            return error(str(wrong), "#N/A", busy=isinstance(wrong, Busy))
+    hidden = TemporaryPaths(folder, inner, name)
+    if problems:
+        return _problems(problems, warnings, hidden)
+    return {"value": value, "warnings": _clean(warnings, hidden)}
 
 
 async def model_of(request: Request, work: Work, limits: Limits) -> Response:
@@ -118,6 +180,12 @@ async def _sent(request: Request, limits: Limits) -> tuple[bytes, str]:
     return body, f"{stem}{ending}"
 
 
+def _refuse_no_workbook(name: str) -> None:
+    """Refuse what is no workbook."""
+    if Path(name).suffix.lower() not in WORKBOOK_ENDINGS:
+        raise Refused(415, "Send a workbook, .xlsx or .xlsm. /api/v1/model also takes a case JSON.")
+
+
 def _refuse_no_case(body: bytes) -> None:
     """Refuse what is neither a workbook nor JSON in braces; of those the reader says what is wrong."""
     begin = body[:200].removeprefix(b"\xef\xbb\xbf").lstrip()
@@ -144,13 +212,20 @@ class TemporaryPaths:
 def _wrong(
     problems: Iterable[CellProblem], warnings: Iterable[str], folder: TemporaryPaths
 ) -> Response:
-    """422 with every error, in the form of a result JSON, and one sentence over them."""
+    """422 with every error."""
+    return answer(_problems(problems, warnings, folder), 422)
+
+
+def _problems(
+    problems: Iterable[CellProblem], warnings: Iterable[str], folder: TemporaryPaths
+) -> dict[str, Any]:
+    """Every error, in the form of a result JSON, and one sentence over them."""
     shown = [
         replace(p, message=_without(p.message, folder), found=_without(p.found, folder))
         for p in problems
     ]
     content: dict[str, Any] = errors_to_json(shown, product_version(), _clean(warnings, folder))
-    return answer(content | {"error": {"message": input_errors(shown)}}, 422)
+    return content | {"error": {"message": input_errors(shown)}}
 
 
 def _clean(sentences: Iterable[str], folder: TemporaryPaths) -> list[str]:

@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 
 from addin.reading.typed_case import CaseInput, Typed
-from addin.worksheet.registry import FunctionError
+from addin.worksheet.registry import FunctionError, ModelForgotten
 from engine.case.case import Case
 from engine.case.data import ADMINISTRATIVE, case_digest
 from engine.errors import InternalError, ModelError
@@ -195,7 +195,7 @@ class Models:
         with self._lock:
             model = self._models.get(handle)
             if model is None:
-                raise FunctionError(
+                raise ModelForgotten(
                     f"The model {handle[:40]} is not in the memory of this session. Recalculate "
                     "everything "
                     "(Ctrl+Alt+F9; in Calc Ctrl+Shift+F9). A program must call TV_MODEL or send "

@@ -50,6 +50,10 @@ class FunctionError(Exception):
         self.code = code
 
 
+class ModelForgotten(FunctionError):
+    """A handle whose model is not in memory: a front that knows what made it sends that again."""
+
+
 @dataclass(frozen=True)
 class Argument:
     """One argument of a function."""
@@ -345,7 +349,7 @@ def _fixed(function: Function, values: Sequence[Any], count: int) -> list[list[V
     try:
         rows = _shown(function.answer(*values))
     except FunctionError as none:
-        if none.code != "#N/A" or not function.columns:
+        if isinstance(none, ModelForgotten) or none.code != "#N/A" or not function.columns:
             raise
         rows = [[none.message] + [None] * (function.columns - 1)]
     width = len(rows[0])

@@ -13,6 +13,7 @@ module          responsibility
                 show
 `workbook`      results into the cells the product owns: result tables, facts for live formulas,
                 chart data
+`open_workbook`  what was written into a copy, as rectangles for the workbook that is open
 `result_file`   the result file of a workbook, when it is there already: whether more can be
                 written into it
 `recalculate`   one input file in, its results out: the same path for the command line and every

@@ -13,8 +13,9 @@ from addin.contract.sheets import part_named
 from addin.contract.shipped import template_path
 from addin.contract.tables import INPUT_TABLES
 from addin.excel import refill as module
-from addin.excel.refill import excel_value, refill
+from addin.excel.refill import refill
 from addin.excel.workbook import install
+from addin.writing.open_workbook import excel_value
 from addin.xlsx import ErrorValue, Formula, open_workbook
 
 USUAL = (True, True, "automatic", True)

@@ -29,6 +29,7 @@ from addin.server.settings import Limits, Settings
 from addin.worksheet import registry
 from addin.worksheet.models import MODELS
 from addin.worksheet.registry import FUNCTIONS
+from addin.xlsx import open_workbook as open_file
 
 KEY = "a-key-nobody-guesses"
 
@@ -346,7 +347,7 @@ def test_a_workbook_comes_back_recalculated_and_nothing_is_kept(client, tmp_path
     said = client.post("/api/v1/workbook?name=Zug 1.xlsx", content=source)
     assert said.status_code == 200, said.text
     assert "Zug%201.out.xlsx" in said.headers["Content-Disposition"]
-    book = openpyxl.load_workbook(io.BytesIO(said.content), data_only=True)
+    book = openpyxl.load_workbook(io.BytesIO(said.content))
     handle = registry.call("TV_MODEL", model_arguments())[0][0]
     head, *rows = registry.call("TV_PEAKS", [handle])
     there = table(book, "StartupPeaks")
@@ -358,6 +359,47 @@ def test_a_workbook_comes_back_recalculated_and_nothing_is_kept(client, tmp_path
     assert checks[0][here] == "fail"  # the overall verdict
     assert [row[here] for row in checks] == [row[at] for row in written[: len(checks)]]
     assert list(tmp_path.iterdir()) == []
+    # what a front writes into the open workbook ends as the file that comes back
+    *stages, end = open_workbook(client, source)
+    assert {"reading", "writing"} < {line["stage"] for line in stages}
+    assert list(end) == ["value", "warnings"]
+    before = open_file(TEMPLATES / "example_proposed.xlsx", read_only=True)
+    cells, differing = 0, set()
+    for sheet in end["value"]["sheets"]:
+        for one in sheet["tables"]:
+            assert book[sheet["name"]].tables[one["name"]].ref == one["after"]
+            assert str(before.table(one["name"]).ref) == one["before"]
+        for block in sheet["blocks"]:
+            there = book[sheet["name"]][block["at"]]
+            for row, cells_there in zip(block["rows"], rows_in(there), strict=True):
+                for value, cell in zip(row, cells_there, strict=True):
+                    cells += 1
+                    if not is_as_written(value, cell):
+                        differing.add((sheet["name"], cell.coordinate))
+    assert cells == end["value"]["cells"] > 20_000
+    assert len(differing) < 30, differing  # times of the effects, and of the calculation
+    assert {sheet for sheet, _ in differing} <= {"Effects and accuracy", "Audit", "Lists"}
+    assert list(tmp_path.iterdir()) == []
+
+
+def open_workbook(client, source, **query):
+    """The lines of an answer."""
+    said = client.post("/api/v1/open-workbook", params=query, content=source)
+    assert said.status_code == 200, said.text
+    assert said.headers["Content-Type"] == "application/x-ndjson"
+    return [json.loads(line) for line in said.text.splitlines()]
+
+
+def rows_in(cells):
+    return cells if isinstance(cells, tuple) else ((cells,),)
+
+
+def is_as_written(value, cell):
+    """Whether a value for the open workbook is that of a cell of the file."""
+    if cell.data_type == "f":
+        return value == getattr(cell.value, "text", cell.value).replace("_xlfn.", "")
+    there = "" if cell.value is None else cell.value
+    return there in (value, str(value).removeprefix("'")) and not str(value).startswith("=")
 
 
 @pytest.mark.first_ones(1)
@@ -396,6 +438,8 @@ def test_wrong_cells_come_back_as_the_contract_says(client, tmp_path):
         (problem,) = content["errors"]
         assert (problem["table"], problem["row"], problem["column"]) == ("Stations", 2, "Inertia")
         assert problem["message"] in content["error"]["message"]
+    *_, end = open_workbook(client, (tmp_path / "wrong.xlsx").read_bytes())
+    assert end == content
 
 
 @pytest.mark.parametrize("body", [b"PK\x03\x04nonsense", b"nonsense", b"{}", b"\x00" * 1000])
@@ -406,6 +450,12 @@ def test_what_is_no_workbook_is_refused_without_our_folders(client, body):
         assert tempfile.gettempdir() not in said.text
         assert said.json()["error"]["message"].endswith(".")
     assert "empty" in told(client.post("/api/v1/workbook", content=b""), 400)
+    if body.startswith(b"PK"):
+        *_, end = open_workbook(client, body, name="x.xlsx")
+        assert end["error"]["message"].endswith(".")
+        assert tempfile.gettempdir() not in str(end)
+    else:
+        assert "workbook" in told(client.post("/api/v1/open-workbook", content=body), 415)
 
 
 @pytest.mark.parametrize(
@@ -448,7 +498,7 @@ def test_a_case_json_gives_the_handle_of_the_same_case(client):
 
 def test_the_description_names_every_route_and_no_other(client):
     described = client.get("/openapi.json").json()
-    pictures = {"/taskpane.css", "/taskpane.js", "/charts.js"}
+    pictures = {"/taskpane.css", "/taskpane.js", "/charts.js", "/open_workbook.js"}
     routes = {
         route.path
         for route in client.app.routes
@@ -477,6 +527,13 @@ def test_answers_are_as_described(client, handle):
     check(client.post("/api/v1/workbook", content=b"PK"), "/api/v1/workbook")
     source = (TEMPLATES / "example_proposed.xlsx").read_bytes()
     check(client.post("/api/v1/model", content=source), "/api/v1/model")
+    line = described["components"]["schemas"]["OpenWorkbookLine"]
+    for body in (source, b"PK"):
+        for one in open_workbook(client, body):
+            jsonschema.validate(
+                one, {**line, "components": described["components"]},
+                cls=jsonschema.Draft202012Validator,
+            )  # fmt: skip
     for path in ("/healthz", "/version"):
         check(client.get(path), path)
 

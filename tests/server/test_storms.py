@@ -1,5 +1,6 @@
 """Many cells recalculated at once in a browser: each is answered, equal ones are asked for once."""
 
+import socket
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -166,3 +167,38 @@ def test_a_cell_that_is_cancelled_before_its_turn_is_never_asked_for(page):
         [given, row, column],
     )
     assert asked == [40, 32]
+
+
+def test_cells_survive_a_restart_of_the_server():
+    """The same port, another process with empty memory: cells send their model again and show the same."""
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = ("--port", str(free.getsockname()[1]))
+    asked = [("TV_FREQUENCIES", 1), ("TV_PEAKS", 1), ("TV_PEAKS", 5)]
+    with sync_api.sync_playwright() as playwright:
+        browser = launched(playwright)
+        try:
+            with outside(*port) as address:
+                context = browser.new_context(base_url=address)
+                context.set_default_timeout(120_000)
+                page = context.new_page()
+                load_in_office(page)
+                handle = cell(page, "TV_MODEL", model_arguments("example_modified"))["value"][0][0]
+                given = {1: [handle], 5: [handle, None, None, 5]}
+                before = [cell(page, name, given[count]) for name, count in asked]
+            with outside(*port):
+                assert [cell(page, name, given[count])["value"] for name, count in asked] == [
+                    found["value"] for found in before
+                ]
+                # a request that does not arrive is made again
+                failing = iter([True, True])
+                page.route(
+                    "**/api/v1/batch",
+                    lambda route: route.abort() if next(failing, False) else route.continue_(),
+                )
+                assert cell(page, "TV_CONVERT", [1, "m", "mm"])["value"] == [[1000]]
+                assert next(failing, None) is None
+                unknown = handle.replace("tv:", "tv:0")[: len(handle)]
+                assert "not in the memory" in cell(page, "TV_PEAKS", [unknown])["message"]
+        finally:
+            browser.close()

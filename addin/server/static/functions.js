@@ -11,14 +11,18 @@
   const COLLECT = 5, MOST_CALLS = 1000, REQUESTS = 2;
   /** Long calls that the server has at a time: half as many as it lets wait. [count] */
   const LONG_CALLS = 32;
+  /** Arguments of models that are kept. [characters] */
+  const KEPT = 60e6;
   /** Whoever cancels one cell may cancel the next as well: its place stays empty for so long. [ms] */
   const LINGER = 200;
   /** A cell shows stages only of what takes longer than this. [ms] */
   const PATIENCE = 800;
-  /** How often a busy server is asked again for a cell and for the page, after how long at first, and at most. [count, ms] */
-  const TRIES = 20, PAGE_TRIES = 4, PAUSE = 1000, LONGEST_PAUSE = 30000;
+  /** How often a busy server is asked for a cell, one that is not there, and any for the page; pauses at first and at most. [count, ms] */
+  const TRIES = 20, LOST_TRIES = 5, PAGE_TRIES = 4, PAUSE = 1000, LONGEST_PAUSE = 30000;
 
   const wrong = (message, code = "#N/A") => ({ message, code });
+  const lost = message => ({ ...wrong(message), lost: true });
+  const cancelled = () => ({ ...wrong("Cancelled."), cancelled: true });
 
   // --- the server ---------------------------------------------------------------------------------
 
@@ -43,6 +47,25 @@
     return new Promise(done => setTimeout(done, longest * (0.5 + 0.5 * Math.random())));
   }
 
+  /** A cell asks again: a busy server often, one that is gone a few times, one that has forgotten the model once it has it again. */
+  async function patiently(attempt, asked, isOver = () => false, waiting = () => {}) {
+    let isSentAgain = false;
+    for (let tried = 1; ; tried += 1) {
+      try {
+        return await attempt();
+      } catch (failed) {
+        if (isOver()) throw failed;
+        if (failed.forgotten && !isSentAgain && await sendAgain(asked)) {
+          isSentAgain = true;
+          continue;
+        }
+        if (tried >= (failed.busy ? TRIES : failed.lost ? LOST_TRIES : 0)) throw failed;
+        waiting(failed.busy ? "the server is busy" : "waiting for the server");
+        await pause(tried);
+      }
+    }
+  }
+
   /** Ask the server; its refusals come as errors with its own sentence. */
   async function ask(path, options, tries = PAGE_TRIES) {
     for (let tried = 1; ; tried += 1) {
@@ -51,7 +74,7 @@
         response = await fetch(path, { method: "POST", ...options, headers: headers(options.headers) });
       } catch (failed) {
         if (failed.name === "AbortError") throw failed;
-        throw wrong("The calculation server cannot be reached. Is it running, and its certificate trusted?");
+        throw lost("The calculation server cannot be reached. Is it running, and its certificate trusted?");
       }
       if (response.ok) return response;
       if (response.status === 503 && tried < tries) {
@@ -124,21 +147,43 @@
     });
   }, MOST_CALLS, REQUESTS);
 
-  /** A call that is asked again as long as the server is too busy for it. */
-  const short = shared(asked => {
-    const again = async tried => {
-      try {
-        return await send(asked);
-      } catch (failed) {
-        if (!failed.busy || tried >= TRIES) throw failed;
-        await pause(tried);
-        return again(tried + 1);
-      }
-    };
-    return { done: again(1), cancel() {} };
-  });
+  /** A call that is answered at once. */
+  const short = shared(asked => ({
+    done: patiently(() => send(asked), asked).then(value => keep(asked, value)),
+    cancel() {},
+  }));
 
   const call = (name, given) => short({ name, arguments: given }).done;
+
+  // --- models: what made each handle, in case the server forgets it --------------------------------
+
+  const MODEL = "TV_MODEL";
+  /** Handles with the arguments that made them, as text; the last used last. */
+  const models = new Map();
+  let kept = 0;
+
+  /** Keep what made a handle: as many characters as `KEPT`. */
+  function keep({ name, arguments: given }, value) {
+    if (name !== MODEL) return value;
+    const handle = value[0][0], text = JSON.stringify(given);
+    forget(handle);
+    models.set(handle, text);
+    kept += text.length;
+    while (kept > KEPT) forget(models.keys().next().value);
+    return value;
+  }
+
+  function forget(handle) {
+    kept -= (models.get(handle) || "").length;
+    models.delete(handle);
+  }
+
+  /** Send the model of a call again to a server that was started anew; whether it has it now. */
+  async function sendAgain({ arguments: given }) {
+    const handles = given.map(value => rowsOf(value)[0]).flat().filter(value => models.has(value));
+    for (const handle of handles) await call(MODEL, JSON.parse(models.get(handle)));
+    return handles.length > 0;
+  }
 
   // --- long calls: one WebSocket -------------------------------------------------------------------
 
@@ -155,10 +200,10 @@
       };
       socket.onmessage = event => receive(JSON.parse(event.data));
       socket.onclose = () => {
-        const lost = refusal || wrong("The connection to the calculation server was lost. Calculate again.");
+        const why = refusal || lost("The connection to the calculation server was lost. Calculate again.");
         socket = opening = refusal = null;
-        reject(lost);
-        for (const request of running.values()) request.reject(lost);
+        reject(why);
+        for (const request of running.values()) request.reject(why);
         running.clear();
       };
     });
@@ -176,7 +221,7 @@
     if ("stage" in message) { request.stage(message.stage); return; }
     if ("partial" in message) { request.partial(message.partial); return; }
     running.delete(message.id);
-    if (message.cancelled) request.reject(Object.assign(wrong("Cancelled."), { cancelled: true }));
+    if (message.cancelled) request.reject(cancelled());
     else if (message.error) request.reject(message.error);
     else request.resolve(message.value);
   }
@@ -209,35 +254,32 @@
   function next() {
     while (places && queue.length) {
       places -= 1;
-      queue.shift()().then(given_up => setTimeout(() => { places += 1; next(); }, given_up ? LINGER : 0));
+      queue.shift()().then(isOver => setTimeout(() => { places += 1; next(); }, isOver ? LINGER : 0));
     }
   }
 
-  /** A long call of a cell, in its turn; a busy server is asked again. */
-  const long = shared((asked, stage) => {
-    let given_up = false, begun = null, giveUp;
-    const done = new Promise((resolve, reject) => {
-      giveUp = () => reject(Object.assign(wrong("Cancelled."), { cancelled: true }));
-      const turn = tried => async () => {
-        if (given_up) return false;
-        begun = stream(asked, { stage });
-        try {
-          resolve(await begun.done);
-        } catch (failed) {
-          if (!failed.busy || tried >= TRIES || given_up) {
-            reject(failed);
-          } else {
-            stage("the server is busy");
-            // its place is free meanwhile
-            pause(tried).then(() => { queue.push(turn(tried + 1)); next(); });
-          }
-        }
-        return given_up;
-      };
-      queue.push(turn(1));
+  /** Do something once there is a place, unless it is over before; what is over later leaves its place empty for a while. */
+  function inTurn(work, isOver) {
+    return new Promise((resolve, reject) => {
+      queue.push(async () => {
+        if (isOver()) { reject(cancelled()); return false; }
+        try { resolve(await work()); } catch (failed) { reject(failed); }
+        return isOver();
+      });
+      next();
     });
-    next();
-    const cancel = () => { given_up = true; if (begun) begun.cancel(); giveUp(); };
+  }
+
+  /** A long call of a cell. */
+  const long = shared((asked, stage) => {
+    let over = false, begun = null, giveUp;
+    const isOver = () => over;
+    const attempt = () => inTurn(() => { begun = stream(asked, { stage }); return begun.done; }, isOver);
+    const done = new Promise((resolve, reject) => {
+      giveUp = () => reject(cancelled());
+      patiently(attempt, asked, isOver, stage).then(resolve, reject);
+    });
+    const cancel = () => { over = true; if (begun) begun.cancel(); giveUp(); };
     return { done, cancel };
   });
 

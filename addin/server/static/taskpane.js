@@ -1,6 +1,7 @@
 // The page: open a model, show it, calculate its start with progress, give the workbook back.
 // Inside Office it can take the open workbook; in a browser it is a page like any other.
 import { chart, fromRecord, train } from "./charts.js";
+import { fill, openName, openWorkbook, putBack, resultsOf } from "./open_workbook.js";
 
 const { ask, stream, key, setKey } = window.torsionbook;
 const at = id => document.getElementById(id);
@@ -257,11 +258,11 @@ function placeOf(name, charts, wait) {
 
 // --- what the engineer does -----------------------------------------------------------------------
 
-function showProblems(failed) {
+function showProblems(failed, name = open.name) {
   const errors = (failed.content || {}).errors || [];
   at("problems").querySelector("ol").replaceChildren(...errors.map(error => made("li", error.message)));
   at("problems").hidden = !errors.length;
-  say(errors.length ? `${open.name}: ${errors.length === 1 ? "one error" : `${errors.length} errors`}.` : failed.message, "bad");
+  say(errors.length ? `${name}: ${errors.length === 1 ? "one error" : `${errors.length} errors`}.` : failed.message, "bad");
   if (failed.status === 401) at("connection").open = true;
 }
 
@@ -270,9 +271,11 @@ function busy(isBusy) {
   at("calculate").disabled = isBusy || !open.model;
   at("download").disabled = isBusy || !open.model || /\.json$/i.test(open.name);
   at("print").disabled = isBusy || !open.model;
+  at("here").disabled = at("fill").disabled = isBusy;
+  at("put-back").disabled = isBusy || !earlier;
 }
 
-async function take(name, bytes) {
+async function take(name, bytes, isAgain = false) {
   if (open.running) open.running.cancel();
   Object.assign(open, { name, bytes, model: null });
   at("results").hidden = true;
@@ -287,11 +290,12 @@ async function take(name, bytes) {
     showProblems(failed);
     return;
   }
-  await calculate();
+  await calculate(isAgain);
 }
 
-async function calculate() {
+async function calculate(isAgain = false) {
   const began = performance.now();
+  let isForgotten = false;
   say("calculating", "busy");
   const run = stream({ view: open.model }, { stage: text => say(text, "busy"), partial: show });
   open.running = run;
@@ -300,10 +304,13 @@ async function calculate() {
     show(await run.done);
     say(`Calculated in ${((performance.now() - began) / 1000).toFixed(1)} s.`);
   } catch (failed) {
-    if (failed.cancelled) say("Cancelled. Results that need no start are shown below."); else showProblems(failed);
+    if (failed.forgotten && !isAgain) isForgotten = true; // by a server that was started anew
+    else if (failed.cancelled) say("Cancelled. Results that need no start are shown below.");
+    else showProblems(failed);
   } finally {
     if (open.running === run) { open.running = null; busy(false); }
   }
+  if (isForgotten) await take(open.name, open.bytes, true);
 }
 
 async function download() {
@@ -333,7 +340,7 @@ async function takeFile(file) {
 }
 
 at("file").addEventListener("change", event => takeFile(event.target.files[0]).finally(() => { event.target.value = ""; }));
-at("calculate").addEventListener("click", calculate);
+at("calculate").addEventListener("click", () => calculate());
 at("cancel").addEventListener("click", () => open.running && open.running.cancel());
 at("download").addEventListener("click", download);
 at("print").addEventListener("click", () => window.print());
@@ -378,42 +385,67 @@ addEventListener("afterprint", () => { if (open.view) showCharts(open.view); });
 
 // --- inside Office --------------------------------------------------------------------------------
 
-/** The open workbook as a file, piece by piece as Office hands it over. */
-async function openWorkbook() {
-  const promised = (object, method, ...given) => new Promise((resolve, reject) => {
-    object[method](...given, answer => (answer.status === "failed" ? reject(answer.error) : resolve(answer.value)));
-  });
-  const file = await promised(Office.context.document, "getFileAsync", Office.FileType.Compressed, { sliceSize: 1 << 20 });
-  try {
-    const bytes = new Uint8Array(file.size);
-    let offset = 0;
-    for (let i = 0; i < file.sliceCount; i += 1) {
-      const { data } = await promised(file, "getSliceAsync", i);
-      bytes.set(data, offset);
-      offset += data.length;
-    }
-    return bytes.buffer;
-  } finally {
-    file.closeAsync(() => {});
-  }
-}
+/** Sheets with the cells that stood there before they were filled; null where nothing is to be put back. */
+let earlier = null;
 
 async function takeOpen() {
   say("reading the open workbook", "busy");
   try {
-    const url = Office.context.document.url || "";
-    const name = decodeURIComponent(url.split(/[\\/]/).pop() || "");
-    await take(ENDINGS.test(name) ? name : "workbook.xlsx", await openWorkbook());
+    await take(openName(), await openWorkbook());
   } catch (failed) {
     say(`Office did not provide the workbook; save it and try again: ${failed.message}`, "bad");
   }
 }
 
+/** Something done with the open workbook that can be cancelled; what is wrong with it is said. */
+async function inExcel(work) {
+  if (open.running) return;
+  const control = new AbortController(), began = performance.now();
+  const run = { cancel: () => control.abort() };
+  open.running = run;
+  at("problems").hidden = true;
+  at("written").hidden = true;
+  busy(true);
+  try {
+    const done = await work(control.signal);
+    say(`${done} in ${((performance.now() - began) / 1000).toFixed(1)} s.`);
+  } catch (failed) {
+    if (failed.name === "AbortError" || failed.cancelled) say("Cancelled. The workbook is as it was.");
+    else showProblems(failed, openName());
+  } finally {
+    if (open.running === run) { open.running = null; busy(false); }
+  }
+}
+
+const percent = share => `${Math.round(100 * share)} %`;
+
+const fillOpen = () => inExcel(async signal => {
+  const isOver = () => signal.aborted;
+  say("reading the open workbook", "busy");
+  const bytes = await openWorkbook();
+  const { value, warnings } = await resultsOf(ask, openName(), bytes, { signal, stage: text => say(text, "busy") });
+  say("writing results", "busy");
+  earlier = await fill(value, share => say(`writing results, ${percent(share)}`, "busy"), isOver);
+  at("written").replaceChildren(...warnings.map(text => made("li", text)));
+  at("written").hidden = !warnings.length;
+  return `${value.cells.toLocaleString("en-US")} result cells on ${value.sheets.length} sheets written`;
+});
+
+const putBackOpen = () => inExcel(async () => {
+  at("cancel").hidden = true; // half of it would be neither
+  await putBack(earlier, share => say(`writing the earlier values back, ${percent(share)}`, "busy"));
+  earlier = null;
+  return "The earlier values were written back";
+});
+
 if (window.Office) {
   Office.onReady(info => {
     if (info && info.host === "Excel") {
+      at("in-excel").hidden = false;
       at("here").hidden = false;
       at("here").addEventListener("click", takeOpen);
+      at("fill").addEventListener("click", fillOpen);
+      at("put-back").addEventListener("click", putBackOpen);
     }
   });
 }
