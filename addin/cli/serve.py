@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import importlib.util
+import os
 import threading
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from addin.cli.status import INTERNAL, failed, failing_on
-from addin.server.settings import Settings, SettingsError, check_certificate, read_keys
+from addin.cli.status import INTERNAL, USAGE, failed, failing_on
+from addin.server.configuration import configured
+from addin.server.settings import SettingsError, check_certificate
 
 #: Whether the optional packages of the server are there.
 INSTALLED = all(map(importlib.util.find_spec, ("starlette", "uvicorn", "websockets")))
@@ -24,45 +26,54 @@ GRACE = 3
 
 
 def serve(
-    host: Annotated[str, typer.Option(help="Address to listen on.")] = "127.0.0.1",
-    port: Annotated[int, typer.Option(help="Port; 0 = any free port.")] = 8765,
-    cert: Annotated[Path | None, typer.Option(help="Certificate chain in PEM, for HTTPS.")] = None,
-    key: Annotated[Path | None, typer.Option(help="Its private key in PEM.")] = None,
+    config: Annotated[
+        Path | None, typer.Option(help="File with settings, in TOML; see docs/server.md.")
+    ] = None,
+    host: Annotated[
+        str | None, typer.Option(help="Address to listen on.", show_default="127.0.0.1")
+    ] = None,
+    port: Annotated[
+        int | None, typer.Option(help="Port; 0 = any free port.", show_default="8765")
+    ] = None,
+    cert: Annotated[
+        str | None,
+        typer.Option(metavar="path", help="Certificate chain in PEM, for HTTPS."),
+    ] = None,
+    key: Annotated[str | None, typer.Option(metavar="path", help="Its private key in PEM.")] = None,
     api_key_file: Annotated[
-        Path | None, typer.Option(help="File with the API keys, one per line.")
+        str | None, typer.Option(metavar="path", help="File with the API keys, one per line.")
     ] = None,
     public_url: Annotated[
-        str,
+        str | None,
         typer.Option(
             help="The address that users type, where a reverse proxy stands in front of the server."
         ),
-    ] = "",
+    ] = None,
     workers: Annotated[
         int | None, typer.Option(help="Processes for starts; default: number of cores minus one.")
+    ] = None,
+    limit: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME=VALUE", help="Another limit, such as body=50000000."),
     ] = None,
 ) -> None:
     """Serve the worksheet functions, the Office add-in and recalculation over HTTP.
 
     Listens on this machine only. Other machines need HTTPS and API keys, or a reverse proxy.
 
+    Each option may also stand in the file of --config or in the environment, as TORSIONBOOK_PORT for
+    --port. A flag goes before the environment, the environment before the file.
+
     Example: `torsionbook serve`, then open http://127.0.0.1:8765/ in a browser.
     """
+    flags = {name: value for name, value in locals().items() if name != "limit"}
     if not INSTALLED:
         raise failed(
             "The packages of the server are not installed. Run pip install -r "
             "requirements/server.txt in the checkout, or install the wheel with its extra [server]."
         )
-    asked: dict[str, Any] = {} if workers is None else {"workers": workers}
-    with failing_on(SettingsError):
-        settings = Settings(
-            host=host,
-            port=port,
-            keys=frozenset() if api_key_file is None else read_keys(api_key_file),
-            certificate=cert,
-            certificate_key=key,
-            public_url=public_url,
-            **asked,
-        )
+    with failing_on(SettingsError, status=USAGE):
+        settings = configured(flags, os.environ, limit or ())
         check_certificate(settings)
     run(settings)
 

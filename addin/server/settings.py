@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import ssl
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from urllib.parse import urlsplit
@@ -65,33 +65,44 @@ class Settings:
     #: Processes for long calculations.
     workers: int = field(default_factory=lambda: max(1, min(4, (os.cpu_count() or 2) - 1)))
     limits: Limits = field(default_factory=Limits)  #: Limits.
+    #: Where settings were typed, by their names here; those not in it count as flags. [words]
+    places: Mapping[str, str] = field(default_factory=dict, compare=False)
+
+    def place(self, name: str) -> str:
+        """Where a setting was typed, for a sentence that refuses it."""
+        return self.places.get(name) or flag_of(_FLAGS.get(name, name))
 
     def __post_init__(self) -> None:
         if (self.certificate is None) != (self.certificate_key is None):
             raise SettingsError(
                 "HTTPS needs a certificate and its private key: give both --cert and --key."
             )
-        for path in (self.certificate, self.certificate_key):
+        for name in ("certificate", "certificate_key"):
+            path = getattr(self, name)
             if path is not None and not path.is_file():
-                raise SettingsError(f"File {path} not found. Check the path.")
+                raise SettingsError(f"{self.place(name)}: file {path} not found. Check the path.")
         if not self.is_loopback and self.certificate is None:
             raise SettingsError(
-                f"Other machines can reach the host {self.host}; without encryption, data and API "
+                f"{self.place('host')} {self.host}: other machines can reach it; without encryption, data and API "
                 "keys can be read in transit. Give --cert and --key, or keep 127.0.0.1 and use a "
                 "reverse proxy with HTTPS (docs/server.md)."
             )
         if not self.is_loopback and not self.keys:
             raise SettingsError(
-                f"Other machines can reach the host {self.host}; without API keys anyone there can "
+                f"{self.place('host')} {self.host}: other machines can reach it; without API keys anyone there can "
                 "use this machine. Give --api-key-file with one key per line."
             )
         if self.workers < 1:
-            raise SettingsError(f"--workers is {self.workers}; at least 1 process is needed.")
+            raise SettingsError(
+                f"{self.place('workers')} is {self.workers}; at least 1 process is needed."
+            )
         if not 0 <= self.port <= 65535:
-            raise SettingsError(f"--port is {self.port}; it must lie between 0 and 65535.")
+            raise SettingsError(
+                f"{self.place('port')} is {self.port}; it must lie between 0 and 65535."
+            )
         if self.public_url and not _is_address(self.public_url):
             raise SettingsError(
-                f"--public-url is '{self.public_url}'; write an address such as "
+                f"{self.place('public_url')} is '{self.public_url}'; write an address such as "
                 "https://torsion.example.com."
             )
 
@@ -114,6 +125,15 @@ class Settings:
         return not self.is_loopback or host in LOOPBACK or (own is not None and host == own)
 
 
+#: Flags of settings that are called otherwise here.
+_FLAGS = {"certificate": "cert", "certificate_key": "key", "keys": "api_key_file"}
+
+
+def flag_of(name: str) -> str:
+    """The flag of a setting."""
+    return f"--{name.replace('_', '-')}"
+
+
 def _is_address(url: str) -> bool:
     """Whether a text is an address a browser can be sent to."""
     try:
@@ -134,6 +154,7 @@ def check_certificate(settings: Settings) -> None:
     chain, key = settings.certificate, settings.certificate_key
     if chain is None or key is None:
         return
+    cert_place, key_place = settings.place("certificate"), settings.place("certificate_key")
     try:
         text = {path: path.read_text("ascii", "replace") for path in (chain, key)}
     except OSError as wrong:
@@ -144,11 +165,11 @@ def check_certificate(settings: Settings) -> None:
     marks = "BEGIN CERTIFICATE", "PRIVATE KEY"
     if marks[0] not in text[chain] and marks[0] in text[key]:
         raise SettingsError(
-            f"--cert {chain} contains no certificate, but --key {key} does: swap them."
+            f"{cert_place} {chain} contains no certificate, but {key_place} {key} does: swap them."
         )
-    for option, path, mark in zip(("--cert", "--key"), (chain, key), marks, strict=True):
+    for option, path, mark in zip((cert_place, key_place), (chain, key), marks, strict=True):
         if mark not in text[path]:
-            what = "certificate" if option == "--cert" else "private key"
+            what = "certificate" if path == chain else "private key"
             raise SettingsError(
                 f"{option} {path} contains no {what} in PEM format (-----BEGIN ...-----)."
             )
@@ -156,7 +177,7 @@ def check_certificate(settings: Settings) -> None:
         if sys.stdin is not None and sys.stdin.isatty():
             return  # its password is asked for when the server starts
         raise SettingsError(
-            f"--key {key} is encrypted, and there is no terminal to enter its password. Use an "
+            f"{key_place} {key} is encrypted, and there is no terminal to enter its password. Use an "
             "unencrypted key: openssl pkey -in KEY -out NEW, and restrict its permissions to "
             "this service."
         )
@@ -169,7 +190,9 @@ def check_certificate(settings: Settings) -> None:
             if reason == "KEY_VALUES_MISMATCH"
             else f"they cannot be read ({reason})"
         )
-        raise SettingsError(f"--cert {chain} and --key {key} cannot be used: {why}.") from None
+        raise SettingsError(
+            f"{cert_place} {chain} and {key_place} {key} cannot be used: {why}."
+        ) from None
 
 
 def read_keys(path: Path) -> frozenset[str]:
