@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import importlib.util
+import logging
 import os
+import socket
 import threading
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -12,7 +15,8 @@ import typer
 
 from addin.cli.status import INTERNAL, USAGE, failed, failing_on
 from addin.server.configuration import configured
-from addin.server.settings import SettingsError, check_certificate
+from addin.server.listening import address_of, sockets_of
+from addin.server.settings import Settings, SettingsError, check_certificate
 
 #: Whether the optional packages of the server are there.
 INSTALLED = all(map(importlib.util.find_spec, ("starlette", "uvicorn", "websockets")))
@@ -21,6 +25,7 @@ if INSTALLED:
 
     from addin.server.app import create_app
 
+LOG = logging.getLogger("uvicorn.error")
 #: How long calculations may go on once the server is asked to stop. [s]
 GRACE = 3
 
@@ -75,18 +80,24 @@ def serve(
     with failing_on(SettingsError, status=USAGE):
         settings = configured(flags, os.environ, limit or ())
         check_certificate(settings)
-    run(settings)
+        sockets = sockets_of(settings)
+    run(settings, sockets)
 
 
-def run(settings: Any) -> None:
+def run(settings: Settings, sockets: Sequence[socket.socket]) -> None:
     """Serve until Ctrl+C."""
     app = create_app(settings)
+    address = address_of(settings, sockets[0].getsockname()[1])
 
     def give_up() -> None:
         for pool in app.state.pools:
             pool.stop()
 
     class Server(uvicorn.Server):
+        async def startup(self, sockets: Any = None) -> None:
+            await super().startup(sockets)
+            LOG.info("torsionbook is running on %s (Ctrl+C ends it)", address)
+
         def handle_exit(self, sig: int, frame: Any) -> None:
             """Answer calls that do not end in time while their connection is still there."""
             timer = threading.Timer(GRACE, give_up)
@@ -96,8 +107,6 @@ def run(settings: Any) -> None:
 
     config = uvicorn.Config(
         app,
-        host=settings.host,
-        port=settings.port,
         ssl_certfile=settings.certificate,
         ssl_keyfile=settings.certificate_key,
         ws_max_size=settings.limits.message,
@@ -110,10 +119,10 @@ def run(settings: Any) -> None:
     )
     server = Server(config)
     try:
-        server.run()
+        server.run(list(sockets))
     except KeyboardInterrupt:
         pass
     except OSError as wrong:  # the password of the key, for one
-        raise failed(f"The server cannot be started: {wrong}.") from wrong
+        raise failed(f"The server cannot be started: {wrong}.", USAGE) from wrong
     if not server.started:
         raise typer.Exit(INTERNAL)

@@ -8,6 +8,7 @@ module            responsibility
 `office`          metadata, script and manifest for the Office host
 `openapi`         the description of all this for programs
 `settings`        addresses, keys, certificates and limits, fixed when the server starts
+`listening`       the sockets of a server
 `configuration`   settings from flags, environment and file
 `bodies`          bodies of requests: read within limits of size and time, as long as the client
                   is there

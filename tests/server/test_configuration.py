@@ -1,12 +1,16 @@
 """Settings come from flags, environment and file, in this order; a refusal names where one was typed."""
 
+import re
+import socket
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from typer.testing import CliRunner
 
 from addin.cli.app import app
 from addin.server.configuration import LIMIT_PREFIX, OPTIONS, PREFIX, configured
+from addin.server.listening import sockets_of
 from addin.server.settings import Limits, Settings, SettingsError
 
 KEYS = "a-key-nobody-guesses\n"
@@ -93,3 +97,48 @@ def test_every_setting_has_a_flag_and_refusals_of_the_command_are_usage(monkeypa
     refused = CliRunner().invoke(app, ["serve"])
     assert refused.exit_code == 2
     assert refused.output == "TORSIONBOOK_LIMIT_BODY is 'much'; write a whole number.\n"
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        ({"host": "192.0.2.1"}, "--host 192.0.2.1: this machine has no such address"),
+        ({"host": "no.such.name.invalid"}, "--host: the name 'no.such.name.invalid' is unknown here"),
+        ({"host": "a" * 70}, "is unknown here"),
+    ],
+)  # fmt: skip
+def test_a_host_that_is_not_of_this_machine_is_told(settings, words):
+    with pytest.raises(SettingsError) as wrong:
+        sockets_of(SimpleNamespace(port=0, place=Settings().place, **settings))
+    assert words in str(wrong.value)
+
+
+def test_a_port_in_use_is_told_with_one_that_is_free():
+    (first,) = sockets_of(Settings(port=0))
+    with first:
+        port = first.getsockname()[1]
+        refused = CliRunner().invoke(app, ["serve", "--port", str(port)])
+        assert refused.exit_code == 2
+        assert refused.output.startswith(f"--port {port}: another program listens there")
+        other = int(re.search(r"--port (\d+) is free", refused.output)[1])
+        (second,) = sockets_of(Settings(port=other))
+        second.close()
+    (again,) = sockets_of(Settings(port=port))
+    again.close()
+
+
+def test_every_address_of_a_name_gets_the_same_port():
+    sockets = sockets_of(Settings(host="localhost", port=0))
+    assert len({one.getsockname()[1] for one in sockets}) == 1
+    for one in sockets:
+        with socket.create_connection(one.getsockname()[:2], 5.0):
+            one.accept()[0].close()
+        one.close()
+
+
+def test_a_certificate_that_cannot_be_used_ends_the_command_with_status_2(tmp_path):
+    (tmp_path / "cert.pem").write_text("x")
+    words = ["serve", "--cert", str(tmp_path / "cert.pem"), "--key", str(tmp_path / "cert.pem")]
+    refused = CliRunner().invoke(app, words)
+    assert refused.exit_code == 2
+    assert "contains no certificate in PEM format" in refused.output
