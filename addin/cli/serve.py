@@ -15,6 +15,7 @@ import typer
 
 from addin.cli.status import INTERNAL, USAGE, failed, failing_on
 from addin.server.configuration import configured
+from addin.server.dev_certificate import how_to_trust
 from addin.server.listening import address_of, sockets_of
 from addin.server.settings import Settings, SettingsError, check_certificate
 
@@ -45,6 +46,13 @@ def serve(
         typer.Option(metavar="path", help="Certificate chain in PEM, for HTTPS."),
     ] = None,
     key: Annotated[str | None, typer.Option(metavar="path", help="Its private key in PEM.")] = None,
+    dev_cert: Annotated[
+        bool | None,
+        typer.Option(
+            "--dev-cert",
+            help="HTTPS with a certificate made for this machine alone, to try the Office add-in.",
+        ),
+    ] = None,
     api_key_file: Annotated[
         str | None, typer.Option(metavar="path", help="File with the API keys, one per line.")
     ] = None,
@@ -96,6 +104,9 @@ def run(settings: Settings, sockets: Sequence[socket.socket]) -> None:
     class Server(uvicorn.Server):
         async def startup(self, sockets: Any = None) -> None:
             await super().startup(sockets)
+            if settings.is_dev and settings.certificate is not None:
+                trust = how_to_trust(settings.certificate)
+                LOG.info("Until this machine trusts the certificate, browsers warn: %s", trust)
             LOG.info("torsionbook is running on %s (Ctrl+C ends it)", address)
 
         def handle_exit(self, sig: int, frame: Any) -> None:

@@ -14,6 +14,7 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
+from addin.server.dev_certificate import dev_certificate, folder_of
 from addin.server.settings import Limits, Settings, SettingsError, flag_of, read_keys
 
 #: Before the names of settings and limits in the environment, and the table of limits in the file.
@@ -63,6 +64,14 @@ def _number(typed: Typed) -> float:
     return float(value)
 
 
+def _flag(typed: Typed) -> bool:
+    words = {"true": True, "1": True, "yes": True, "false": False, "0": False, "no": False}
+    value = words.get(str(typed.value).casefold())
+    if value is None:
+        raise SettingsError(f"{typed.place} is '{typed.value}'; write true or false.")
+    return value
+
+
 #: Every setting by its name in the file: how it is read. As a flag it has dashes, in the environment
 #: capitals behind `PREFIX`.
 OPTIONS: dict[str, Callable[[Typed], Any]] = {
@@ -70,6 +79,7 @@ OPTIONS: dict[str, Callable[[Typed], Any]] = {
     "port": _whole,
     "cert": _path,
     "key": _path,
+    "dev_cert": _flag,
     "api_key_file": _path,
     "public_url": _text,
     "workers": _whole,
@@ -123,6 +133,13 @@ def configured(
     values = {name: OPTIONS[name](given) for name, given in typed.items()}
     if "api_key_file" in values:
         values["api_key_file"] = read_keys(values["api_key_file"])
+    if values.pop("dev_cert", False):
+        if "cert" in values or "key" in values:
+            raise SettingsError(
+                f"{typed['dev_cert'].place} makes a certificate; leave cert and key out, or it."
+            )
+        values["cert"], values["key"] = dev_certificate(folder_of(environment))
+        values["is_dev"] = True
     return Settings(
         **{_INSIDE.get(name, name): value for name, value in values.items()},
         limits=Limits(**dict(_read_limits(typed_limits))),

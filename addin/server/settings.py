@@ -60,6 +60,7 @@ class Settings:
     keys: frozenset[str] = frozenset()  #: API keys; empty = none is asked for.
     certificate: Path | None = None  #: Certificate chain in PEM.
     certificate_key: Path | None = None  #: Its private key in PEM.
+    is_dev: bool = False  #: Whether that certificate is for this machine alone.
     #: Address users have in their browser, where a proxy stands in front; empty = as asked. [URL]
     public_url: str = ""
     #: Processes for long calculations.
@@ -81,6 +82,11 @@ class Settings:
             path = getattr(self, name)
             if path is not None and not path.is_file():
                 raise SettingsError(f"{self.place(name)}: file {path} not found. Check the path.")
+        if not self.is_loopback and self.is_dev:
+            raise SettingsError(
+                f"{self.place('host')} {self.host}: the certificate of --dev-cert is for this machine "
+                "alone. Keep 127.0.0.1, or give --cert and --key."
+            )
         if not self.is_loopback and self.certificate is None:
             raise SettingsError(
                 f"{self.place('host')} {self.host}: other machines can reach it; without encryption, data and API "
