@@ -3,32 +3,24 @@
 from __future__ import annotations
 
 import importlib.util
-import logging
 import os
 import socket
-import threading
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
 from addin.cli.status import INTERNAL, USAGE, failed, failing_on
 from addin.server.configuration import configured
-from addin.server.dev_certificate import how_to_trust
-from addin.server.listening import address_of, sockets_of
+from addin.server.listening import address_of, handed_over, sockets_of
 from addin.server.settings import Settings, SettingsError, check_certificate
 
 #: Whether the optional packages of the server are there.
 INSTALLED = all(map(importlib.util.find_spec, ("starlette", "uvicorn", "websockets")))
 if INSTALLED:
-    import uvicorn
-
     from addin.server.app import create_app
-
-LOG = logging.getLogger("uvicorn.error")
-#: How long calculations may go on once the server is asked to stop. [s]
-GRACE = 3
+    from addin.server.serving import Server
 
 
 def serve(
@@ -62,8 +54,36 @@ def serve(
             help="The address that users type, where a reverse proxy stands in front of the server."
         ),
     ] = None,
+    trusted_proxies: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ADDRESSES",
+            help="Addresses or networks of reverse proxies whose X-Forwarded-For is read. Beyond this "
+            "machine HTTP is then allowed, to them alone.",
+        ),
+    ] = None,
     workers: Annotated[
         int | None, typer.Option(help="Processes for starts; default: number of cores minus one.")
+    ] = None,
+    log_format: Annotated[
+        str | None,
+        typer.Option(metavar="text|json", help="How the log is written.", show_default="text"),
+    ] = None,
+    log_requests: Annotated[
+        bool | None, typer.Option("--log-requests", help="A line of the log for each request.")
+    ] = None,
+    drain: Annotated[
+        float | None,
+        typer.Option(
+            help="Seconds after SIGTERM in which all is still answered, while /readyz says that the server leaves.",
+            show_default="0",
+        ),
+    ] = None,
+    grace: Annotated[
+        float | None,
+        typer.Option(
+            help="Seconds that calls under way may go on when the server ends.", show_default="3"
+        ),
     ] = None,
     limit: Annotated[
         list[str] | None,
@@ -88,51 +108,18 @@ def serve(
     with failing_on(SettingsError, status=USAGE):
         settings = configured(flags, os.environ, limit or ())
         check_certificate(settings)
-        sockets = sockets_of(settings)
+        sockets = handed_over(settings, os.environ) or sockets_of(settings)
     run(settings, sockets)
 
 
 def run(settings: Settings, sockets: Sequence[socket.socket]) -> None:
-    """Serve until Ctrl+C."""
-    app = create_app(settings)
+    """Serve until the process is told to end."""
     address = address_of(settings, sockets[0].getsockname()[1])
-
-    def give_up() -> None:
-        for pool in app.state.pools:
-            pool.stop()
-
-    class Server(uvicorn.Server):
-        async def startup(self, sockets: Any = None) -> None:
-            await super().startup(sockets)
-            if settings.is_dev and settings.certificate is not None:
-                trust = how_to_trust(settings.certificate)
-                LOG.info("Until this machine trusts the certificate, browsers warn: %s", trust)
-            LOG.info("torsionbook is running on %s (Ctrl+C ends it)", address)
-
-        def handle_exit(self, sig: int, frame: Any) -> None:
-            """Answer calls that do not end in time while their connection is still there."""
-            timer = threading.Timer(GRACE, give_up)
-            timer.daemon = True
-            timer.start()
-            super().handle_exit(sig, frame)
-
-    config = uvicorn.Config(
-        app,
-        ssl_certfile=settings.certificate,
-        ssl_keyfile=settings.certificate_key,
-        ws_max_size=settings.limits.message,
-        ws_per_message_deflate=False,  # a few kB sent would be many MB here
-        proxy_headers=False,  # anybody can write them; the address of a proxy counts as one client
-        timeout_graceful_shutdown=GRACE + 3,
-        log_level="info",
-        access_log=False,  # a proxy keeps one; here it would cost as much as a short call
-        server_header=False,
-    )
-    server = Server(config)
     try:
+        server = Server(settings, create_app(settings), address)
         server.run(list(sockets))
     except KeyboardInterrupt:
-        pass
+        return
     except OSError as wrong:  # the password of the key, for one
         raise failed(f"The server cannot be started: {wrong}.", USAGE) from wrong
     if not server.started:

@@ -7,6 +7,7 @@ refusal names a setting as it was typed: ``--port``, ``TORSIONBOOK_PORT`` or ``p
 from __future__ import annotations
 
 import difflib
+import ipaddress
 import math
 import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -15,7 +16,8 @@ from pathlib import Path
 from typing import Any
 
 from addin.server.dev_certificate import dev_certificate, folder_of
-from addin.server.settings import Limits, Settings, SettingsError, flag_of, read_keys
+from addin.server.logs import FORMATS
+from addin.server.settings import Limits, Network, Settings, SettingsError, flag_of, read_keys
 
 #: Before the names of settings and limits in the environment, and the table of limits in the file.
 PREFIX, LIMIT_PREFIX, LIMITS = "TORSIONBOOK_", "TORSIONBOOK_LIMIT_", "limits"
@@ -72,6 +74,25 @@ def _flag(typed: Typed) -> bool:
     return value
 
 
+def _networks(typed: Typed) -> tuple[Network, ...]:
+    names = typed.value
+    if isinstance(names, str):
+        names = [name.strip() for name in names.split(",")]
+    try:
+        return tuple(ipaddress.ip_network(name) for name in names)
+    except (TypeError, ValueError):
+        raise SettingsError(
+            f"{typed.place} is '{typed.value}'; write addresses or networks, such as 10.0.0.5 or "
+            "10.0.0.0/24, separated by commas."
+        ) from None
+
+
+def _log_format(typed: Typed) -> str:
+    if typed.value not in FORMATS:
+        raise SettingsError(f"{typed.place} is '{typed.value}'; write {' or '.join(FORMATS)}.")
+    return str(typed.value)
+
+
 #: Every setting by its name in the file: how it is read. As a flag it has dashes, in the environment
 #: capitals behind `PREFIX`.
 OPTIONS: dict[str, Callable[[Typed], Any]] = {
@@ -82,7 +103,12 @@ OPTIONS: dict[str, Callable[[Typed], Any]] = {
     "dev_cert": _flag,
     "api_key_file": _path,
     "public_url": _text,
+    "trusted_proxies": _networks,
     "workers": _whole,
+    "drain": _number,
+    "grace": _number,
+    "log_format": _log_format,
+    "log_requests": _flag,
 }
 #: Names of the settings that are called otherwise inside.
 _INSIDE = {"cert": "certificate", "key": "certificate_key", "api_key_file": "keys"}

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import errno
+import ipaddress
 import os
 import socket
+from collections.abc import Mapping
 
-from addin.server.settings import Settings, SettingsError
+from addin.server.settings import Settings, SettingsError, flag_of
 
+#: Number of the first file that is handed over, as systemd has it.
+_FIRST_HANDED = 3
 #: How many ports beyond one in use are looked at for a free one. [count]
 NEARBY = 20
 
@@ -45,6 +49,28 @@ def sockets_of(settings: Settings) -> list[socket.socket]:
         port = sockets[0].getsockname()[1]
     if not sockets:
         raise SettingsError(_why(settings, OSError(errno.EADDRNOTAVAIL, "")))
+    return sockets
+
+
+def handed_over(settings: Settings, environment: Mapping[str, str]) -> list[socket.socket]:
+    """Sockets that the system has opened for this process and keeps over its restarts; none as a rule.
+
+    Raises
+    ------
+    SettingsError
+        If they are open to other machines, and the settings are for this one.
+    """
+    if environment.get("LISTEN_PID") != str(os.getpid()):
+        return []
+    number = int(environment.get("LISTEN_FDS", "0"))
+    sockets = [socket.socket(fileno=_FIRST_HANDED + k) for k in range(number)]
+    for one in sockets:
+        here = one.getsockname()[0]
+        if settings.is_loopback and not ipaddress.ip_address(here).is_loopback:
+            raise SettingsError(
+                f"The socket that was handed over listens on {here}, which other machines can reach. "
+                f"Give {flag_of('host')} {here}, and what belongs to it."
+            )
     return sockets
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ipaddress
 import os
 import ssl
 import sys
@@ -10,6 +11,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from urllib.parse import urlsplit
 
+#: Addresses of a network.
+Network = ipaddress.IPv4Network | ipaddress.IPv6Network
 #: Names of this machine that no other machine can reach.
 LOOPBACK = frozenset({"127.0.0.1", "localhost", "::1"})
 #: A body beyond this, or of a size not told, counts as large. [B]
@@ -41,6 +44,7 @@ class Limits:
     strangers_each: int = 8  #: The same of one address beyond this machine.
     #: Time for the body of a request to arrive, and a second more for every `BODY_RATE`. [s]
     body_time: float = 20.0
+    header_time: float = 10.0  #: Time for the headers of a request to arrive. [s]
     short_time: float = 60.0  #: Time for the short functions of one request. [s]
     long_time: float = 900.0  #: Time for one start or one workbook, from its beginning. [s]
 
@@ -63,6 +67,13 @@ class Settings:
     is_dev: bool = False  #: Whether that certificate is for this machine alone.
     #: Address users have in their browser, where a proxy stands in front; empty = as asked. [URL]
     public_url: str = ""
+    #: Reverse proxies whose word for the address of a client is taken.
+    trusted_proxies: tuple[Network, ...] = ()
+    log_format: str = "text"  #: How the log is written: text, or JSON a line. [word]
+    log_requests: bool = False  #: Whether each request has a line in it.
+    #: How long all is answered once the server is told to end, so that a balancer sends no more to it. [s]
+    drain: float = 0.0
+    grace: float = 3.0  #: How long calls under way may go on after that. [s]
     #: Processes for long calculations.
     workers: int = field(default_factory=lambda: max(1, min(4, (os.cpu_count() or 2) - 1)))
     limits: Limits = field(default_factory=Limits)  #: Limits.
@@ -87,11 +98,11 @@ class Settings:
                 f"{self.place('host')} {self.host}: the certificate of --dev-cert is for this machine "
                 "alone. Keep 127.0.0.1, or give --cert and --key."
             )
-        if not self.is_loopback and self.certificate is None:
+        if not self.is_loopback and self.certificate is None and not self.trusted_proxies:
             raise SettingsError(
                 f"{self.place('host')} {self.host}: other machines can reach it; without encryption, data and API "
-                "keys can be read in transit. Give --cert and --key, or keep 127.0.0.1 and use a "
-                "reverse proxy with HTTPS (docs/server.md)."
+                "keys can be read in transit. Give --cert and --key, or use a reverse proxy with "
+                "HTTPS and give its address with --trusted-proxies (docs/server.md)."
             )
         if not self.is_loopback and not self.keys:
             raise SettingsError(
@@ -102,6 +113,9 @@ class Settings:
             raise SettingsError(
                 f"{self.place('workers')} is {self.workers}; at least 1 process is needed."
             )
+        for name in ("drain", "grace"):
+            if getattr(self, name) < 0:
+                raise SettingsError(f"{self.place(name)} is below 0 s; it must not be.")
         if not 0 <= self.port <= 65535:
             raise SettingsError(
                 f"{self.place('port')} is {self.port}; it must lie between 0 and 65535."
@@ -113,6 +127,13 @@ class Settings:
             )
 
     @property
+    def peers(self) -> tuple[Network, ...]:
+        """Who may connect where nothing is encrypted beyond this machine; empty = anybody."""
+        if self.is_loopback or self.certificate is not None:
+            return ()
+        return (*self.trusted_proxies, *map(ipaddress.ip_network, ("127.0.0.1", "::1")))
+
+    @property
     def is_loopback(self) -> bool:
         """Whether only this machine can reach the server."""
         return self.host in LOOPBACK
@@ -121,14 +142,17 @@ class Settings:
         """Whether a request may be addressed to a name.
 
         A page of somebody else can make a browser send requests to a loopback address under a name
-        of its own; those are refused here. Beyond loopback the certificate does this.
+        of its own; those are refused here. Beyond loopback the certificate does this, and behind a proxy
+        the public URL.
         """
         try:
             host = urlsplit(f"//{name}").hostname or ""
         except ValueError:
             return False
         own = urlsplit(self.public_url).hostname
-        return not self.is_loopback or host in LOOPBACK or (own is not None and host == own)
+        if not self.is_loopback and not (self.peers and own):
+            return True
+        return host in LOOPBACK or (own is not None and host == own)
 
 
 #: Flags of settings that are called otherwise here.

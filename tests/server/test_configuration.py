@@ -63,6 +63,8 @@ def test_paths_of_a_file_begin_in_its_folder(tmp_path):
         ("port = ", {}, {}, (), "{file} is no TOML"),
         ("", {"TORSIONBOOK_PORT": "x"}, {}, (), "TORSIONBOOK_PORT is 'x'; write a whole number"),
         ("", {"TORSIONBOOK_WORKERS": "0"}, {}, (), "TORSIONBOOK_WORKERS is 0; at least 1"),
+        ("", {"TORSIONBOOK_LOG_FORMAT": "xml"}, {}, (), "TORSIONBOOK_LOG_FORMAT is 'xml'; write text or json"),
+        ("", {"TORSIONBOOK_GRACE": "-1"}, {}, (), "TORSIONBOOK_GRACE is below 0 s"),
         ("", {"TORSIONBOOK_PROT": "1"}, {}, (), "Is TORSIONBOOK_PORT meant?"),
         ("", {"TORSIONBOOK_LIMIT_BDY": "1"}, {}, (), "Is TORSIONBOOK_LIMIT_BODY meant?"),
         ("", {"TORSIONBOOK_LIMIT_BODY_TIME": "inf"}, {}, (), "write a number"),
