@@ -463,6 +463,15 @@ def test_the_description_names_every_route_and_no_other(client):
             assert methods[route.path] == route.methods - {"HEAD"}, route.path
 
 
+def test_the_description_is_valid_openapi(client):
+    validator = pytest.importorskip("openapi_spec_validator")
+    described = client.get("/openapi.json").json()
+    validator.validate(described)
+    del described["paths"]["/healthz"]["get"]["responses"]["200"]["description"]
+    with pytest.raises(jsonschema.ValidationError, match="description"):
+        validator.validate(described)
+
+
 def test_answers_are_as_described(client, handle):
     described = client.get("/openapi.json").json()
 
