@@ -12,16 +12,18 @@ DONE, WRONG_INPUT, USAGE, INTERNAL = 0, 1, 2, 3
 INTERRUPTED = 130
 
 
-def failed(sentence: str) -> typer.Exit:
+def failed(sentence: str, status: int = WRONG_INPUT) -> typer.Exit:
     """Print why a command fails, for the error stream; the exit is to be raised."""
     typer.echo(sentence, err=True)
-    return typer.Exit(WRONG_INPUT)
+    return typer.Exit(status)
 
 
 @contextmanager
-def failing_on(*kinds: type[Exception], about: object = "") -> Iterator[None]:
+def failing_on(
+    *kinds: type[Exception], about: object = "", status: int = WRONG_INPUT
+) -> Iterator[None]:
     """End the command with the sentence of an exception of one of these kinds."""
     try:
         yield
     except kinds as wrong:
-        raise failed(f"{about}: {wrong}" if about else str(wrong)) from wrong
+        raise failed(f"{about}: {wrong}" if about else str(wrong), status) from wrong

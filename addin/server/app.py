@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager, closing
 
@@ -18,12 +19,18 @@ from addin.server import office, uploads
 from addin.server.answers import Refused, answer, encoded
 from addin.server.bodies import read_json, while_connected
 from addin.server.calls import Asked, Calls, read_calls
+from addin.server.keys import Keys
+from addin.server.leaving import Leaving
+from addin.server.metrics import MEDIA, Metrics
 from addin.server.openapi import document
+from addin.server.policies import ADD_IN_PAGE, NO_PAGE, PAGE, headers_with
 from addin.server.processes import Work
 from addin.server.requests import RequestGuard
 from addin.server.running_starts import Starts
 from addin.server.settings import Settings
 from addin.server.stream import Stream
+from addin.workers.processes import most_resident
+from addin.worksheet.models import MODELS
 
 #: Files of the page: name → media type.
 FILES = {
@@ -35,11 +42,6 @@ FILES = {
 }
 #: The script of the Office host: the one file that does not come from this server.
 OFFICE_JS = b'<script src="https://appsforoffice.microsoft.com/lib/1/hosted/office.js"></script>'
-HEADERS = {
-    "Cache-Control": "no-cache",
-    "X-Content-Type-Options": "nosniff",
-    "Referrer-Policy": "no-referrer",
-}
 
 Answer = Callable[[Request], Awaitable[Response]]
 
@@ -47,11 +49,22 @@ Answer = Callable[[Request], Awaitable[Response]]
 def create_app(settings: Settings) -> Starlette:
     """The server as an ASGI application."""
     limits = settings.limits
-    work = Work(settings.workers, limits.waiting, limits.long_time)
+    metrics = Metrics(product_version())
+    keys, leaving = Keys(settings), Leaving()
+    work = Work(settings.workers, limits.waiting, limits.long_time, metrics)
     # a page that shows a workbook does not wait for a start
-    reading = Work(1, limits.waiting, limits.short_time)
+    reading = Work(1, limits.waiting, limits.short_time, metrics)
     starts = Starts(work)
-    calls = Calls(starts, limits)
+    calls = Calls(starts, limits, metrics)
+    metrics.gauges += [
+        ("calculations_waiting", "gauge", "Calculations that wait.", lambda: work.waiting() + reading.waiting()),
+        ("models", "gauge", "Models in memory.", lambda: MODELS.count),
+        ("results_bytes", "gauge", "Memory of results.", lambda: MODELS.memory),
+        ("wrong_keys_total", "counter", "Wrong API keys.", lambda: keys.wrong),
+        ("unseen_keys_total", "counter", "API keys refused unseen.", lambda: keys.unseen),
+        ("memory_bytes", "gauge", "Largest resident memory of the server process.", most_resident),
+        ("processor_seconds_total", "counter", "Processor time of the server process.", time.process_time),
+    ]  # fmt: skip
 
     async def batch(request: Request) -> Response:
         content, size = await read_json(request, limits.body, limits.body_time)
@@ -83,10 +96,18 @@ def create_app(settings: Settings) -> Starlette:
         for pool in (work, reading):
             pool.close()
 
+    async def ready(request: Request) -> Response:
+        if leaving.has_begun:
+            raise Refused(503, "The server is being stopped. Ask another.")
+        return _file(encoded({"ok": True}), "application/json")
+
+    async def counted(request: Request) -> Response:
+        return Response(metrics.text(), media_type=MEDIA, headers=headers_with())
+
     about = {"name": "torsionbook", "version": product_version()}
     constant = {
-        "": (_page(b""), "text/html"),
-        "taskpane.html": (_page(OFFICE_JS), "text/html"),
+        "": (_page(b""), "text/html", PAGE),
+        "taskpane.html": (_page(OFFICE_JS), "text/html", ADD_IN_PAGE),
         "functions.js": (office.functions_script(), "text/javascript"),
         "functions.json": (encoded(office.functions_json()), "application/json"),
         "openapi.json": (encoded(document()), "application/json"),
@@ -102,13 +123,17 @@ def create_app(settings: Settings) -> Starlette:
             Route("/api/v1/open-workbook", open_workbook, methods=["POST"]),
             WebSocketRoute("/api/v1/stream", stream),
             Route("/manifest.xml", manifest),
+            Route("/metrics", counted),
+            Route("/readyz", ready),
             *(Route(f"/{path}", _constant(*what)) for path, what in constant.items()),
         ],
-        middleware=[Middleware(RequestGuard, settings=settings)],
+        middleware=[
+            Middleware(RequestGuard, settings=settings, keys=keys, metrics=metrics, leaving=leaving)
+        ],
         exception_handlers={HTTPException: _no_such_thing, Refused: _refused},
         lifespan=running,
     )
-    app.state.pools = (work, reading)
+    app.state.pools, app.state.leaving = (work, reading), leaving
     return app
 
 
@@ -117,15 +142,15 @@ def _page(office_js: bytes) -> bytes:
     return office.static("taskpane.html").replace(b"<!-- the Office host -->", office_js)
 
 
-def _constant(content: bytes, media_type: str) -> Answer:
+def _constant(content: bytes, media_type: str, policy: str = NO_PAGE) -> Answer:
     async def respond(request: Request) -> Response:
-        return _file(content, media_type)
+        return _file(content, media_type, policy)
 
     return respond
 
 
-def _file(content: bytes, media_type: str) -> Response:
-    return Response(content, media_type=media_type, headers=HEADERS)
+def _file(content: bytes, media_type: str, policy: str = NO_PAGE) -> Response:
+    return Response(content, media_type=media_type, headers=headers_with(policy))
 
 
 async def _no_such_thing(request: Request, wrong: Exception) -> Response:

@@ -15,6 +15,7 @@ from functools import partial
 from typing import Any
 
 from addin.server.answers import Refused, encoded
+from addin.server.metrics import CALLS, Metrics
 from addin.server.processes import Busy, TooLong
 from addin.server.running_starts import Starts, Tell
 from addin.server.settings import OURS, Limits
@@ -224,10 +225,13 @@ class Calls:
         Where starts come from.
     limits : Limits
         Limits of one request.
+    metrics : Metrics, optional
+        Counts them.
     """
 
-    def __init__(self, starts: Starts, limits: Limits) -> None:
+    def __init__(self, starts: Starts, limits: Limits, metrics: Metrics | None = None) -> None:
         self._starts = starts
+        self._metrics = metrics
         self._limits = limits
         self._unsent = _Unsent()
         self._short = ThreadPoolExecutor(SHORT_THREADS, "short")
@@ -282,6 +286,10 @@ class Calls:
         )
         for part in parts:
             answers |= part
+        if self._metrics is not None:
+            for i, each in enumerate(calls):
+                name = each.name if each.name in FUNCTIONS else "unknown"
+                self._metrics.count(CALLS, name, _end(answers[i]))
         return [answers[i] for i in range(len(calls))]
 
     async def encoded(self, content: Any) -> bytes:
@@ -354,6 +362,13 @@ class Calls:
                 f"The calls of this request took longer than {seconds}. Send fewer calls at a time."
             )
         return f"The server was busy: this call waited {seconds}. Try again in a minute."
+
+
+def _end(found: Answer) -> str:
+    """What an answer is, in the words of `CALLS`."""
+    if "error" not in found:
+        return "value"
+    return "busy" if found["error"].get("busy") else "error"
 
 
 def _answer(wanted: Call, room: UnsentCells) -> Answer:

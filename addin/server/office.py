@@ -70,7 +70,18 @@ def functions_script() -> bytes:
 
 
 def manifest(base: str) -> bytes:
-    """The add-in's manifest for a server at an address, after Microsoft's add-in only XML."""
+    """The add-in's manifest for a server at an address, after Microsoft's add-in only XML.
+
+    Over HTTP it begins with a remark: Office does not load it.
+    """
     numbers = (re.findall(r"\d+", product_version()) + ["0"] * 4)[:4]
     page = static("manifest.xml").replace(b"the version", ".".join(numbers).encode())
+    if not base.startswith("https:"):
+        first, line, rest = page.partition(b"\n")
+        page = first + line + _NOT_ENCRYPTED + rest
     return page.replace(b"the address", escape(base, {'"': "&quot;"}).encode())
+
+
+_NOT_ENCRYPTED = b"""<!-- Office loads add-ins over HTTPS only, so not this one. Start the server with a certificate, or with
+     the public URL of an HTTPS proxy, and fetch the manifest again. -->
+"""

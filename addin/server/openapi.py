@@ -73,7 +73,14 @@ def document() -> dict[str, Any]:
             "/taskpane.html": {"get": _get("Page of the Office add-in.", "text/html")},
             "/": {"get": _get("Page for the browser.", "text/html")},
             "/openapi.json": {"get": _get("This description.", JSON)},
+            "/metrics": {
+                "get": {
+                    **_get("What the server counts, for Prometheus.", "text/plain"),
+                    "security": [{}, {"key": []}, {"bearer": []}],
+                }
+            },
             "/healthz": {"get": _get("Whether the server answers.", JSON, "Health")},
+            "/readyz": {"get": _get("Whether it takes further clients.", JSON, "Health")},
             "/version": {"get": _get("Name and version.", JSON, "Version")},
         },
         "components": {

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import logging
+import time
+from concurrent.futures import CancelledError, Future
+from functools import partial
 from typing import Any
 
 from addin.server import tasks
+from addin.server.metrics import TASK_TIME, TASKS, Metrics
 from addin.server.settings import OURS
-from addin.workers.pool import Closed, Died, Job, Pool, Task, TimeIsUp
+from addin.workers.pool import Closed, Died, GivenUp, Job, Pool, Task, TimeIsUp
 from addin.worksheet.models import OWNER
 from addin.worksheet.registry import FunctionError
 
@@ -20,12 +24,30 @@ CLIENTS = 4
 STOPPING = "The server is being stopped. Try again in a minute."
 
 
+def _end(future: Future[Any]) -> str:
+    """What became of a task, in the words of `TASKS`."""
+    wrong = CancelledError() if future.cancelled() else future.exception()
+    if wrong is None:
+        return "done"
+    for kinds, word in _ENDS:
+        if isinstance(wrong, kinds):
+            return word
+    return "failed"
+
+
 class Busy(Exception):
     """No more calculations can wait; the sentence says so."""
 
 
 class TooLong(Exception):
     """A calculation took longer than allowed; the sentence says so."""
+
+
+_ENDS: tuple[tuple[tuple[type[BaseException], ...], str], ...] = (
+    ((CancelledError, GivenUp, Busy), "cancelled"),
+    ((FunctionError,), "refused"),
+    ((TooLong,), "stopped"),
+)
 
 
 class Work(Pool):
@@ -39,10 +61,15 @@ class Work(Pool):
         How many tasks of one client may wait; `CLIENTS` times as many of all. [count]
     time_limit : float
         Longest time of one task, waiting not counted. [s]
+    metrics : Metrics, optional
+        Counts them.
     """
 
-    def __init__(self, processes: int, waiting: int, time_limit: float) -> None:
+    def __init__(
+        self, processes: int, waiting: int, time_limit: float, metrics: Metrics | None = None
+    ) -> None:
         super().__init__(processes, tasks.load, MOST_MEMORY)
+        self._metrics = metrics
         self._most = waiting
         self._time_limit = time_limit
         self._queue: list[Job] = []
@@ -78,7 +105,18 @@ class Work(Pool):
             )
         )
         self._queue.append(job)
+        if self._metrics is not None:
+            job.future.add_done_callback(partial(self._count, name, time.monotonic()))
         return job
+
+    def waiting(self) -> int:
+        """Tasks that wait for a process. [count]"""
+        return sum(job.waits for job in self._queue)
+
+    def _count(self, name: str, began: float, future: Future[Any]) -> None:
+        assert self._metrics is not None
+        self._metrics.count(TASKS, name, _end(future))
+        self._metrics.took(TASK_TIME, time.monotonic() - began, name)
 
     def _result(self, job: Job) -> Any:
         """The result of a job, or why there is none in the server's words; see `Pool`."""

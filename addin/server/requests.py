@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import re
+import secrets
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -13,7 +16,11 @@ from starlette.datastructures import Headers
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from addin.server.answers import Refused, too_busy, too_large
-from addin.server.keys import is_key, key_of, no_key
+from addin.server.keys import Keys, key_of, no_key
+from addin.server.leaving import Leaving
+from addin.server.logs import REQUEST
+from addin.server.logs import REQUESTS as LOG_OF_REQUESTS
+from addin.server.metrics import REQUEST_TIME, REQUESTS, Metrics
 from addin.server.settings import LARGE, LOOPBACK, OURS, Settings
 from addin.worksheet.models import OWNER
 
@@ -62,12 +69,34 @@ class RequestGuard:
     app : ASGI application
         What is guarded.
     settings : Settings
-        Keys and limits.
+        Limits.
+    keys : Keys
+        Knows whose requests are answered.
+    metrics : Metrics
+        Counts what is answered.
+    leaving : Leaving
+        How far the server is with leaving.
     """
 
-    def __init__(self, app: ASGIApp, settings: Settings) -> None:
+    def __init__(
+        self,
+        app: ASGIApp,
+        settings: Settings,
+        keys: Keys,
+        metrics: Metrics,
+        leaving: Leaving,
+    ) -> None:
         self._app = app
         self._settings = settings
+        self._keys = keys
+        self._metrics = metrics
+        self._leaving = leaving
+        self._sockets = 0
+        self._routes: set[str] = set()
+        metrics.gauges += [
+            ("requests", "gauge", "Requests being answered.", lambda: self._answering),
+            ("sockets", "gauge", "WebSockets.", lambda: self._sockets),
+        ]
         self._answering = 0
         self._large = 0
         #: WebSockets without a key, the oldest first.
@@ -78,37 +107,65 @@ class RequestGuard:
         if scope["type"] not in ("http", "websocket"):
             await self._app(scope, receive, send)
             return
-        begun = False
+        begun, status, began = False, 0, time.monotonic()
+        address = (scope.get("client") or ("",))[0]
+        identity = _identity(Headers(scope=scope).get("x-request-id", ""))
+        REQUEST.set(identity)
 
         async def note(message: Message) -> None:
-            nonlocal begun
+            nonlocal begun, status
             begun = True
+            if message["type"] == "http.response.start":
+                status = message["status"]
+                more = [(b"x-request-id", identity.encode())]
+                if self._leaving.has_begun:
+                    more.append((b"connection", b"close"))
+                message = {**message, "headers": [*message.get("headers", ()), *more]}
             await send(message)
 
+        self._sockets += scope["type"] == "websocket"
         try:
-            is_large, key = self._check(scope)
-            address = (scope.get("client") or ("",))[0]
+            is_large, key = self._check(scope, address)
             OWNER.set(f"{key or ''}@{address}")
-            if scope["type"] == "http" and scope["path"] == "/healthz":
+            if scope["type"] == "http" and scope["path"] in ("/healthz", "/readyz"):
                 await self._app(scope, receive, note)
-            elif scope["type"] == "websocket" and not is_key(self._settings, key):
+            elif scope["type"] == "websocket" and not self._keys.admits(key, address):
                 await self._at_the_door(scope, receive, note, address)
             else:
                 self._not_too_many()
                 self._answering += 1
                 self._large += is_large
                 try:
-                    await self._app({**scope, "reading": self._reading}, receive, note)
+                    more = {"reading": self._reading, "leaving": self._leaving}
+                    await self._app({**scope, **more}, receive, note)
                 finally:
                     self._answering -= 1
                     self._large -= is_large
         except Refused as wrong:
             if not begun:
-                await _refuse(wrong, scope, receive, send)
+                await _refuse(wrong, scope, receive, note)
         except Exception:
             LOG.exception("%s failed", scope.get("path"))
             if not begun:
-                await _refuse(Refused(500, OURS), scope, receive, send)
+                await _refuse(Refused(500, OURS), scope, receive, note)
+        finally:
+            self._sockets -= scope["type"] == "websocket"
+            self._told(scope, status, time.monotonic() - began, address)
+
+    def _told(self, scope: Scope, status: int, seconds: float, address: str) -> None:
+        """Count a request that has ended, and log it."""
+        path = scope["path"]
+        method = scope.get("method", "WEBSOCKET")
+        if scope["type"] == "http":
+            if not self._routes:
+                self._routes = {route.path for route in scope["app"].routes}
+            # whatever else is asked for counts as one: nobody makes new ones by asking
+            route = path if path in self._routes else "other"
+            self._metrics.count(REQUESTS, route, str(status))
+            self._metrics.took(REQUEST_TIME, seconds, route)
+        about = {"method": method, "path": path[:200], "status": status, "seconds": round(seconds, 4), "address": address}  # fmt: skip
+        words = "%s %s: %d after %.3f s, for %s"
+        LOG_OF_REQUESTS.info(words, method, path[:200], status, seconds, address, extra=about)
 
     async def _at_the_door(self, scope: Scope, receive: Receive, send: Send, address: str) -> None:
         """A WebSocket that has to send its key: it has little time, and makes room for the next."""
@@ -121,7 +178,8 @@ class RequestGuard:
             self._turn_away(self._doors[0])
         self._doors.append(door)
         try:
-            await self._app({**scope, "door": door, "reading": self._reading}, receive, send)
+            more = {"door": door, "keys": self._keys, "reading": self._reading}
+            await self._app({**scope, **more, "leaving": self._leaving}, receive, send)
         finally:
             if door in self._doors:
                 self._doors.remove(door)
@@ -154,7 +212,7 @@ class RequestGuard:
         if self._answering >= self._settings.limits.requests:
             raise too_busy(f"{self._settings.limits.requests} requests")
 
-    def _check(self, scope: Scope) -> tuple[bool, str | None]:
+    def _check(self, scope: Scope, address: str) -> tuple[bool, str | None]:
         """Refuse a request at its door, or tell whether its body is large, and its key."""
         headers, settings = Headers(scope=scope), self._settings
         host = headers.get("host", "")
@@ -172,8 +230,8 @@ class RequestGuard:
         given = key_of(headers)
         length = headers.get("content-length", "0")
         size = int(length[:20]) if length.isdecimal() else 0
-        if scope["type"] == "http" and scope["path"].startswith("/api/"):
-            if not is_key(settings, given):
+        if scope["type"] == "http" and scope["path"].startswith(("/api/", "/metrics")):
+            if not self._keys.admits(given, address):
                 raise Refused(401, no_key(given), {"WWW-Authenticate": "Bearer"})
             if size > settings.limits.body:
                 raise too_large(settings.limits.body)
@@ -188,6 +246,11 @@ class RequestGuard:
             return urlsplit(origin).netloc in own - {""}
         except ValueError:
             return False
+
+
+def _identity(given: str) -> str:
+    """The identity of a request: what a proxy has called it, or a new one."""
+    return given if re.fullmatch(r"[\w.-]{1,64}", given, re.ASCII) else secrets.token_hex(8)
 
 
 async def _refuse(wrong: Refused, scope: Scope, receive: Receive, send: Send) -> None:

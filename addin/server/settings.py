@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import ipaddress
 import os
 import ssl
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from urllib.parse import urlsplit
 
+#: Addresses of a network.
+Network = ipaddress.IPv4Network | ipaddress.IPv6Network
 #: Names of this machine that no other machine can reach.
 LOOPBACK = frozenset({"127.0.0.1", "localhost", "::1"})
 #: A body beyond this, or of a size not told, counts as large. [B]
@@ -41,6 +44,7 @@ class Limits:
     strangers_each: int = 8  #: The same of one address beyond this machine.
     #: Time for the body of a request to arrive, and a second more for every `BODY_RATE`. [s]
     body_time: float = 20.0
+    header_time: float = 10.0  #: Time for the headers of a request to arrive. [s]
     short_time: float = 60.0  #: Time for the short functions of one request. [s]
     long_time: float = 900.0  #: Time for one start or one workbook, from its beginning. [s]
 
@@ -60,40 +64,74 @@ class Settings:
     keys: frozenset[str] = frozenset()  #: API keys; empty = none is asked for.
     certificate: Path | None = None  #: Certificate chain in PEM.
     certificate_key: Path | None = None  #: Its private key in PEM.
+    is_dev: bool = False  #: Whether that certificate is for this machine alone.
     #: Address users have in their browser, where a proxy stands in front; empty = as asked. [URL]
     public_url: str = ""
+    #: Reverse proxies whose word for the address of a client is taken.
+    trusted_proxies: tuple[Network, ...] = ()
+    log_format: str = "text"  #: How the log is written: text, or JSON a line. [word]
+    log_requests: bool = False  #: Whether each request has a line in it.
+    #: How long all is answered once the server is told to end, so that a balancer sends no more to it. [s]
+    drain: float = 0.0
+    grace: float = 3.0  #: How long calls under way may go on after that. [s]
     #: Processes for long calculations.
     workers: int = field(default_factory=lambda: max(1, min(4, (os.cpu_count() or 2) - 1)))
     limits: Limits = field(default_factory=Limits)  #: Limits.
+    #: Where settings were typed, by their names here; those not in it count as flags. [words]
+    places: Mapping[str, str] = field(default_factory=dict, compare=False)
+
+    def place(self, name: str) -> str:
+        """Where a setting was typed, for a sentence that refuses it."""
+        return self.places.get(name) or flag_of(_FLAGS.get(name, name))
 
     def __post_init__(self) -> None:
         if (self.certificate is None) != (self.certificate_key is None):
             raise SettingsError(
                 "HTTPS needs a certificate and its private key: give both --cert and --key."
             )
-        for path in (self.certificate, self.certificate_key):
+        for name in ("certificate", "certificate_key"):
+            path = getattr(self, name)
             if path is not None and not path.is_file():
-                raise SettingsError(f"File {path} not found. Check the path.")
-        if not self.is_loopback and self.certificate is None:
+                raise SettingsError(f"{self.place(name)}: file {path} not found. Check the path.")
+        if not self.is_loopback and self.is_dev:
             raise SettingsError(
-                f"Other machines can reach the host {self.host}; without encryption, data and API "
-                "keys can be read in transit. Give --cert and --key, or keep 127.0.0.1 and use a "
-                "reverse proxy with HTTPS (docs/server.md)."
+                f"{self.place('host')} {self.host}: the certificate of --dev-cert is for this machine "
+                "alone. Keep 127.0.0.1, or give --cert and --key."
+            )
+        if not self.is_loopback and self.certificate is None and not self.trusted_proxies:
+            raise SettingsError(
+                f"{self.place('host')} {self.host}: other machines can reach it; without encryption, data and API "
+                "keys can be read in transit. Give --cert and --key, or use a reverse proxy with "
+                "HTTPS and give its address with --trusted-proxies (docs/server.md)."
             )
         if not self.is_loopback and not self.keys:
             raise SettingsError(
-                f"Other machines can reach the host {self.host}; without API keys anyone there can "
+                f"{self.place('host')} {self.host}: other machines can reach it; without API keys anyone there can "
                 "use this machine. Give --api-key-file with one key per line."
             )
         if self.workers < 1:
-            raise SettingsError(f"--workers is {self.workers}; at least 1 process is needed.")
+            raise SettingsError(
+                f"{self.place('workers')} is {self.workers}; at least 1 process is needed."
+            )
+        for name in ("drain", "grace"):
+            if getattr(self, name) < 0:
+                raise SettingsError(f"{self.place(name)} is below 0 s; it must not be.")
         if not 0 <= self.port <= 65535:
-            raise SettingsError(f"--port is {self.port}; it must lie between 0 and 65535.")
+            raise SettingsError(
+                f"{self.place('port')} is {self.port}; it must lie between 0 and 65535."
+            )
         if self.public_url and not _is_address(self.public_url):
             raise SettingsError(
-                f"--public-url is '{self.public_url}'; write an address such as "
+                f"{self.place('public_url')} is '{self.public_url}'; write an address such as "
                 "https://torsion.example.com."
             )
+
+    @property
+    def peers(self) -> tuple[Network, ...]:
+        """Who may connect where nothing is encrypted beyond this machine; empty = anybody."""
+        if self.is_loopback or self.certificate is not None:
+            return ()
+        return (*self.trusted_proxies, *map(ipaddress.ip_network, ("127.0.0.1", "::1")))
 
     @property
     def is_loopback(self) -> bool:
@@ -104,14 +142,26 @@ class Settings:
         """Whether a request may be addressed to a name.
 
         A page of somebody else can make a browser send requests to a loopback address under a name
-        of its own; those are refused here. Beyond loopback the certificate does this.
+        of its own; those are refused here. Beyond loopback the certificate does this, and behind a proxy
+        the public URL.
         """
         try:
             host = urlsplit(f"//{name}").hostname or ""
         except ValueError:
             return False
         own = urlsplit(self.public_url).hostname
-        return not self.is_loopback or host in LOOPBACK or (own is not None and host == own)
+        if not self.is_loopback and not (self.peers and own):
+            return True
+        return host in LOOPBACK or (own is not None and host == own)
+
+
+#: Flags of settings that are called otherwise here.
+_FLAGS = {"certificate": "cert", "certificate_key": "key", "keys": "api_key_file"}
+
+
+def flag_of(name: str) -> str:
+    """The flag of a setting."""
+    return f"--{name.replace('_', '-')}"
 
 
 def _is_address(url: str) -> bool:
@@ -134,6 +184,7 @@ def check_certificate(settings: Settings) -> None:
     chain, key = settings.certificate, settings.certificate_key
     if chain is None or key is None:
         return
+    cert_place, key_place = settings.place("certificate"), settings.place("certificate_key")
     try:
         text = {path: path.read_text("ascii", "replace") for path in (chain, key)}
     except OSError as wrong:
@@ -144,11 +195,11 @@ def check_certificate(settings: Settings) -> None:
     marks = "BEGIN CERTIFICATE", "PRIVATE KEY"
     if marks[0] not in text[chain] and marks[0] in text[key]:
         raise SettingsError(
-            f"--cert {chain} contains no certificate, but --key {key} does: swap them."
+            f"{cert_place} {chain} contains no certificate, but {key_place} {key} does: swap them."
         )
-    for option, path, mark in zip(("--cert", "--key"), (chain, key), marks, strict=True):
+    for option, path, mark in zip((cert_place, key_place), (chain, key), marks, strict=True):
         if mark not in text[path]:
-            what = "certificate" if option == "--cert" else "private key"
+            what = "certificate" if path == chain else "private key"
             raise SettingsError(
                 f"{option} {path} contains no {what} in PEM format (-----BEGIN ...-----)."
             )
@@ -156,7 +207,7 @@ def check_certificate(settings: Settings) -> None:
         if sys.stdin is not None and sys.stdin.isatty():
             return  # its password is asked for when the server starts
         raise SettingsError(
-            f"--key {key} is encrypted, and there is no terminal to enter its password. Use an "
+            f"{key_place} {key} is encrypted, and there is no terminal to enter its password. Use an "
             "unencrypted key: openssl pkey -in KEY -out NEW, and restrict its permissions to "
             "this service."
         )
@@ -169,7 +220,9 @@ def check_certificate(settings: Settings) -> None:
             if reason == "KEY_VALUES_MISMATCH"
             else f"they cannot be read ({reason})"
         )
-        raise SettingsError(f"--cert {chain} and --key {key} cannot be used: {why}.") from None
+        raise SettingsError(
+            f"{cert_place} {chain} and {key_place} {key} cannot be used: {why}."
+        ) from None
 
 
 def read_keys(path: Path) -> frozenset[str]:

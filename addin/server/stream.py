@@ -21,8 +21,9 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from addin.server.answers import Refused, encoded
 from addin.server.bodies import parsed
 from addin.server.calls import Asked, Calls, UnsentCells, error, is_large, read_call, refusal
-from addin.server.keys import is_key, key_of
-from addin.server.processes import Busy, TooLong
+from addin.server.keys import Keys
+from addin.server.leaving import Leaving
+from addin.server.processes import STOPPING, Busy, TooLong
 from addin.server.requests import PendingSocket
 from addin.server.running_starts import Starts
 from addin.server.settings import LARGE, OURS, Settings
@@ -52,6 +53,7 @@ class _Answering:
     room: UnsentCells
     has_turn: bool = False
     found: dict[str, Any] | None = None
+    is_counted: bool = False  #: The server does not end before its message is sent.
 
 
 Work = Callable[[_Answering], Awaitable[dict[str, Any]]]
@@ -80,6 +82,7 @@ class Stream:
         self._running: dict[Identity, asyncio.Task[None]] = {}
         self._out: asyncio.Queue[tuple[dict[str, Any], _Answering | None]] = asyncio.Queue()
         self._sent = asyncio.Event()
+        self._leaving: Leaving = socket.scope.get("leaving") or Leaving()
         self._turns = asyncio.Semaphore(MOST_VALUES)
 
     async def serve(self) -> None:
@@ -135,20 +138,22 @@ class Stream:
         if answering is None:
             return
         answering.room.close()
+        if answering.is_counted:
+            answering.is_counted = False
+            self._leaving.calls -= 1
         if answering.has_turn:
             answering.has_turn = False
             self._turns.release()
 
     async def _is_welcome(self) -> bool:
-        settings = self._settings
         door: PendingSocket | None = self._socket.scope.get("door")
-        if is_key(settings, key_of(self._socket.headers)):
+        keys: Keys | None = self._socket.scope.get("keys")
+        if door is None or keys is None:  # the guard has seen its key
             return True
         given = None
         try:
             async with asyncio.timeout(KEY_TIME) as limit:
-                if door is not None:
-                    door.wait(limit)
+                door.wait(limit)
                 first = await self._socket.receive()
             text = first.get("text")
             if text is not None and len(text) <= LONGEST_KEY:  # not even looked at beyond that
@@ -156,16 +161,15 @@ class Stream:
                 given = content.get("key") if isinstance(content, dict) else None
         except (TimeoutError, Refused):
             pass
-        if isinstance(given, str) and is_key(settings, given):
-            try:
-                if door is not None:
-                    door.enter(given)
+        try:
+            if isinstance(given, str) and keys.admits(given, door.address):
+                door.enter(given)
                 return True
-            except Refused as full:
-                await self._refuse(
-                    full.message, TRY_AGAIN, "The server is busy. Try again in a few seconds."
-                )
-                return False
+        except Refused as wait:
+            is_busy = wait.status == 503
+            reason = "The server is busy. Try again in a few seconds." if is_busy else wait.message
+            await self._refuse(wait.message, TRY_AGAIN if is_busy else NO_KEY, reason)
+            return False
         wrong = isinstance(given, str) and given
         why = "The API key is not valid on this server" if wrong else "An API key is needed"
         await self._refuse(f'{why}: send {{"key": ...}} first.', NO_KEY, f"{why}.")
@@ -213,6 +217,8 @@ class Stream:
             task.cancel()
 
     def _begin(self, identity: Identity, message: dict[str, Any], size: int) -> None:
+        if self._leaving.is_closed:
+            raise Refused(503, STOPPING)
         if identity in self._running:
             raise Refused(400, f"The id {str(identity)[:40]} is in use. Use another.")
         most = self._settings.limits.streams
@@ -226,7 +232,8 @@ class Stream:
             work = partial(self._study, read_study(message))
         else:
             work = partial(self._call, message, size)
-        answering = _Answering(identity, self._calls.new_unsent_cells())
+        answering = _Answering(identity, self._calls.new_unsent_cells(), is_counted=True)
+        self._leaving.calls += 1
         task = asyncio.create_task(self._answer(answering, work))
         self._running[identity] = task
         # also of one that is cancelled before it begins

@@ -8,6 +8,7 @@ from __future__ import annotations
 import asyncio
 import logging
 import re
+import secrets
 from collections.abc import AsyncIterator, Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -44,8 +45,7 @@ async def recalculated(request: Request, work: Work, limits: Limits) -> Response
     body, name = await _sent(request, limits)
     _refuse_no_workbook(name)
     with temporary_folder() as folder:
-        # the name given may be one that no file can have: it only names what is sent back
-        inner = f"train{Path(name).suffix}"
+        inner = _inner(name)
         source, target = Path(folder, inner), Path(folder, f"out-{inner}")
         await asyncio.to_thread(source.write_bytes, body)
         problems, warnings = await _done(request, work, "workbook", (str(source), str(target)))
@@ -103,7 +103,7 @@ async def _lines(request: Request, work: Work, body: bytes, name: str) -> AsyncI
 async def _rectangles(work: Work, body: bytes, name: str, tell: Tell) -> dict[str, Any]:
     """The last line."""
     with temporary_folder() as folder:
-        inner = f"train{Path(name).suffix}"
+        inner = _inner(name)
         source, target = Path(folder, inner), Path(folder, f"out-{inner}")
         await asyncio.to_thread(source.write_bytes, body)
         try:
@@ -125,7 +125,7 @@ async def model_of(request: Request, work: Work, limits: Limits) -> Response:
     if name.endswith(".json"):
         _refuse_no_case(body)
     with temporary_folder() as folder:
-        inner = f"train{Path(name).suffix}"
+        inner = _inner(name)
         source = Path(folder, inner)
         await asyncio.to_thread(source.write_bytes, body)
         problems, warnings, case, system = await _done(request, work, "read", str(source))
@@ -143,6 +143,14 @@ async def model_of(request: Request, work: Work, limits: Limits) -> Response:
     return answer(
         {"model": model.handle, "units": model.system, "warnings": _clean(warnings, hidden)}
     )
+
+
+def _inner(name: str) -> str:
+    """What a file is called here: the name given may be one that no file can have.
+
+    Nobody has typed this one, so that sentences about the file get the name it has outside.
+    """
+    return f"{secrets.token_hex(8)}{Path(name).suffix}"
 
 
 async def _done(request: Request, work: Work, task: str, payload: Any) -> Any:
@@ -233,10 +241,10 @@ def _clean(sentences: Iterable[str], folder: TemporaryPaths) -> list[str]:
 
 
 def _without(text: Any, hidden: TemporaryPaths) -> Any:
-    """A sentence without the folder the file was worked on in; anything else as it is."""
+    """A sentence with the name of the file outside, without the folder it was worked on in."""
     if not isinstance(text, str):
         return text
     for slash in "/\\":
         text = text.replace(f"{hidden.folder}{slash}{hidden.inner}", hidden.name)
         text = text.replace(f"{hidden.folder}{slash}", "")
-    return text
+    return text.replace(f"out-{hidden.inner}", hidden.name).replace(hidden.inner, hidden.name)

@@ -263,6 +263,11 @@ class Models:
         self._drop(model)
 
     @property
+    def count(self) -> int:
+        """Models. [count]"""
+        return len(self._models)
+
+    @property
     def memory(self) -> int:
         """Memory of all results. [B]"""
         with self._lock:

@@ -49,6 +49,10 @@ def tab(browser, served):
     page = context.new_page()
     complaints = []
     page.on("pageerror", lambda failed: complaints.append(str(failed)))
+    page.on(
+        "console",
+        lambda said: "Content Security Policy" in said.text and complaints.append(said.text),
+    )
     yield page
     context.close()
     assert complaints == []

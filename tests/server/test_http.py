@@ -445,8 +445,10 @@ def test_wrong_cells_come_back_as_the_contract_says(client, tmp_path):
 @pytest.mark.parametrize("body", [b"PK\x03\x04nonsense", b"nonsense", b"{}", b"\x00" * 1000])
 def test_what_is_no_workbook_is_refused_without_our_folders(client, body):
     for path in ("/api/v1/workbook", "/api/v1/model"):
-        said = client.post(path, content=body)
+        said = client.post(path, params={"name": "Our pump.xlsx"}, content=body)
         assert said.status_code in (415, 422)
+        if body.startswith(b"PK"):
+            assert "Our pump.xlsx is " in said.json()["error"]["message"]
         assert tempfile.gettempdir() not in said.text
         assert said.json()["error"]["message"].endswith(".")
     assert "empty" in told(client.post("/api/v1/workbook", content=b""), 400)
@@ -509,6 +511,15 @@ def test_the_description_names_every_route_and_no_other(client):
     for route in client.app.routes:
         if route.path in methods:
             assert methods[route.path] == route.methods - {"HEAD"}, route.path
+
+
+def test_the_description_is_valid_openapi(client):
+    validator = pytest.importorskip("openapi_spec_validator")
+    described = client.get("/openapi.json").json()
+    validator.validate(described)
+    del described["paths"]["/healthz"]["get"]["responses"]["200"]["description"]
+    with pytest.raises(jsonschema.ValidationError, match="description"):
+        validator.validate(described)
 
 
 def test_answers_are_as_described(client, handle):

@@ -28,6 +28,7 @@ def public():
 def manifest(public):
     said = public.get("/manifest.xml")
     assert said.headers["Content-Type"].startswith("application/xml")
+    assert b"<!--" not in said.content
     return etree.fromstring(said.content)
 
 
@@ -89,7 +90,9 @@ def test_every_address_is_public_encrypted_and_answers(manifest, public):
 
 
 def test_without_a_public_address_it_is_that_of_the_request(client):
-    root = etree.fromstring(client.get("/manifest.xml").content)
+    content = client.get("/manifest.xml").content
+    root = etree.fromstring(content)
+    assert b"HTTPS only, so not this one" in content
     assert root.find(f"{APP}SupportUrl").get("DefaultValue").startswith("http://127.0.0.1:8765/")
 
 
