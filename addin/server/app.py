@@ -42,6 +42,8 @@ FILES = {
 }
 #: The script of the Office host: the one file that does not come from this server.
 OFFICE_JS = b'<script src="https://appsforoffice.microsoft.com/lib/1/hosted/office.js"></script>'
+#: What browsers may load for its pages.
+POLICIES = {"": PAGE, "taskpane.html": ADD_IN_PAGE}
 
 Answer = Callable[[Request], Awaitable[Response]]
 
@@ -106,8 +108,8 @@ def create_app(settings: Settings) -> Starlette:
 
     about = {"name": "torsionbook", "version": product_version()}
     constant = {
-        "": (_page(b""), "text/html", PAGE),
-        "taskpane.html": (_page(OFFICE_JS), "text/html", ADD_IN_PAGE),
+        "": (_page(b""), "text/html"),
+        "taskpane.html": (_page(OFFICE_JS), "text/html"),
         "functions.js": (office.functions_script(), "text/javascript"),
         "functions.json": (encoded(office.functions_json()), "application/json"),
         "openapi.json": (encoded(document()), "application/json"),
@@ -125,7 +127,10 @@ def create_app(settings: Settings) -> Starlette:
             Route("/manifest.xml", manifest),
             Route("/metrics", counted),
             Route("/readyz", ready),
-            *(Route(f"/{path}", _constant(*what)) for path, what in constant.items()),
+            *(
+                Route(f"/{path}", _constant(*what, POLICIES.get(path, NO_PAGE)))
+                for path, what in constant.items()
+            ),
         ],
         middleware=[
             Middleware(RequestGuard, settings=settings, keys=keys, metrics=metrics, leaving=leaving)

@@ -17,9 +17,11 @@ import pytest
 from messages import stream_of, until_stage, until_the_end
 from servers import ROOT, SLOW, outside, slow_case
 from sheet_ranges import TEMPLATES, model_arguments, with_conditions, with_event
+from typer.testing import CliRunner
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
+from addin.cli.app import app
 from addin.server.client import Client, Refusal
 from addin.server.processes import Busy, TooLong, Work
 from addin.server.running_starts import Starts, waited_for
@@ -315,7 +317,7 @@ def test_files_that_are_no_certificate_and_key_are_told(tmp_path, swapped, by_th
              "--cert", str(words[0]), "--key", str(words[1])],
             cwd=ROOT, capture_output=True, text=True, timeout=60, check=False,
         )  # fmt: skip
-        assert done.returncode == 1
+        assert done.returncode == 2
         assert told in done.stderr
         assert "Traceback" not in done.stderr
     text = tmp_path / "text.pem"
@@ -350,13 +352,10 @@ def test_settings_that_cannot_be_served_with(tmp_path):
 
 
 def test_the_command_refuses_in_a_sentence():
-    done = subprocess.run(
-        [sys.executable, "-m", "addin.cli", "serve", "--host", "0.0.0.0"],
-        cwd=ROOT, capture_output=True, text=True, timeout=60, check=False,
-    )  # fmt: skip
-    assert done.returncode == 1
-    assert "read in transit" in done.stderr
-    assert "Traceback" not in done.stderr
+    done = CliRunner().invoke(app, ["serve", "--host", "0.0.0.0"])
+    assert done.exit_code == 2
+    assert "read in transit" in done.output
+    assert "Traceback" not in done.output
 
 
 @pytest.mark.parametrize("text", ["", "# nothing\n", "short\n", "with a blank in the middle\n"])
