@@ -41,6 +41,8 @@ class Problem:
     message: str  #: The whole sentence: what is wrong and what to do.
     #: Quantities that `allowed` and `message` name beside `found`. [SI]
     quoted: tuple[Quoted, ...] = ()
+    #: Table that lacks a name, and the name: problems that share it have one cause.
+    missing: tuple[str, str] | None = None
 
 
 class TorsionError(Exception):

@@ -15,7 +15,14 @@ import numpy as np
 
 from addin.calculation.calculation import RunView
 from addin.charts.effects import event_rows, pull_in_rows, reversal_blocks, waiting_labels
-from addin.charts.limits import Drawn, history_rows, peak_rows, peak_shares
+from addin.charts.limits import (
+    Drawn,
+    Limit,
+    history_rows,
+    limit_of_torque,
+    peak_rows,
+    peak_shares,
+)
 from addin.charts.rows import Cell, Floats, Rows, decimate, plain, side_by_side
 from addin.contract.chart_tables import (
     CHART_TABLES,
@@ -36,8 +43,6 @@ from engine.fatigue.stress import stress_of_unit_torque
 from engine.model.links import shaft_stiffness
 from engine.model.sections import Section, sections_of, series_stiffness
 from engine.numerics.distinct import distinct
-from engine.results.verdicts import yield_torque
-from engine.start.start_fatigue import judged_shafts
 
 #: Most points of a drawn curve that has no spikes.
 _CURVE_POINTS = 401
@@ -467,48 +472,18 @@ def _governing_rows(
         return [[None] * 6], [[None, None] for _ in range(CROSSINGS)]
     time, torque = histories[name]
     value, words, axis = _drawn_quantity(case, name, torque, units)
-    [per_torque], _, _ = _drawn_quantity(case, name, np.ones(1), units)
-    drawn = Drawn(name, time, value, words, axis, float(per_torque))
-    return history_rows(run, drawn, _limit_of(case, run, drawn), labels)
+    drawn = Drawn(name, time, value, words, axis)
+    return history_rows(run, drawn, _shown_limit(case, run, units, name), labels)
 
 
 #: Columns of `ChartPeaks` of the start.
 _IN_START = frozenset({"Peak torque", "Reversing torque", "Shear stress"})
 
 
-def _limit_of(case: CaseData, run: RunView, drawn: Drawn) -> tuple[str, float, float] | None:
-    """The limit drawn beside a history, in its unit: of a damaged shaft endurance over SCF, else what is judged."""
-    element = next(e for e in case.elements if e.element == drawn.element)
-    amplitude, endurance = run.amplitudes.get(drawn.element, (0.0, 0.0))
-    if endurance and amplitude > endurance and element.stress_diameter:
-        words, torque = _endurance_torque(case, element)
-        return words, -drawn.per_torque * torque, drawn.per_torque * torque
-    peak, reversal = element.peak_torque_limit, element.reversal_limit
-    if peak:
-        lower = reversal if reversal is not None else peak
-        name = "peak torque limit" if reversal is None else "peak torque and reversal limits"
-        return name, -drawn.per_torque * lower, drawn.per_torque * peak
-    judged = yield_torque(case).get(drawn.element)
-    if judged is None:
-        return None
-    limit = drawn.per_torque * judged[1] / judged[0]
-    return "shear yield", -limit, limit
-
-
-def _endurance_torque(case: CaseData, element: ElementRow) -> tuple[str, float]:
-    """Torque amplitude of a shaft at its endurance limit, over SCF as typed or Kf of its notch, in words and in N m."""
-    strength = shaft_strength(case, element)
-    notch = "SCF" if strength.notch.fatigue == (element.scf or 1.0) else "Kf"
-    return f"endurance limit / {notch}", strength.curve.endurance / strength.local
-
-
 def history_limits(
     case: CaseData, units: ShownUnits, run: RunView, chosen: Sequence[str | None] = ()
-) -> list[tuple[str, float] | None]:
+) -> list[Limit | None]:
     """What each drawn history may reach, for lines in its picture.
-
-    Of a stress the endurance limit in torsion over SCF, which is for its alternating part, of a torque or tooth load
-    the element's Peak torque limit.
 
     Parameters
     ----------
@@ -523,29 +498,19 @@ def history_limits(
 
     Returns
     -------
-    list of ((str, float) or None)
-        Name and value of each, in the order of the histories; None where there is no limit. [shown units]
+    list of (Limit or None)
+        In the order of the histories; None where there is no limit. [shown units]
     """
-    elements = {e.element: e for e in case.elements}
-    fatigued = {e.element for _, e in judged_shafts(case)}
-    limits: list[tuple[str, float] | None] = []
-    for name in _drawn_elements(case, run.histories or {}, chosen):
-        element = elements.get(name)
-        if name is None or element is None:
-            limits.append(None)
-            continue
-        unit, words, _ = _drawn_quantity(case, name, np.ones(1), units)
-        if words == "nominal shear stress":
-            limit = None
-            if name in fatigued:
-                words, torque = _endurance_torque(case, element)
-                limit = (f"{words[0].upper()}{words[1:]} (alternating)", torque * float(unit[0]))
-        elif element.peak_torque_limit:
-            limit = ("Peak torque limit", element.peak_torque_limit * float(unit[0]))
-        else:
-            limit = None
-        limits.append(limit)
-    return limits
+    names = _drawn_elements(case, run.histories or {}, chosen)
+    return [None if name is None else _shown_limit(case, run, units, name) for name in names]
+
+
+def _shown_limit(case: CaseData, run: RunView, units: ShownUnits, name: str) -> Limit | None:
+    limit = limit_of_torque(case, run, name)
+    if limit is None:
+        return None
+    [lower, upper], _, _ = _drawn_quantity(case, name, np.array([limit.lower, limit.upper]), units)
+    return Limit(limit.words, float(lower), float(upper))
 
 
 def accuracy_block(rows: Iterable[Mapping[str, Any]]) -> Rows:

@@ -1,4 +1,4 @@
-"""The numbers behind two charts of sheet Summary: every peak over its limit, and the governing history with its limit."""
+"""Peaks over their limits, and the limit of a history: one rule for sheet Summary and the report."""
 
 from __future__ import annotations
 
@@ -13,7 +13,9 @@ from addin.charts.rows import Cell, Floats, Rows, decimate, plain, side_by_side,
 from addin.contract.chart_tables import CROSSINGS
 from engine.case.choices import StressBasis
 from engine.case.data import CaseData
+from engine.fatigue.shaft_strength import shaft_strength
 from engine.results.verdicts import yield_torque
+from engine.start.start_fatigue import judged_shafts
 
 #: Points of the curve of speed.
 _SPEED_POINTS = 61
@@ -35,7 +37,54 @@ class Drawn:
     value: Floats  #: [shown unit]
     words: str  #: What it is.
     axis: str  #: Title of its axis, with the unit.
-    per_torque: float  #: Shown value of a torque of one. [shown unit / N m]
+
+
+@dataclass(frozen=True)
+class Limit:
+    """What a history may reach, in the unit of the history."""
+
+    words: str  #: What the limit is.
+    lower: float  #: Zero or negative. [N m or shown unit]
+    upper: float  #: [N m or shown unit]
+
+
+def limit_of_torque(case: CaseData, run: RunView, name: str) -> Limit | None:
+    """The limit drawn in the history of an element: the first that it has of those that decide.
+
+    Parameters
+    ----------
+    case : CaseData
+        The inputs. [SI]
+    run : RunView
+        The results. [SI]
+    name : str
+        The element. [name]
+
+    Returns
+    -------
+    Limit or None
+        Of a shaft that the start damages its endurance limit, over SCF or Kf, which is for the alternating part; else
+        the Peak torque limit with the Reversal limit, the endurance limit all the same, the shear yield. [N m]
+    """
+    element = next(e for e in case.elements if e.element == name)
+    amplitude, endurance = run.amplitudes.get(name, (0.0, 0.0))
+    fatigue = None
+    if any(e is element for _, e in judged_shafts(case)):
+        strength = shaft_strength(case, element)
+        notch = "SCF" if strength.notch.fatigue == (element.scf or 1.0) else "Kf"
+        torque = strength.curve.endurance / strength.local
+        fatigue = Limit(f"endurance limit / {notch} (alternating)", -torque, torque)
+    if endurance and amplitude > endurance and fatigue is not None:
+        return fatigue
+    peak, reversal = element.peak_torque_limit, element.reversal_limit
+    if peak:
+        if reversal is None:
+            return Limit("peak torque limit", -peak, peak)
+        return Limit("peak torque and reversal limits", -reversal, peak)
+    judged = yield_torque(case).get(name)
+    if fatigue is None and judged is not None:
+        return Limit("shear yield", -judged[1] / judged[0], judged[1] / judged[0])
+    return fatigue
 
 
 def peak_shares(case: CaseData, run: RunView | None) -> dict[str, dict[str, float]]:
@@ -100,7 +149,7 @@ def peak_rows(case: CaseData, shares: Mapping[str, Mapping[str, float]]) -> Rows
 
 
 def history_rows(
-    run: RunView, drawn: Drawn, limit: tuple[str, float, float] | None, labels: dict[str, Cell]
+    run: RunView, drawn: Drawn, limit: Limit | None, labels: dict[str, Cell]
 ) -> tuple[Rows, Rows]:
     """Rows of `ChartGoverning` and of `ChartBulges`: history, speed and limit; and where the modes are named.
 
@@ -110,8 +159,8 @@ def history_rows(
         The results. [SI]
     drawn : Drawn
         The governing history.
-    limit : tuple of str and float, or None
-        What the limit is, its lower and its upper value. [shown unit]
+    limit : Limit or None
+        What it may reach. [shown unit]
     labels : dict
         Words of the charts; added to.
 
@@ -135,11 +184,10 @@ def history_rows(
         columns[2], columns[3] = plain(time[few]), plain(100.0 * speed[few] / synchronous)
     words = ""
     if limit is not None:
-        name, lower, upper = limit
         ends = [float(drawn.time[0]), float(drawn.time[-1])]
         columns[4] = [*plain(ends), None, *plain(ends)]
-        columns[5] = [*plain([upper, upper]), None, *plain([lower, lower])]
-        words = f"; dashed: {name}"
+        columns[5] = [*plain([limit.upper] * 2), None, *plain([limit.lower] * 2)]
+        words = f"; dashed: {limit.words}"
     labels["Governing title"] = f"{drawn.element}: {drawn.words}{words}"
     labels["Governing axis"] = drawn.axis
     bulges: Rows = [[None, None] for _ in range(CROSSINGS)]

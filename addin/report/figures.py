@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from addin.charts.limits import Limit
 from addin.contract.chart_tables import CHART_TABLES, GROUPS, HISTORIES
 from addin.contract.charts import CHARTS, ChartSpec, FirstCell, Label, Series, Words
 from addin.contract.palette import PALETTE, SPEED_GROUPS
@@ -118,7 +119,7 @@ class Pictures:
     )
     pixels: bool = False  #: Likewise.
     #: Limit of each history with its name, None where the element has none. [shown units]
-    limits: Sequence[tuple[str, float] | None] = ()
+    limits: Sequence[Limit | None] = ()
 
     # ---- the train -----------------------------------------------------------------------------
 
@@ -415,9 +416,7 @@ class Pictures:
             some = drawn[start : start + together]
             limits = [self._limit(name) for name in some]
 
-            def more(
-                axes: Sequence[Any], limits: Sequence[tuple[str, float] | None] = limits
-            ) -> None:
+            def more(axes: Sequence[Any], limits: Sequence[Limit | None] = limits) -> None:
                 self._percent_speed(axes[0], synchronous)
                 for ax, limit in zip(axes, limits, strict=True):
                     _limit_lines(ax, limit)
@@ -431,7 +430,7 @@ class Pictures:
             )
         return [picture for picture in pictures if picture is not None]
 
-    def _limit(self, name: str) -> tuple[str, float] | None:
+    def _limit(self, name: str) -> Limit | None:
         """The limit of a history by the name of its chart."""
         k = int(name.rpartition(" ")[2]) - 1
         return self.limits[k] if k < len(self.limits) else None
@@ -596,21 +595,27 @@ def _new(panels: int, height: float, sharex: bool = False) -> tuple[Drawing, lis
     return drawing, list(axes[:, 0])
 
 
-def _limit_lines(ax: Any, limit: tuple[str, float] | None) -> None:
-    """Lines at both signs of a limit with its name; in words alone where they would flatten the curve."""
+def _limit_lines(ax: Any, limit: Limit | None) -> None:
+    """Lines at both values of a limit with its name; in words alone where they would flatten the curve."""
     if limit is None:
         return
-    name, value = limit
-    ax.set_title(_short(ax.get_title(loc="left"), _TITLE - 42), loc="left")
+    name = f"{limit.words[0].upper()}{limit.words[1:]}"
     low, high = ax.get_ylim()
-    words = f"{name} ±{significant(value, 4)}"
-    if value > _FARTHEST * max(-low, high):
+    values = (
+        f"±{significant(limit.upper, 4)}"
+        if limit.upper == -limit.lower
+        else f"{significant(limit.upper, 4)} / {significant(limit.lower, 4)}"
+    )
+    words = f"{name} {values}"
+    if limit.upper > _FARTHEST * max(-low, high):
         words = f"{words} (beyond)"
     else:
-        room = 0.08 * value
-        ax.set_ylim(min(low, -value - room), max(high, value + room))
-        for y in (value, -value):
+        room = 0.08 * limit.upper
+        ax.set_ylim(min(low, limit.lower - room), max(high, limit.upper + room))
+        for y in (limit.upper, limit.lower):
             ax.axhline(y, color=PALETTE["fail_ink"], linewidth=0.9, linestyle="--")
+    room_left = _TITLE - max(42, len(words) + 4)
+    ax.set_title(_short(ax.get_title(loc="left"), room_left), loc="left")
     ax.set_title(
         words, loc="right", fontsize=_SMALLEST, fontweight="normal", color=PALETTE["fail_ink"]
     )

@@ -10,7 +10,6 @@ from engine.case.checks.problem import (
     NOT_NEGATIVE,
     POSITIVE,
     SCALARS,
-    STATION_NAME,
     Limit,
     each_row,
     has_possible_ratings,
@@ -47,7 +46,7 @@ def check_events(case: CaseData) -> Iterator[Problem]:
         elif row.event == TABLED_EVENT and case.torque_time and not case.torque_time_from_rest:
             allowed = "another name (table TorqueTime is the event of this name)"
             yield cells.wrong("Event", row.event, allowed, "Rename the event.")
-        yield from cells.name("Station", row.station, stations, STATION_NAME)
+        yield from cells.name("Station", row.station, stations, "Stations")
         if row.amplitude is None:
             yield cells.blank(
                 "Amplitude",

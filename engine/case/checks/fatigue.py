@@ -6,13 +6,13 @@ from collections.abc import Iterator
 from itertools import pairwise
 
 from engine.case.checks.problem import (
-    MATERIAL_NAME,
     POSITIVE,
     Allowed,
     Cells,
     Limit,
     check_names,
     each_row,
+    probably_meant,
     quote_quantity,
 )
 from engine.case.choices import (
@@ -74,13 +74,14 @@ def check_sn_points(case: CaseData) -> Iterator[Problem]:
     materials = {m.material for m in case.materials if m.material}
     curves: dict[str, list[tuple[Cells, float, float]]] = {}
     for cells, p in each_row("SNPoints", case.sn_points):
-        yield from cells.name("Material", p.material, materials, MATERIAL_NAME)
+        yield from cells.name("Material", p.material, materials, "Materials")
         for limit, value in zip(POINT_NUMBERS, (p.cycles, p.stress), strict=True):
             if value is None:
                 yield cells.blank(limit.column, "positive", "Fill it or clear the whole row.")
             yield from cells.number(value, limit)
         if p.material and p.cycles and p.stress and p.cycles > 0 and p.stress > 0:
             curves.setdefault(p.material, []).append((cells, p.cycles, p.stress))
+    misspelt = probably_meant((p.material for p in case.sn_points), materials)
     for material, points in curves.items():
         for (_, n0, s0), (cells, n1, s1) in pairwise(points):
             if n1 <= n0 or s1 >= s0:
@@ -91,7 +92,8 @@ def check_sn_points(case: CaseData) -> Iterator[Problem]:
                     f"The S-N line of '{material}' must fall with rising cycles; order its rows "
                     "from few cycles to many.",
                 )
-        if len(points) == 1 and sum(p.material == material for p in case.sn_points) == 1:
+        alone = len(points) == 1 and sum(p.material == material for p in case.sn_points) == 1
+        if alone and material not in misspelt:
             yield points[0][0].problem(
                 "Material",
                 material,
@@ -121,8 +123,7 @@ def check_fatigue_factors(case: CaseData) -> Iterator[Problem]:
     yield from check_names(table, "Element", [row.element for row in rows], "an element")
     for cells, row in each_row(table, rows):
         if row.element is not None:
-            known = "an element of table Elements"
-            yield from cells.name("Element", row.element, elements, known)
+            yield from cells.name("Element", row.element, elements, "Elements")
         yield from cells.choice("Notch", row.notch, NotchKind, "fillet or keyway")
         wrong = [*cells.numbers(row, FACTOR_NUMBERS), *_factor_words(cells, row)]
         yield from wrong

@@ -16,7 +16,7 @@ from engine.case.checks.fatigue import check_fatigue_factors, check_materials, c
 from engine.case.checks.gears import check_meshes
 from engine.case.checks.motor_events import check_motor_events
 from engine.case.checks.motors import check_motors
-from engine.case.checks.problem import first_of_each_cell
+from engine.case.checks.problem import first_of_each_cause, first_of_each_cell
 from engine.case.checks.scalars import check_scalars
 from engine.case.checks.sections import check_sections
 from engine.case.checks.start_conditions import check_start_conditions
@@ -66,7 +66,7 @@ def find_problems(
     Returns
     -------
     tuple of Problem
-        Empty if the case may be calculated; one problem a cell, the first found. [count]
+        Empty if the case may be calculated; one problem a cell, the first found, and one a missing name. [count]
     """
     found = (p for check in CHECKS for p in check(case))
     of_conditions = check_start_conditions(case, find_problems)
@@ -75,4 +75,5 @@ def find_problems(
     if not unusable:
         problems.extend(check_connected(case))
     order = {name: i for i, name in enumerate(("Case", *TABLES))}
-    return tuple(sorted(problems, key=lambda p: (order.get(p.table, 99), p.row or 0)))
+    ordered = sorted(problems, key=lambda p: (order.get(p.table, 99), p.row or 0))
+    return tuple(first_of_each_cause(ordered))

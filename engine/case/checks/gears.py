@@ -74,7 +74,7 @@ def check_meshes(case: CaseData) -> Iterator[Problem]:
             continue
         if m.element not in elements:
             names = [name for name in elements if name]
-            yield from cells.name("Element", m.element, names, "an element of table Elements")
+            yield from cells.name("Element", m.element, names, "Elements")
             continue
         element_cells, e = elements[m.element]
         if e.kind == ElementKind.GEAR_MESH:

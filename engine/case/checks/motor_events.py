@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from engine.case.checks.events import PER_LIFE
+from engine.case.checks.motors import misspelt_motors
 from engine.case.checks.problem import (
     SCALARS,
     Allowed,
@@ -14,6 +15,7 @@ from engine.case.checks.problem import (
     Limit,
     each_row,
     has_possible_ratings,
+    name_of,
     suggestion,
 )
 from engine.case.choices import Begins, Clearing, InitialState, MotorKind, Scanned
@@ -142,7 +144,9 @@ def _motor(case: CaseData, cells: Cells, row: MotorEventRow) -> Iterator[Problem
     sheets = {m.station: m for m in case.motor_data if m.station}
     circuits = {c.station: c for c in case.motor_circuit}
     if row.station is None:
-        yield cells.blank("Station", "a station of table MotorData", "Choose it.")
+        yield cells.blank("Station", name_of("MotorData"), "Choose it.")
+    elif row.station in misspelt_motors(case):
+        return
     elif row.station not in sheets:
         stations = {s.station for s in case.stations}
         action = (
@@ -150,7 +154,7 @@ def _motor(case: CaseData, cells: Cells, row: MotorEventRow) -> Iterator[Problem
             if row.station in stations
             else suggestion(row.station, [str(name) for name in sheets])
         )
-        yield cells.wrong("Station", row.station, "a station of table MotorData", action)
+        yield cells.unknown("Station", row.station, "MotorData", action)
     else:
         sheet, circuit = sheets[row.station], circuits.get(row.station)
         induction = sheet.kind == MotorKind.INDUCTION and (

@@ -14,7 +14,6 @@ from engine.case.checks.problem import (
     NOT_NEGATIVE,
     POSITIVE,
     SCALARS,
-    STATION_NAME,
     Allowed,
     Cells,
     Limit,
@@ -22,6 +21,7 @@ from engine.case.checks.problem import (
     check_names,
     each_row,
     number_text,
+    probably_meant,
     quote_quantity,
 )
 from engine.case.choices import (
@@ -148,7 +148,7 @@ def check_motors(case: CaseData) -> Iterator[Problem]:
     yield from check_names("MotorData", "Station", [m.station for m in case.motor_data], "a motor")
     for cells, motor in each_row("MotorData", case.motor_data):
         if motor.station is not None:
-            yield from cells.name("Station", motor.station, stations, STATION_NAME)
+            yield from cells.name("Station", motor.station, stations, "Stations")
         is_open = motor.discharge_resistance_reverse == DischargePath.OPEN
         numbers = replace(motor, discharge_resistance_reverse=None) if is_open else motor
         yield from cells.numbers(numbers, DATA_NUMBERS)
@@ -424,17 +424,24 @@ def _machine_without_data(case: CaseData) -> Iterator[Problem]:
         )
 
 
+def misspelt_motors(case: CaseData) -> set[str]:
+    """Stations whose row of table MotorData has probably a wrong name, which is reported there."""
+    stations = {s.station for s in case.stations if s.station}
+    return probably_meant((m.station for m in case.motor_data), stations)
+
+
 def _circuits(case: CaseData) -> Iterator[Problem]:
     """Circuits, each of a motor of table MotorData."""
     table = "MotorCircuit"
     motors = {m.station for m in case.motor_data if m.station}
+    misspelt = misspelt_motors(case)
     yield from check_names(table, "Station", [c.station for c in case.motor_circuit], "a motor")
     for cells, circuit in each_row(table, case.motor_circuit):
-        if circuit.station is not None and circuit.station not in motors:
-            yield cells.wrong(
+        if circuit.station is not None and circuit.station not in motors | misspelt:
+            yield cells.unknown(
                 "Station",
                 circuit.station,
-                "a station of table MotorData",
+                "MotorData",
                 "Give the motor a row there too, with its Apparent power: it is the base of per unit.",
             )
         yield from cells.numbers(circuit, CIRCUIT_NUMBERS)

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import difflib
 import math
-from collections.abc import Callable, Collection, Iterable, Iterator
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import NamedTuple, TypeVar
 
@@ -140,19 +142,37 @@ class Cells(NamedTuple):
             yield self.wrong(column, value, allowed, "Choose from the list.")
 
     def name(
-        self, column: str, name: str | None, names: Collection[str], allowed: str
+        self, column: str, name: str | None, names: Collection[str], lacking: str
     ) -> Iterator[Problem]:
         """A problem if a name of another table is blank or unknown there."""
         if name is None:
-            yield self.blank(column, allowed, "Choose it.")
+            yield self.blank(column, name_of(lacking), "Choose it.")
         elif name not in names:
-            yield self.wrong(column, name, allowed, suggestion(name, names))
+            yield self.unknown(column, name, lacking, suggestion(name, names))
+
+    def unknown(
+        self, column: str, name: str, lacking: str, action: str, allowed: str = ""
+    ) -> Problem:
+        """A problem for a name that another table lacks."""
+        problem = self.wrong(column, name, allowed or name_of(lacking), action)
+        return replace(problem, missing=(lacking, name))
 
 
 #: The scalars of the case.
 SCALARS = Cells("Case")
-STATION_NAME = "a station of table Stations"
-MATERIAL_NAME = "a material of table Materials"
+#: Tables that others refer to by name, and what is named there.
+_NAMED = {
+    "Stations": "a station",
+    "Elements": "an element",
+    "Materials": "a material",
+    "SectionMaterials": "a material",
+    "MotorData": "a station",
+}
+
+
+def name_of(table: str) -> str:
+    """What a reference to a table may hold, in words."""
+    return f"{_NAMED[table]} of table {table}"
 
 
 def each_row(table: str, rows: Iterable[Row]) -> Iterator[tuple[Cells, Row]]:
@@ -208,13 +228,22 @@ def check_names(
 
 def suggestion(name: str, names: Collection[str]) -> str:
     """The known name most like a mistyped one."""
-    import difflib
+    close = _nearest(name, names)
+    return f"Did you mean '{close}'?" if close else "Correct the name, or add its row."
 
+
+def _nearest(name: str, names: Collection[str]) -> str | None:
     if len(names) > 200:  # comparing each of thousands of wrong names with thousands would not end
-        return "Correct the name, or add its row."
+        return None
     folded = {k.casefold(): k for k in sorted(names)}
     close = difflib.get_close_matches(name.casefold(), list(folded), n=1)
-    return f"Did you mean '{folded[close[0]]}'?" if close else "Correct the name, or add its row."
+    return folded[close[0]] if close else None
+
+
+def probably_meant(typed: Iterable[str | None], names: Collection[str]) -> set[str]:
+    """Known names that unknown ones are most like: what follows from the wrong name is not reported as well."""
+    unknown = {name for name in typed if name and name not in names}
+    return {close for name in unknown if (close := _nearest(name, names))}
 
 
 def first_of_each_cell(
@@ -227,3 +256,39 @@ def first_of_each_cell(
         if place not in bad_cells:
             first.setdefault(place, problem)
     return list(first.values())
+
+
+#: Most tables whose references to a missing name are counted in its sentence.
+_TABLES_NAMED = 4
+
+
+def first_of_each_cause(problems: Sequence[Problem]) -> list[Problem]:
+    """One problem a missing name, at its first reference; its sentence counts the others."""
+    references: dict[tuple[str, str], list[Problem]] = {}
+    for problem in problems:
+        if problem.missing is not None:
+            references.setdefault(problem.missing, []).append(problem)
+    kept: list[Problem] = []
+    for problem in problems:
+        if problem.missing is None:
+            kept.append(problem)
+            continue
+        first, *others = references[problem.missing]
+        if problem is first:
+            kept.append(_with_others(first, problem.missing[0], others))
+    return kept
+
+
+def _with_others(first: Problem, lacking: str, others: Sequence[Problem]) -> Problem:
+    if not others:
+        return first
+    counts = Counter(problem.table for problem in others)
+    named = [f"{table} ({count})" for table, count in counts.most_common(_TABLES_NAMED)]
+    if len(counts) > _TABLES_NAMED:
+        named.append("others")
+    cells = "cell has" if len(others) == 1 else "cells have"
+    sentence = (
+        f"{first.message} {len(others)} more {cells} this name: {', '.join(named)}. If it is right there, correct "
+        f"table {lacking} alone."
+    )
+    return replace(first, message=sentence)

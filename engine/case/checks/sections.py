@@ -66,9 +66,7 @@ def check_sections(case: CaseData) -> Iterator[Problem]:
         wrong = list(cells.numbers(row, SECTION_NUMBERS))
         yield from wrong
         if row.material and steel_named(row.material) is None:
-            yield from cells.name(
-                "Material", row.material, materials, "a material of table SectionMaterials"
-            )
+            yield from cells.name("Material", row.material, materials, "SectionMaterials")
         if row.element in elements:
             own.setdefault(str(row.element), []).append((cells, row))
         if wrong:  # what follows from them is not said as well
@@ -127,7 +125,7 @@ def _materials(case: CaseData) -> Iterator[Problem]:
 def _element(
     cells: Cells, row: SectionRow, elements: Mapping[str, ElementRow]
 ) -> Iterator[Problem]:
-    yield from cells.name("Element", row.element, elements, "an element of table Elements")
+    yield from cells.name("Element", row.element, elements, "Elements")
     e = elements.get(row.element or "")
     if e is not None and e.kind == ElementKind.GEAR_MESH:
         yield cells.wrong(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from engine.case.checks.motors import misspelt_motors
 from engine.case.checks.problem import (
     POSITIVE,
     Allowed,
@@ -84,6 +85,7 @@ def check_supply(case: CaseData) -> Iterator[Problem]:
     sheets = {m.station: m for m in case.motor_data if m.station}
     curves = set(case.motor_stations)
     given = {row.station for row in case.supply_voltage}
+    misspelt = misspelt_motors(case)
     yield from check_names(TABLE, "Station", [row.station for row in case.supply], "a motor")
     for cells, row in each_row(TABLE, case.supply):
         yield from cells.numbers(row, NUMBERS)
@@ -92,7 +94,8 @@ def check_supply(case: CaseData) -> Iterator[Problem]:
             None,
             None,
         )
-        if row.station is not None and row.station not in (curves if alone else sheets):
+        motors = {*(curves if alone else sheets), *misspelt}
+        if row.station is not None and row.station not in motors:
             yield cells.wrong(
                 "Station",
                 row.station,

@@ -10,7 +10,6 @@ from engine.case.checks.problem import (
     NOT_NEGATIVE,
     POSITIVE,
     SCALARS,
-    STATION_NAME,
     VOLTAGE,
     Allowed,
     Cells,
@@ -20,6 +19,7 @@ from engine.case.checks.problem import (
     each_row,
     number_text,
     possible_poles,
+    probably_meant,
     quote_quantity,
 )
 from engine.case.choices import ElementKind
@@ -62,7 +62,7 @@ def _curve(case: CaseData, table: str, abscissa: str, columns: Sequence[str]) ->
     stations = {s.station for s in case.stations if s.station}
     last: dict[str, tuple[Cells, float]] = {}
     for cells, point in each_row(table, getattr(case, TABLES[table][0])):
-        yield from cells.name("Station", point.station, stations, STATION_NAME)
+        yield from cells.name("Station", point.station, stations, "Stations")
         x = value_of(point, abscissa)
         if x is None:
             yield cells.blank(abscissa, "a number", "Fill it or clear the whole row.")
@@ -90,8 +90,10 @@ def _single_points(case: CaseData, table: str, abscissa: str) -> Iterator[Proble
     """Stations with one row only, where one point makes no curve."""
     rows = getattr(case, TABLES[table][0])
     stations = [point.station for point in rows]
+    misspelt = probably_meant(stations, {s.station for s in case.stations if s.station})
     for cells, point in each_row(table, rows):
-        if point.station is not None and stations.count(point.station) == 1:
+        name = point.station
+        if name is not None and stations.count(name) == 1 and name not in misspelt:
             yield cells.problem(
                 "Station",
                 point.station,
@@ -277,4 +279,4 @@ def check_excitations(case: CaseData) -> Iterator[Problem]:
             )
         for column, name in (("Of station", x.of_station), ("Station", x.station)):
             if name is not None:
-                yield from cells.name(column, name, stations, STATION_NAME)
+                yield from cells.name(column, name, stations, "Stations")

@@ -8,15 +8,15 @@ from engine.case.checks.problem import (
     ANY_NUMBER,
     AT_LEAST_ONE,
     BELOW_ONE,
-    MATERIAL_NAME,
     NOT_NEGATIVE,
     POSITIVE,
-    STATION_NAME,
     Allowed,
     Cells,
     Limit,
     check_names,
     each_row,
+    name_of,
+    probably_meant,
     quote_quantity,
     suggestion,
 )
@@ -53,6 +53,12 @@ ELEMENT_NUMBERS = (
 SHAFT_GEOMETRY = {"OD": "m", "ID": "m", "Length": "m", "Shear modulus": "Pa", "Density": "kg/m³"}
 
 
+def _stepped(case: CaseData) -> set[str]:
+    """Elements with rows in table Sections, also under a wrong name that is like theirs."""
+    names = {row.element for row in case.sections if row.element}
+    return names | probably_meant(names, {e.element for e in case.elements if e.element})
+
+
 def check_stations(case: CaseData) -> Iterator[Problem]:
     """Names, inertias and speed ratios of the stations."""
     table = "Stations"
@@ -64,7 +70,7 @@ def check_stations(case: CaseData) -> Iterator[Problem]:
             "the table is empty; a train needs at least one station with its inertia.",
         )
     yield from check_names(table, "Station", [s.station for s in case.stations], "a station")
-    stepped = {row.element for row in case.sections}
+    stepped = _stepped(case)
     shafted = {
         name for e in case.elements if e.density or e.element in stepped for name in (e.from_, e.to)
     }
@@ -93,10 +99,11 @@ def _ends(stations: set[str], cells: Cells, e: ElementRow) -> Iterator[Problem]:
         if name is None:
             if column == "To" and e.kind == ElementKind.SPRING_TO_GROUND:
                 continue
-            yield cells.blank(column, STATION_NAME, "Choose it.")
+            yield cells.blank(column, name_of("Stations"), "Choose it.")
         elif name != GROUND and name not in stations:
             action = suggestion(name, stations | {GROUND})
-            yield cells.wrong(column, name, f"{STATION_NAME} or the word ground", action)
+            allowed = f"{name_of('Stations')} or the word ground"
+            yield cells.unknown(column, name, "Stations", action, allowed)
     if e.from_ is not None and e.from_ == e.to:
         yield cells.wrong("To", e.to, "another station than From", "An element joins two stations.")
     grounded = GROUND in (e.from_, e.to)
@@ -170,7 +177,7 @@ def check_elements(case: CaseData) -> Iterator[Problem]:
     stations = {s.station for s in case.stations if s.station}
     ratios = case.speed_ratios
     materials = {m.material for m in case.materials if m.material}
-    stepped = {row.element for row in case.sections}
+    stepped = _stepped(case)
     for cells, e in each_row(table, case.elements):
         if e.kind is None:
             yield cells.blank("Kind", "one of " + ", ".join(KINDS), "Choose from the list.")
@@ -191,7 +198,7 @@ def check_elements(case: CaseData) -> Iterator[Problem]:
         if e.kind == ElementKind.GEAR_MESH:
             yield from _no_shaft(cells, e)
         if e.material:
-            yield from cells.name("Material", e.material, materials, MATERIAL_NAME)
+            yield from cells.name("Material", e.material, materials, "Materials")
         if e.material and e.stress_diameter is None:
             yield cells.problem(
                 "Stress diameter",
