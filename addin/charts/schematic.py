@@ -94,6 +94,12 @@ class Schematic:
     pitch: float = 1.0  #: Between two shaft lines. [height of the picture]
     not_drawn: tuple[str, ...] = ()  #: Elements that close a loop of others. [names]
 
+    @property
+    def lines(self) -> int:
+        """Shaft lines one below the other. [count]"""
+        upright = (*self.machines, *self.shafts, *self.couplings, *self.gears)
+        return len({round(one.axis, 6) for one in upright})
+
 
 @dataclass(frozen=True)
 class _Item:
