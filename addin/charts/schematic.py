@@ -97,7 +97,9 @@ class Schematic:
     @property
     def lines(self) -> int:
         """Shaft lines one below the other. [count]"""
-        upright = (*self.machines, *self.shafts, *self.couplings, *self.gears)
+        upright: tuple[Machine | Shaft | Coupling | Gear, ...] = (
+            *self.machines, *self.shafts, *self.couplings, *self.gears,
+        )  # fmt: skip
         return len({round(one.axis, 6) for one in upright})
 
 

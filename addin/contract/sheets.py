@@ -155,7 +155,7 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
     Sheet(
         "Summary",
         "summary",
-        {"A": 1.5, "B": 33, "C:D": 14, "E": 20, "F": 40, "G": 24, "H": 24.5, "I": 14},
+        {"A": 1.5, "B": 33, "C:D": 14, "E": 24.5, "F": 40, "G": 26, "H": 24, "I": 8},
         {"Verdicts": f"B{VERDICTS_ROW}", "CaseMatrix": f"B{_MATRIX_ROW}"},
         (
             ChartAt("governing", f"B{_HISTORY_ROW}", 1322, 344),

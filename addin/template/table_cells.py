@@ -42,7 +42,7 @@ class Tables(Frames):
         # A row among those of a table beside it stays low where its words allow that.
         long = max(len(field.name) for field in columns) > _SHORT_HEADER
         if row == _FIRST_ROW or long or not self.has_parts(sheet):
-            page.set_row(header, 38 if has_units else 24 if sheet.letters == USUAL else 18)
+            page.set_row(header, 38 if has_units else 24 if sheet.letters == USUAL else 30)
         page.add_table(
             header,
             left,
