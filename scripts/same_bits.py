@@ -104,7 +104,9 @@ def on_each_machine(every: int) -> bool:
 def main() -> int:
     """Digests of all; 1 where they differ."""
     parser = argparse.ArgumentParser(prog="same_bits.py")
-    parser.add_argument("--every", type=int, default=1, metavar="N", help="each N-th start and result")
+    parser.add_argument(
+        "--every", type=int, default=1, metavar="N", help="each N-th start and result"
+    )
     every = parser.parse_args().every
     commands = compilers()
     with ThreadPoolExecutor(os.cpu_count()) as pool:

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from addin.report.figures import Pictures
 
 #: Pictures that are no chart of a list of series.
-_DRAWN_APART = ("train", "shapes")
+_DRAWN_APART = ("schematic", "train", "shapes")
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -145,6 +145,10 @@ class Results(Tables):
         if name not in self.plots:
             raise LookupError(f"There is no picture '{name}'. There are {', '.join(self.plots)}.")
         pictures = self._pictures()
+        if name == "schematic":
+            picture = pictures.schematic(self._calculation.case)
+            assert picture is not None, "a case that was calculated has stations"
+            return cast("Figure", picture.drawing)
         if name == "train":
             return cast("Figure", pictures.train()[0].drawing)
         shapes = self._calculation.tables["ModeShapes"]

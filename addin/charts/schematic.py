@@ -94,6 +94,14 @@ class Schematic:
     pitch: float = 1.0  #: Between two shaft lines. [height of the picture]
     not_drawn: tuple[str, ...] = ()  #: Elements that close a loop of others. [names]
 
+    @property
+    def lines(self) -> int:
+        """Shaft lines one below the other. [count]"""
+        upright: tuple[Machine | Shaft | Coupling | Gear, ...] = (
+            *self.machines, *self.shafts, *self.couplings, *self.gears,
+        )  # fmt: skip
+        return len({round(one.axis, 6) for one in upright})
+
 
 @dataclass(frozen=True)
 class _Item:

@@ -168,6 +168,12 @@ def _checks(name: str) -> tuple[Field, ...]:
             "Elements without a limit for this check; the input that is missing",
             "docs/method.md", of_case=("Elements.Kind", *LIMITS), width=20.0,
         ),
+        number(
+            "Safety factor", "count",  # no unit, which would take a row of sheet Summary
+            "Limit over result, of allowable starts result over limit; blank: not judged, no reversal, or a margin.",
+            "Limit / result; allowable starts / StartsRequired", SAFETY,
+            of_row=(f"{name}.Result", f"{name}.Limit"), format=shown.TWO_DECIMALS, error=ReportedError.WORDS,
+        ),
     )  # fmt: skip
 
 
@@ -1292,6 +1298,19 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             number(
                 "Heat", "power", "Not calculated yet: blank.", "Not calculated yet", MAKERS, si="kW", us="kW",
                 of_row=("SteadyState.Torque", "Elements.Loss factor", "Elements.Damping"), pane=Pane.WORKBOOK,
+            ),
+            number(
+                "Safety factor", "ratio",
+                "Least of the limits typed over their torque, and of offered over required rating; blank: no limit, or one "
+                "that nothing is calculated for.",
+                "min(offered / required rating, vibratory limit / vibratory torque, peak limit / peak, reversal limit / "
+                "reversing torque)", SAFETY,
+                of_row=(
+                    "MakerSheet.Offered rating", "MakerSheet.Required rating", "MakerSheet.Vibratory limit",
+                    "MakerSheet.Vibratory torque", "MakerSheet.Peak torque limit", "MakerSheet.Peak torque",
+                    "MakerSheet.Reversal limit", "MakerSheet.Reversing torque",
+                ),
+                format=shown.TWO_DECIMALS, error=ReportedError.PEAKS,
             ),
         ),
     ),

@@ -141,7 +141,7 @@ FACT_LINES: tuple[tuple[str, str, str, str, str, float], ...] = (
         15.0,
     ),
     *(
-        ("Summary", f"F{row}", f"H{row + 1}", _note_line(number), "prose", _KEY_ROW)
+        ("Summary", f"F{row}", f"I{row + 1}", _note_line(number), "prose", _KEY_ROW)
         for number, row in enumerate(range(NOTES_BEGIN, NOTES_END, 2), 1)
     ),
     ("Margins", "B4", "J4", BLANK_TEXT.format("run_PrintedModes"), "note_wrap", 30.0),
@@ -156,7 +156,7 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
     Sheet(
         "Summary",
         "summary",
-        {"A": 1.5, "B": 33, "C:D": 14, "E": 24.5, "F": 42.5, "G": 28.5, "H": 27},
+        {"A": 1.5, "B": 33, "C:D": 14, "E": 24.5, "F": 40, "G": 26, "H": 24, "I": 8},
         {"Verdicts": f"B{VERDICTS_ROW}", "CaseMatrix": f"B{_MATRIX_ROW}"},
         (
             ChartAt("governing", f"B{_HISTORY_ROW}", 1322, 344),
@@ -408,7 +408,7 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
     Sheet(
         "Reversals",
         "result",
-        {"A": 1.5, "B": 18, "C": 9.6, "D:K": 7.5, "L": 9, "M:N": 7.5, "O": 8, "P:R": 7.5, "S": 17, "T:U": 8.5},
+        {"A": 1.5, "B": 16, "C": 9.6, "D:K": 7.5, "L": 9, "M:N": 7.5, "O": 8, "P:R": 7.5, "S": 18, "T:V": 8.5},
         {"TorqueReversals": "B5", "MakerSheet": f"B{_OF_ELEMENTS}"},
         on="Start",
         intro="Gear teeth that unload or separate during the start. A reversal is one passage of "
@@ -508,10 +508,10 @@ CASE_HALVES: tuple[tuple[str, tuple[str, ...]], ...] = (
 TITLE_BLOCK: tuple[tuple[str, str, str, str, str], ...] = (
     ("B4", "C4", "F4", "Client", "Client"),
     ("B5", "C5", "F5", "Results", "run_Stamp"),
-    ("G4", "H4", "H4", "Prepared by", "PreparedBy"),
-    ("G5", "H5", "H5", "Checked by", "CheckedBy"),
+    ("G4", "H4", "I4", "Prepared by", "PreparedBy"),
+    ("G5", "H5", "I5", "Checked by", "CheckedBy"),
     (f"B{FOOT_ROW}", f"C{FOOT_ROW}", f"F{FOOT_ROW}", "Inputs SHA-256", "run_SHA256"),
-    (f"G{FOOT_ROW}", f"H{FOOT_ROW}", f"H{FOOT_ROW}", "Calculated (UTC)", "run_Date"),
+    (f"G{FOOT_ROW}", f"H{FOOT_ROW}", f"I{FOOT_ROW}", "Calculated (UTC)", "run_Date"),
 )
 
 

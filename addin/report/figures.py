@@ -22,11 +22,14 @@ from addin.contract.charts import CHARTS, ChartSpec, FirstCell, Label, Series, W
 from addin.contract.palette import PALETTE, SPEED_GROUPS
 from addin.report.document import Figure
 from addin.report.numbers import clean, pretty_unit, raised, significant
+from addin.writing.drawn_schematic import LETTERS, schematic_picture
+from addin.xlsx.drawn_shapes import Shape
+from engine.case.data import CaseData
 
 try:
     import matplotlib as mpl
     from matplotlib.figure import Figure as Drawing
-    from matplotlib.patches import Patch
+    from matplotlib.patches import Patch, Polygon
     from matplotlib.ticker import NullFormatter
 except ImportError:  # `torsionbook report` says so before anything is calculated
     pass
@@ -51,6 +54,10 @@ _NAME_LINE = 0.036
 _TICK, _MODE_NAME = 0.035, 0.085
 #: A limit is drawn where it is at most so many times the largest value. [1]
 _FARTHEST = 2.0
+#: Size of a pixel of the schematic, so that its letters are of the least height. [mm]
+_PIXEL = _SMALLEST / LETTERS * 25.4 / 96.0
+#: Mean width of its letters in the font of the report. [pixel]
+_SCHEMATIC_LETTER = 9.4
 #: Longest title of an axis that stands on end. [characters]
 _UP = 20
 #: Longest title of a panel. [characters]
@@ -122,6 +129,20 @@ class Pictures:
     limits: Sequence[Limit | None] = ()
 
     # ---- the train -----------------------------------------------------------------------------
+
+    def schematic(self, case: CaseData) -> Figure | None:
+        """The schematic of Summary: the same shapes, in a picture of the width of the text."""
+        picture = schematic_picture(case, WIDTH / _PIXEL, _SCHEMATIC_LETTER)
+        if picture is None:
+            return None
+        with _style():
+            drawing = Drawing(figsize=(WIDTH * _MM, picture.height * _PIXEL * _MM))
+            ax = drawing.add_axes((0.0, 0.0, 1.0, 1.0))
+            ax.set(xlim=(0.0, picture.width), ylim=(picture.height, 0.0))
+            ax.set_axis_off()
+            for order, shape in enumerate(picture.shapes):
+                _draw_shape(ax, shape, order)
+            return self._picture(drawing, "Schematic of the train, not to scale")
 
     def train(self) -> list[Figure]:
         """Discs and shafts along the centre line, a colour a speed; a long train in several pictures."""
@@ -593,6 +614,29 @@ def _new(panels: int, height: float, sharex: bool = False) -> tuple[Drawing, lis
     drawing = Drawing(figsize=(WIDTH * _MM, height * _MM), layout="constrained")
     axes = drawing.subplots(panels, 1, sharex=sharex, squeeze=False)
     return drawing, list(axes[:, 0])
+
+
+def _draw_shape(ax: Any, shape: Shape, order: int) -> None:
+    """A shape of the schematic, over those before it."""
+    left, top, scale = shape.left, shape.top, _SMALLEST / LETTERS
+    corners = shape.points or (
+        (0.0, 0.0), (shape.width, 0.0), (shape.width, shape.height), (0.0, shape.height)
+    )  # fmt: skip
+    if shape.fill or shape.line:
+        ax.add_patch(
+            Polygon(
+                [(left + x, top + y) for x, y in corners], facecolor=shape.fill or "none",
+                edgecolor=shape.line or "none", linewidth=scale * shape.thickness, zorder=order,
+            )
+        )  # fmt: skip
+    if shape.text:
+        words = "\n".join(map(clean, shape.text.split("\n")))
+        share, side = {"ctr": (0.5, "center"), "l": (0.0, "left"), "r": (1.0, "right")}[shape.side]
+        ax.text(
+            left + share * shape.width, top + 0.5 * shape.height, words, ha=side, va="center_baseline",
+            fontsize=scale * shape.size, fontweight="bold" if shape.bold else "normal", color=shape.ink,
+            zorder=order, linespacing=1.1,
+        )  # fmt: skip
 
 
 def _limit_lines(ax: Any, limit: Limit | None) -> None:

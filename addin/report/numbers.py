@@ -127,6 +127,8 @@ def of_dimension(value: float, name: str, dimension: str, unit: str = "") -> str
     if decimals is not None:
         return fixed(value, decimals)
     if dimension == "count":
+        if name == "Safety factor":
+            return fixed(value, 2)
         return fixed(value, 0) if float(value).is_integer() else significant(value, 4)
     return significant(value, 3 if dimension in ("deciding number", "calculation time") else 5)
 

@@ -129,6 +129,7 @@ def summary(subject: Subject) -> Section:
     remaining = Listing(tuple(conclusions(subject)))
     return section(
         "Summary",
+        subject.pictures.schematic(subject.calculation.case),
         subject.table("Verdicts", note=note),
         parts=(
             *_standard(subject),

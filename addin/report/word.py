@@ -488,6 +488,8 @@ class _Writer:
         shape.space_before, shape.space_after = Pt(6), Pt(2)
         pixels, width = io.BytesIO(figure.png), Mm(min(figure.width, self.width) - 1.0)
         picture = paragraph.add_run().add_picture(pixels, width=width)
+        for side in "TBLR":  # LibreOffice moves a picture by 3.2 mm where none is stated
+            picture._inline.set(f"dist{side}", "0")
         picture._inline.docPr.set("descr", figure.caption)
         picture._inline.docPr.set("name", f"Figure {figure.number}")
         self._caption("Figure", figure.number, figure.caption, above=False)

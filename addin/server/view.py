@@ -6,7 +6,7 @@ The page gets the same numbers as the sheets, in the units shown there, and know
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import asdict, replace
 from typing import Any
 
 from addin.calculation.calculation import Calculation, RunView
@@ -19,6 +19,7 @@ from addin.contract.tables import result_table
 from addin.worksheet.answers import table_cells, units_of
 from addin.worksheet.models import Model
 from addin.worksheet.registry import FunctionError
+from addin.writing.drawn_schematic import schematic_picture
 from engine.errors import ModelError
 from engine.results.tables import speed_tables
 from engine.run import at_speed
@@ -31,6 +32,8 @@ PAGE_CHARTS = (
     "interference",
     *(f"history {k + 1}" for k in range(HISTORIES)),
 )
+#: Width of the schematic; the page shows it larger or smaller. [pixel]
+_SCHEMATIC_WIDTH = 920.0
 _DATA = tuple(dict.fromkeys(series.table for name in PAGE_CHARTS for series in CHARTS[name].series))
 SPEED_TABLES = ("NaturalFrequencies", "SeparationMargins", "SteadyState", "ModeShapes")
 START_TABLES = (
@@ -95,10 +98,12 @@ def _shown(model: Model, view: RunView, tables: tuple[str, ...]) -> dict[str, An
     blocks = chart_blocks(model.case, units, view)
     columns = {table.name: table.columns for table in CHART_TABLES}
     labels = {str(key): text for key, text in blocks["ChartLabels"]}
+    picture = schematic_picture(model.case, _SCHEMATIC_WIDTH)
     return {
         "handle": model.handle,
         "units": model.system,
         "about": _about(model),
+        "schematic": None if picture is None else asdict(picture),
         "labels": labels,
         "charts": {name: _columns(columns[name], blocks[name]) for name in _DATA},
         "drawn": [_spec(CHARTS[name], labels) for name in PAGE_CHARTS if name != "train"],

@@ -105,7 +105,7 @@ class FrontSheets(Tables):
                 page.merge_range(f"{begin}:{end}", "", style)
             page.write_formula(begin, BLANK_TEXT.format(name), style, value)
         banner = self.style("verdict_banner")
-        page.merge_range("B9:H9", "", banner)
+        page.merge_range("B9:I9", "", banner)
         page.write_formula("B9", overall_formula(), banner, "NOT CALCULATED")
         self.workbook.define_name("OverallVerdict", f"={OVERALL_AT}")
         page.write_string(f"F{NOTES_BEGIN - 1}", "Notes", self.style("caption"))

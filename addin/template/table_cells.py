@@ -24,10 +24,10 @@ _FIRST_ROW = 4
 
 
 def _header_height(letters: float, has_units: bool) -> float:
-    """Height of three lines of a header over columns with units, of two or one over others. [point]"""
+    """Height of three lines of a header over columns with units, of two over others. [point]"""
     if letters == USUAL:
         return 38 if has_units else 24
-    return 46 if has_units else 18
+    return 46 if has_units else 30
 
 
 class Tables(Frames):

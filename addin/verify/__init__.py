@@ -14,6 +14,7 @@ module           responsibility
 `charts`         the numbers behind its charts
 `structure`      whether the tables of a workbook are tables still, under their headers
 `chart_sources`  which cells its charts draw, and the copies of their values
+`schematic`      its schematic of the train
 `formulas`       its live formulas: typed over, or showing an old value
 `input_copy`     the copy of its inputs that the banners are compared with
 `key_units`      units beside key numbers

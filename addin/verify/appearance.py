@@ -44,6 +44,7 @@ LOOKED_AT = (
     "merged cells",
     "pictures, shapes, sparklines and comments over cells",
     "titles of charts and sheets",
+    "the schematic of the train",
     "texts of Notes",
 )
 #: What a reader sees and nobody looks at here.

@@ -38,6 +38,7 @@ from addin.verify.formulas import (
 )
 from addin.verify.input_copy import compare_input_copy, without_copy
 from addin.verify.key_units import compare_units
+from addin.verify.schematic import compare_schematic
 from addin.verify.structure import (
     has_every_column,
     led_astray,
@@ -60,7 +61,7 @@ from addin.xlsx import (
     drawn_charts,
 )
 from addin.xlsx.references import Rect, cell_name
-from engine.case.data import case_digest
+from engine.case.data import CaseData, case_digest
 
 _RESULTS = (*RESULT_TABLES, *WORKBOOK_TABLES)
 _NO_FACT = ("", "", None)
@@ -314,19 +315,20 @@ def _compared(
     for one, finding in compare_charts(workbook, written, same_words):
         counts.append(one)
         findings += [finding] if finding else []
-    findings += _drawings(workbook, same_words)
+    findings += _drawings(workbook, run.case, same_words)
     findings += compare_units(workbook, same_words)
     findings += earlier_banner(workbook, overall_words(run).get("headline", ""))
     findings += _formulas_compared(workbook, fresh, written, pairs, about.other_release)
     return counts, findings
 
 
-def _drawings(workbook: Workbook, same_version: bool) -> list[Finding]:
-    """Charts that draw other cells, or carry other values than their cells have."""
+def _drawings(workbook: Workbook, case: CaseData, same_version: bool) -> list[Finding]:
+    """Charts that draw other cells, or carry other values than their cells have; the schematic."""
     try:
         charts = drawn_charts(workbook)
         drawings = compare_drawings(workbook, charts, same_version)
-        return [*drawings, *compare_copies(workbook, charts)]
+        schematics = compare_schematic(workbook, case, same_version)
+        return [*drawings, *compare_copies(workbook, charts), *schematics]
     except PackageError as error:  # a chart that nobody can read is no result either
         return [Finding("not shown", "", "", f"charts were not checked: {error}", fails=False)]
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass, replace
 
 from addin.charts.schematic import Coupling, Gear, Machine, Schematic, Shaft, schematic
 from addin.contract.palette import PALETTE, SPEED_GROUPS
@@ -13,13 +14,49 @@ from engine.case.data import CaseData
 
 #: Height of its letters: 8 pt where the sheet is printed at 70 %. [pt]
 LETTERS = 11.5
-#: Mean width of a letter of that height, and height of a line. [pixel]
+#: Mean width of a letter of Arial of that height, and height of a line. [pixel]
 _LETTER, _LINE = 7.4, 18.0
+#: Height of a picture of its own: of all, and more for each shaft line. [pixel]
+_HEIGHT, _LINE_HEIGHT = 65.0, 75.0
 #: Room at the sides; most that lengths are stretched against heights; depth and length of a tooth. [pixel, 1, pixel]
 _SIDE, _STRETCH, _TOOTH, _PITCH = 6.0, 1.9, 4.0, 6.0
 
 
-def schematic_shapes(drawing: Schematic, width: float, height: float) -> list[Shape]:
+@dataclass(frozen=True)
+class SchematicPicture:
+    """The schematic as a picture of its own, outside a workbook."""
+
+    width: float  #: [pixel]
+    height: float  #: Likewise.
+    shapes: tuple[Shape, ...]  #: Those behind first.
+
+
+def schematic_picture(
+    case: CaseData, width: float, letter: float = _LETTER
+) -> SchematicPicture | None:
+    """The schematic of a case; None where it has no stations.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+    width : float
+        Width of the picture; its height follows from the number of shaft lines. [pixel]
+    letter : float
+        Mean width of a letter in the font of the picture. [pixel]
+    """
+    if not case.stations:
+        return None
+    drawing = schematic(case)
+    height = _HEIGHT + _LINE_HEIGHT * drawing.lines
+    frame, *rest = schematic_shapes(drawing, width, height - 2.0 * _SIDE, letter)
+    moved = (replace(shape, top=shape.top + _SIDE) for shape in rest)
+    return SchematicPicture(width, height, (replace(frame, height=height, line=""), *moved))
+
+
+def schematic_shapes(
+    drawing: Schematic, width: float, height: float, letter: float = _LETTER
+) -> list[Shape]:
     """The shapes of a schematic, those behind first.
 
     Parameters
@@ -28,16 +65,19 @@ def schematic_shapes(drawing: Schematic, width: float, height: float) -> list[Sh
         What is drawn.
     width, height : float
         Size of the picture. [pixel]
+    letter : float
+        Mean width of a letter. [pixel]
 
     Returns
     -------
     list of Shape
     """
-    return list(_Picture(drawing, width, height).shapes())
+    return list(_Picture(drawing, width, height, letter).shapes())
 
 
 class _Picture:
-    def __init__(self, drawing: Schematic, width: float, height: float) -> None:
+    def __init__(self, drawing: Schematic, width: float, height: float, letter: float) -> None:
+        self._letter = letter
         self._drawing = drawing
         self._width, self._height = width, height
         room = width - 2.0 * _SIDE
@@ -82,9 +122,9 @@ class _Picture:
             yield Shape(hub, axis - 0.7 * half, width, 1.4 * half, fill=pale, line=ink)
             yield Shape(flange, axis - half, 4.0, 2.0 * half, fill=ink, line=ink)
         room = right - left + 0.9 * self._x * 0.22
-        words = _wrapped(one.name, room)
+        words = self._wrapped(one.name, room)
         if axis + half + 2.0 * _LINE > self._height and "\n" in words:  # no room for two lines
-            most = int(1.6 * room / _LETTER)
+            most = int(1.6 * room / self._letter)
             words = one.name if len(one.name) <= most else f"{one.name[: most - 1]}…"
         yield self._below(words, 0.5 * (left + right), axis + half)
 
@@ -96,14 +136,17 @@ class _Picture:
             yield Shape(left, axis - half, width, 2.0 * half, fill=ink, line=PALETTE["white"])
             return
         lines = max(1, int(2.0 * half / _LINE))
-        words = "\n".join(_wrapped(one.name, width - 4.0).split("\n")[:lines])
+        words = "\n".join(self._wrapped(one.name, width - 4.0).split("\n")[:lines])
         paper, letters = (ink, PALETTE["white"]) if one.is_motor else (pale, "#262626")
         yield Shape(
             left, axis - half, width, 2.0 * half, fill=paper, line=ink, thickness=1.25,
             text=words, size=LETTERS, bold=True, ink=letters,
         )  # fmt: skip
         if one.words:
-            yield self._below(one.words, left + 0.5 * width, axis + half)
+            words, room = one.words, width + 0.1 * self._x
+            if len(words) * self._letter > room and axis + half + 2.0 * _LINE <= self._height:
+                words = words.replace(", ", ",\n", 1)
+            yield self._below(words, left + 0.5 * width, axis + half)
 
     def _gear(self, one: Gear) -> Iterator[Shape]:
         """A gear from the side: its face with lines of teeth, teeth along both rims."""
@@ -127,28 +170,27 @@ class _Picture:
         return self._text(words, middle, top + 0.5 * _LINE * lines + 1.0, "ctr")
 
     def _text(self, words: str, x: float, y: float, side: str, *, bold: bool = False) -> Shape:
-        width = _LETTER * max(map(len, words.split("\n")))
+        width = self._letter * max(map(len, words.split("\n")))
         height = _LINE * (words.count("\n") + 1)
         left = {"ctr": x - 0.5 * width, "l": x, "r": x - width}[side]
         left = min(max(left, 1.0), max(self._width - width - 1.0, 1.0))
         top = min(max(y - 0.5 * height, 0.0), max(self._height - height, 0.0))
         return Shape(left, top, width, height, text=words, size=LETTERS, bold=bold, side=side)
 
-
-def _wrapped(words: str, width: float) -> str:
-    """Words on at most two lines so wide."""
-    most = max(int(width / _LETTER), 3)
-    if len(words) <= most:
-        return words
-    first: list[str] = []
-    rest = words.split(" ")
-    while rest and len(" ".join([*first, rest[0]])) <= most:
-        first.append(rest.pop(0))
-    if not first:
-        first = [rest.pop(0)]
-    second = " ".join(rest)
-    lines = [" ".join(first), *([second] if second else [])]
-    return "\n".join(line if len(line) <= most else f"{line[: most - 1]}…" for line in lines)
+    def _wrapped(self, words: str, width: float) -> str:
+        """Words on at most two lines so wide."""
+        most = max(int(width / self._letter), 3)
+        if len(words) <= most:
+            return words
+        first: list[str] = []
+        rest = words.split(" ")
+        while rest and len(" ".join([*first, rest[0]])) <= most:
+            first.append(rest.pop(0))
+        if not first:
+            first = [rest.pop(0)]
+        second = " ".join(rest)
+        lines = [" ".join(first), *([second] if second else [])]
+        return "\n".join(line if len(line) <= most else f"{line[: most - 1]}…" for line in lines)
 
 
 def draw_schematic(workbook: Workbook, case: CaseData) -> None:

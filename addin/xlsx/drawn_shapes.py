@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
 
+from addin.xlsx.references import cell_name
 from addin.xlsx.xml_part import Element, parse_part, serialise
 
 #: English Metric Units in a pixel of 96 to the inch.
@@ -53,6 +54,19 @@ class Frame:
     top: int  #: Likewise.
     width: int  #: Likewise.
     height: int  #: Likewise.
+
+
+@dataclass(frozen=True)
+class DrawnGroup:
+    """A group of shapes as a drawing holds it."""
+
+    sheet: str  #: Where.
+    cell: str  #: Of its upper left corner. [A1]
+    width: float  #: Of its own room, before anybody stretched it. [pixel]
+    height: float  #: Likewise.
+    hidden: bool
+    shapes: tuple[Shape, ...]  #: Those behind first; none where nothing was drawn yet.
+    turned: bool  #: Whether it or a shape is turned or mirrored.
 
 
 def with_hidden(data: bytes, hidden: Mapping[str, bool]) -> bytes:
@@ -116,18 +130,42 @@ class ShapeGroup:
         used = {one.get("id") for one in self._root.iter(f"{{{_XDR}}}cNvPr")}
         within = {one.get("id") for one in old.iter(f"{{{_XDR}}}cNvPr")}
         numbers = (str(n) for n in range(2, 10**6) if str(n) not in used - within)
-        head = (about.get("name", "Group"), self._description, about.get("hidden", ""))
+        head = (self._description, self._description, about.get("hidden", ""))
         group = parse_part(_group_xml(frame, shapes, head, numbers).encode(), "group")
         parent = old.getparent()
         parent.replace(old, group)
         return serialise(self._root, self._data)
+
+    def read(self, sheet: str) -> DrawnGroup | None:
+        """The group as it is; None where the drawing has no such object."""
+        if self._object is None:
+            return None
+        about = next(one for one in self._object.iter(f"{{{_XDR}}}cNvPr"))
+        hidden = about.get("hidden", "0") not in ("0", "false")
+        at = next(self._object.getparent().iter(f"{{{_XDR}}}from"), None)
+        column, row = (
+            0 if at is None else int(at.findtext(f"{{{_XDR}}}{tag}") or 0) for tag in ("col", "row")
+        )
+        own = self._object.find(f"{{{_XDR}}}grpSpPr/{{{_A}}}xfrm")
+        room = None if own is None else _box(own, "chOff", "chExt") or _box(own, "off", "ext")
+        left, top, width, height = room or (0.0, 0.0, 0.0, 0.0)
+        within = self._object.iter(*_OBJECTS) if room else ()
+        shapes = [_read_shape(one, left, top) for one in within if one.tag != f"{{{_XDR}}}grpSp"]
+        turned = any(
+            one.get(key, "0") not in ("0", "false")
+            for one in self._object.iter(f"{{{_A}}}xfrm")
+            for key in ("rot", "flipH", "flipV")
+        )
+        cell = cell_name(row + 1, column + 1)
+        return DrawnGroup(sheet, cell, width, height, hidden, tuple(shapes), turned)
 
     def _objects(self, description: str) -> Iterator[Element]:
         for anchor in self._root:
             for one in anchor:
                 if one.tag in _OBJECTS:
                     about = next(iter(one.iter(f"{{{_XDR}}}cNvPr")), None)
-                    if about is not None and about.get("descr") == description:
+                    # LibreOffice drops the description of a group, and keeps its name
+                    if about is not None and description in (about.get("descr"), about.get("name")):
                         yield one
 
 
@@ -158,6 +196,57 @@ def _shape_xml(one: Shape, frame: Frame, number: str) -> str:
         f'<xdr:spPr><a:xfrm><a:off x="{x}" y="{y}"/><a:ext cx="{cx}" cy="{cy}"/></a:xfrm>'
         f"{_geometry(one)}{_fill(one.fill)}{_line(one)}</xdr:spPr>{_words(one)}</xdr:sp>"
     )
+
+
+def _read_shape(one: Element, left: float, top: float) -> Shape:
+    """A shape as it stands in a group whose room begins there."""
+    settings = one.find(f"{{{_XDR}}}spPr")
+    xfrm = None if settings is None else settings.find(f"{{{_A}}}xfrm")
+    box = None if xfrm is None else _box(xfrm, "off", "ext")
+    x, y, width, height = box or (left, top, 0.0, 0.0)
+    look = next(one.iter(f"{{{_A}}}rPr"), None)
+    lines = one.iterfind(f"{{{_XDR}}}txBody/{{{_A}}}p")
+    return Shape(
+        x - left, y - top, width, height,
+        fill=_colour(settings), line=_colour(None if settings is None else settings.find(f"{{{_A}}}ln")),
+        points=() if settings is None else tuple(_corners(settings, width, height)),
+        text="\n".join("".join(run.text or "" for run in line.iter(f"{{{_A}}}t")) for line in lines),
+        size=0.0 if look is None else _whole(look.get("sz")) / 100.0,
+        ink=_colour(look),
+    )  # fmt: skip
+
+
+def _box(xfrm: Element, at: str, size: str) -> tuple[float, float, float, float] | None:
+    """Place and size that a transformation states. [pixel]"""
+    first, second = xfrm.find(f"{{{_A}}}{at}"), xfrm.find(f"{{{_A}}}{size}")
+    if first is None or second is None:
+        return None
+    values = (first.get("x"), first.get("y"), second.get("cx"), second.get("cy"))
+    x, y, width, height = (_whole(value) / EMU for value in values)
+    return x, y, width, height
+
+
+def _whole(value: str | None) -> int:
+    """A whole number; 0 for anything else."""
+    return int(value) if value and re.fullmatch(r"-?\d{1,10}", value) else 0
+
+
+def _colour(holder: Element | None) -> str:
+    """Its own solid colour, ``#RRGGBB``; ``?`` for another, empty for none."""
+    fill = None if holder is None else holder.find(f"{{{_A}}}solidFill")
+    if fill is None:
+        return ""
+    colour = fill.find(f"{{{_A}}}srgbClr")
+    return "?" if colour is None or len(colour) else f"#{colour.get('val', '').upper()}"
+
+
+def _corners(settings: Element, width: float, height: float) -> Iterator[Point]:
+    """Corners of a polygon. [pixel]"""
+    for path in settings.iter(f"{{{_A}}}path"):
+        across, down = (max(_whole(path.get(key)), 1) for key in ("w", "h"))
+        for point in path.iter(f"{{{_A}}}pt"):
+            x, y = (_whole(point.get(key)) for key in ("x", "y"))
+            yield width * x / across, height * y / down
 
 
 def _emu(pixels: float) -> int:

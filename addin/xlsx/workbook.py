@@ -14,7 +14,7 @@ from addin.xlsx.cell_looks import CellLooks
 from addin.xlsx.chart_titles import TitleLink
 from addin.xlsx.charts import Area, Shown
 from addin.xlsx.container import DEFAULT_LIMITS, Container, Limits
-from addin.xlsx.drawn_shapes import EMU, Shape, ShapeGroup, with_hidden
+from addin.xlsx.drawn_shapes import EMU, DrawnGroup, Shape, ShapeGroup, with_hidden
 from addin.xlsx.errors import Obstacle, ObstaclesFound, WorkbookMismatch, WorkbookRefused
 from addin.xlsx.formulas import CacheReport, refresh_formula_caches
 from addin.xlsx.locks import check_not_open
@@ -226,15 +226,26 @@ class Workbook(WorkbookState):
                 made = shapes(frame.width / EMU, frame.height / EMU)
                 self._drawings[part] = group.drawn(made)
 
-    def _drawing_parts(self) -> list[str]:
-        """Parts of the drawings of all sheets."""
-        worksheets = (self.structure.worksheet_part(name) for name in self.sheet_names)
-        related = (one for part in worksheets if part for one in self.structure.relationships(part))
-        return [
-            one.part
-            for one in related
+    def drawn_group(self, description: str) -> DrawnGroup | None:
+        """The shapes that an object of this description (its alternative text) holds; None where there is none."""
+        mark = f'"{description}"'.encode()
+        for part, sheet in self._drawing_parts().items():
+            if mark in self._drawing(part):
+                group = ShapeGroup(part, self._drawing(part), description).read(sheet)
+                if group is not None:
+                    return group
+        return None
+
+    def _drawing_parts(self) -> dict[str, str]:
+        """Parts of the drawings of all sheets, with the sheet of each."""
+        worksheets = {name: self.structure.worksheet_part(name) for name in self.sheet_names}
+        return {
+            one.part: name
+            for name, part in worksheets.items()
+            if part
+            for one in self.structure.relationships(part)
             if one.kind == "drawing" and one.part in self.container.names
-        ]
+        }
 
     def _drawing(self, part: str) -> bytes:
         return self._drawings.get(part) or self.container.read(part)

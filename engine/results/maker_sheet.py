@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -51,6 +51,9 @@ class MakerRow:
     tooth_force: float | None  #: Normal to the flank, at the peak torque. [N]
     heat: float | None  #: Not calculated. [W]
     note: str | None  #: What the numbers alone do not say.
+    #: Least of the limits typed over their torque, and of offered over required rating; None where one of them is
+    #: not calculated, and without limits. [1]
+    safety_factor: float | None
 
 
 def maker_sheet(results: Results) -> tuple[MakerRow, ...]:
@@ -91,7 +94,7 @@ def _row(results: Results, index: int, continuous: float | None) -> MakerRow:
     where, peak = max(peaks.items(), key=lambda one: one[1].size, default=("", None))
     reversals, longest, beyond = _counts(results, index, offered or required or None)
     speed, driven = _speeds(results, element)
-    return MakerRow(
+    row = MakerRow(
         element=name,
         speed=speed,
         speed_driven=driven,
@@ -123,7 +126,26 @@ def _row(results: Results, index: int, continuous: float | None) -> MakerRow:
             if applies
         )
         or None,
+        safety_factor=None,
     )
+    return replace(row, safety_factor=_least_factor(row, is_counted(results.start) and not missing))
+
+
+def _least_factor(row: MakerRow, are_peaks_whole: bool) -> float | None:
+    """Least of all factors of an element; None unless every limit typed has its number."""
+    peak, reversing = (
+        value if are_peaks_whole else None for value in (row.peak_torque, row.reversing_torque)
+    )
+    pairs = (
+        (row.offered_rating, row.required_rating),
+        (row.vibratory_limit, row.vibratory_torque),
+        (row.peak_torque_limit, peak),
+        (row.reversal_limit, reversing),
+    )
+    typed = [(limit, value) for limit, value in pairs if limit]
+    if any(value is None for _, value in typed):
+        return None
+    return min((limit / value for limit, value in typed if value), default=None)
 
 
 def _phase(results: Results) -> str:

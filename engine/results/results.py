@@ -40,6 +40,8 @@ class Verdict:
     coverage: str | None = None  #: How much of the train was judged, such as ``2 of 7 shafts``.
     #: What was not: elements with what is known of them, or an input.
     not_judged: str | None = None
+    #: Limit over result, of allowable starts result over limit; None without both, and of a margin. [1]
+    safety_factor: float | None = None
 
 
 @dataclass(frozen=True)

@@ -73,6 +73,8 @@ _DECISIVE = {
 
 #: Check that takes the worst of the typed conditions into the verdicts of the case.
 CONDITIONS = "Other conditions"
+#: Check of the damage in a life.
+LIFE = "Life of starts and events"
 #: Conditions that a sentence names; table `CaseMatrix` has all.
 _NAMED = 2
 
@@ -114,7 +116,7 @@ def with_overall(checks: Sequence[Verdict], implausible: str = "") -> tuple[Verd
         names = [f"{c.check} ({c.where})" if c.check == CONDITIONS else c.check for c in decisive]
         where = "" if verdict in ACCEPTABLE else f"{_DECISIVE[verdict]}{', '.join(names)}"
     overall = Verdict("Overall", None, None, "text", verdict, where)
-    return (overall, *map(_without_blanks, checks))
+    return (overall, *map(_completed, checks))
 
 
 def _conditions(rows: Sequence[CaseVerdict]) -> Iterator[Verdict]:
@@ -147,8 +149,31 @@ def _some(names: Sequence[str]) -> str:
     return f"{', '.join(names[:_NAMED])}{more}"
 
 
-def _without_blanks(check: Verdict) -> Verdict:
-    return replace(check, coverage=check.coverage or None, not_judged=check.not_judged or None)
+def _completed(check: Verdict) -> Verdict:
+    """A check with its safety factor, and with None for blanks."""
+    return replace(
+        check,
+        coverage=check.coverage or None,
+        not_judged=check.not_judged or None,
+        safety_factor=_safety_factor(check),
+    )
+
+
+def _safety_factor(check: Verdict) -> float | None:
+    """How many times the governing number goes into its limit; None where nothing is judged, and of margins.
+
+    A torque that does not fall below zero has no factor against reversal.
+    """
+    result, limit = check.result, check.limit
+    if isinstance(result, str | None) or isinstance(limit, str | None):
+        return None
+    if check.verdict == Judgement.NOT_JUDGED:
+        return None
+    if check.dimension == "count":
+        return result / limit if limit > 0.0 else None
+    if check.dimension in ("pressure", "torque") or check.check == LIFE:
+        return limit / result if limit * result > 0.0 else None
+    return None
 
 
 def overall_verdict(verdicts: Iterable[Judgement]) -> Judgement:
@@ -692,7 +717,7 @@ def _life(results: Results) -> Iterator[Verdict]:
     counted = [e for e in results.events if counts.get(e.name)]
     if not counted or not members:
         return
-    name, allowed = "Life of starts and events", 1.0 / (case.starts_factor or 1.0)
+    name, allowed = LIFE, 1.0 / (case.starts_factor or 1.0)
     open_ = without_sn_points(case)
     coverage = _share(members, open_, "shafts")
     missing = [listed(open_)] if open_ else []

@@ -51,6 +51,7 @@ CALLS = {
     "TV_EFFECTS": [("", [])],
     "TV_EVENTS": [("", [])],
     "TV_CASE_VERDICTS": [("", [])],
+    "TV_FATIGUE_LIMITS": [("", [])],
 }
 #: The others: formula after the name, and what the registry gets.
 ALONE = {

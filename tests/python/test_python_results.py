@@ -205,7 +205,7 @@ def test_pictures_are_those_of_the_report(done):
         if isinstance(block, Figure)
     }
     assert len(printed) > 5
-    for name in ("train", "shapes", "interference", "torque", "speed-time", "sn"):
+    for name in ("schematic", "train", "shapes", "interference", "torque", "speed-time", "sn"):
         target = io.BytesIO()
         with _style():
             done.plot(name).savefig(target, format="png", dpi=200, metadata={"Software": None})
@@ -226,7 +226,7 @@ def test_every_picture_that_is_listed_can_be_had(done):
     for name in done.plots:
         assert done.plot(name).axes
     with pytest.raises(
-        LookupError, match="There is no picture 'nonsense'. There are train, shapes"
+        LookupError, match="There is no picture 'nonsense'. There are schematic, train, shapes"
     ):
         done.plot("nonsense")
 

@@ -134,8 +134,12 @@ def test_a_train_of_any_length_is_drawn_on_pages(stations, pictures):
         ),
     )
     units, _ = shown_units(template_units("SI", RESULT_TABLES), None)
-    drawn = Pictures(Charts.of(chart_blocks(case, units)), vectors=False).train()
+    charts = Pictures(Charts.of(chart_blocks(case, units)), vectors=False)
+    drawn = charts.train()
     assert len(drawn) == pictures
+    schematic = charts.schematic(case)
+    assert schematic is not None
+    drawn.append(schematic)
     assert all(abs(figure.width - WIDTH) < 1e-6 and figure.height < 170.0 for figure in drawn)
 
 

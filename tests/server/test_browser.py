@@ -346,7 +346,7 @@ TOO_WIDE = """[...document.querySelectorAll('body *')].filter(one =>
 
 #: Tables of which a column lies outside without a look at a scroll bar.
 CUT = """[...document.querySelectorAll('.scroll')].filter(one =>
-  one.id !== 'train' && one.scrollWidth > one.clientWidth + 1).map(one => one.id)"""
+  !['train', 'schematic'].includes(one.id) && one.scrollWidth > one.clientWidth + 1).map(one => one.id)"""
 #: Height of the smallest letters of the charts, as seen.
 SMALLEST = """Math.min(...[...document.querySelectorAll('svg.chart text')].map(one =>
   parseFloat(getComputedStyle(one).fontSize) * one.ownerSVGElement.getBoundingClientRect().width
@@ -386,6 +386,9 @@ def test_the_page_shows_a_model_and_its_start(tab, tmp_path):
     third = shown.nth(3).locator("td").nth(frequency).text_content()
     assert float(third.replace(",", "")) == pytest.approx(rows[3][frequency], rel=1e-4)
     discs = tab.locator("#train rect.disc").count()
+    words = tab.locator("#schematic text").all_text_contents()
+    assert {"Motor", "HS coupling"} <= {*words}
+    assert tab.locator("#schematic polygon").count() > len(words)
     assert discs == len([row for row in model_arguments("example_backlash")[0][2:] if row[0]])
     assert tab.locator("#histories svg").count() >= 2
     for chart in ("#interference", "#torque", "#speed"):

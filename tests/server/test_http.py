@@ -65,6 +65,7 @@ CALLS = {
     "TV_REVERSALS": [],
     "TV_CYCLES": [],
     "TV_STARTS": [None, False],
+    "TV_FATIGUE_LIMITS": [],
     "TV_SN_LIFE": ["4340", [[30000.0, None], [40000.0, 1.0]]],
     "TV_EFFECTS": [],
     "TV_VERDICTS": [],

@@ -10,10 +10,12 @@ import pytest
 from tampered_package import Package
 
 from addin.contract.sheet import column_letters
+from addin.reading.workbook import read_workbook
 from addin.verify.chart_sources import compare_copies, compare_drawings
 from addin.verify.file import verify_file
 from addin.verify.findings import Finding
 from addin.verify.key_units import compare_units
+from addin.verify.schematic import compare_schematic
 from addin.xlsx import Workbook, drawn_charts, open_workbook
 
 _SERIES = re.compile(r"<c:ser>.*?</c:ser>", re.DOTALL)
@@ -243,6 +245,52 @@ def test_charts_lie_where_they_are_said_to_lie(train):
         if name.startswith("xl/drawings/drawing")
     )
     assert len(places) == count == len(charts(train))
+
+
+def schematic_found(path: Path) -> list[tuple[str, bool, str]]:
+    workbook = open_workbook(path, ignore_lock=True)
+    case = read_workbook(workbook).data
+    said = compare_schematic(workbook, case, same_version=True)
+    return [(one.kind, one.fails, one.sentence) for one in said]
+
+
+MOVED = re.compile(r'(<a:off x=")(\d+)(" y="\d+"/><a:ext cx="\d+" cy="\d+"/></a:xfrm><a:custGeom>)')
+
+
+@pytest.mark.parametrize(
+    ("pattern", "put", "kind", "fails", "sentence"),
+    [
+        ("<a:t>LP comp</a:t>", "<a:t>Booster</a:t>", "chart", True, "says 'Booster', which does not"),
+        (r"(?s)<xdr:sp macro=(?:(?!</xdr:sp>).)*?>HP comp<.*?</xdr:sp>", "", "chart", True, "does not say 'HP comp'"),
+        (MOVED, lambda at: f"{at[1]}{int(at[2]) + 95250}{at[3]}", "chart", True, "shows a shape otherwise"),
+        ('<a:srgbClr val="1F3A5F"/>', '<a:srgbClr val="FFFFFF"/>', "chart", True, "otherwise than"),
+        ('descr="schematic"', 'descr="schematic" hidden="1"', "hidden", True, "is hidden"),
+        ("(?s)<xdr:grpSpPr>.*?</xdr:grpSpPr>", "<xdr:grpSpPr/>", "chart", True, "is not drawn"),
+        ('name="schematic" descr="schematic"', 'name="mine"', "chart", False, "no schematic of the train"),
+    ],
+)  # fmt: skip
+def test_another_schematic_is_found(train, pattern, put, kind, fails, sentence):
+    assert schematic_found(train) == []
+    package = Package(train)
+    [part] = [n for n, data in package.parts.items() if b'descr="schematic"' in data]
+    package.change(part, lambda text: re.sub(pattern, put, text, count=1))
+    [(found_kind, found_fails, said)] = schematic_found(package.store(train.with_name("s.xlsx")))
+    assert (found_kind, found_fails) == (kind, fails)
+    assert sentence in said
+
+
+def test_a_schematic_that_was_moved_or_stretched_is_the_same(train):
+    """Also where LibreOffice dropped its description."""
+    package = Package(train)
+    [part] = [n for n, data in package.parts.items() if b'descr="schematic"' in data]
+
+    def stretched(text: str) -> str:
+        place = r'(<xdr:grpSpPr><a:xfrm>)<a:off x="\d+" y="\d+"/><a:ext cx="\d+" cy="\d+"/>'
+        text = text.replace(' descr="schematic"', "")
+        return re.sub(place, r'\1<a:off x="7" y="9"/><a:ext cx="8000000" cy="900000"/>', text)
+
+    package.change(part, stretched)
+    assert schematic_found(package.store(train.with_name("s.xlsx"))) == []
 
 
 def retitled(words: str) -> Callable[[str], str]:

@@ -9,7 +9,7 @@ import pytest
 from addin.charts.schematic import schematic
 from addin.contract.shipped import template_path
 from addin.reading.workbook import read_workbook
-from addin.writing.drawn_schematic import draw_schematic
+from addin.writing.drawn_schematic import draw_schematic, schematic_picture
 from addin.xlsx import open_workbook
 from engine.case.data import CaseData, ElementRow, MeshRow, StationRow
 
@@ -51,6 +51,24 @@ def test_everything_stands_within_the_picture(geared: CaseData) -> None:
         assert one.axis + one.half <= 1.0 + 1e-9
     for shaft in drawing.shafts:
         assert 0.0 <= shaft.left < shaft.right <= drawing.width + 1e-9
+
+
+@pytest.mark.parametrize("letter", [7.4, 9.4])
+def test_words_of_a_picture_cover_no_others(geared: CaseData, letter: float) -> None:
+    """In the page of the server and in the report, whose letters are wider."""
+    picture = schematic_picture(geared, 918.0, letter)
+    assert picture is not None
+    words = [one for one in picture.shapes if one.text]
+    assert {one.text.split("\n")[0] for one in words} >= {"Motor", "HS coupling", "Intermediate"}
+    for k, one in enumerate(words):
+        assert one.left >= 0.0
+        assert one.left + one.width <= picture.width
+        assert one.top + one.height <= picture.height
+        for other in words[k + 1 :]:
+            beside = one.left + one.width <= other.left or other.left + other.width <= one.left
+            assert (
+                beside or one.top + one.height <= other.top or other.top + other.height <= one.top
+            )
 
 
 def test_a_closed_loop_a_branch_and_two_pinions_are_drawn_once_each() -> None:

@@ -156,6 +156,33 @@ function legendOf(what, width) {
   });
 }
 
+/** The schematic: shapes as the server lays them out, those behind first; null where there is none. */
+export function schematic(picture) {
+  if (!picture) return null;
+  const svg = element("svg", { viewBox: `0 0 ${picture.width} ${picture.height}`, role: "img", class: "schematic" });
+  svg.append(element("title", {}, "Schematic of the train, not to scale"));
+  const inPixels = points => points * 96 / 72;
+  for (const shape of picture.shapes) {
+    const { left, top, width, height } = shape;
+    const corners = shape.points.length ? shape.points : [[0, 0], [width, 0], [width, height], [0, height]];
+    if (shape.fill || shape.line) {
+      svg.append(element("polygon", {
+        points: corners.map(([x, y]) => `${(left + x).toFixed(1)},${(top + y).toFixed(1)}`).join(" "),
+        fill: shape.fill || "none", stroke: shape.line || "none", "stroke-width": inPixels(shape.thickness),
+      }));
+    }
+    if (!shape.text) continue;
+    const lines = shape.text.split("\n"), step = inPixels(shape.size) * 1.15;
+    const [share, anchor] = { ctr: [0.5, "middle"], l: [0, "start"], r: [1, "end"] }[shape.side];
+    const words = element("text", { fill: shape.ink, "text-anchor": anchor, "font-size": inPixels(shape.size), "font-weight": shape.bold ? "bold" : "normal" });
+    lines.forEach((line, k) => words.append(element("tspan", {
+      x: left + share * width, y: top + height / 2 + (k - (lines.length - 1) / 2) * step, "dominant-baseline": "central",
+    }, line)));
+    svg.append(words);
+  }
+  return svg;
+}
+
 /** Words broken into lines of about so many letters. */
 function broken(text, letters) {
   const lines = [""];

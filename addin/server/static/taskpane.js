@@ -1,6 +1,6 @@
 // The page: open a model, show it, calculate its start with progress, give the workbook back.
 // Inside Office it can take the open workbook; in a browser it is a page like any other.
-import { chart, fromRecord, train } from "./charts.js";
+import { chart, fromRecord, schematic, train } from "./charts.js";
 import { fill, openName, openWorkbook, putBack, resultsOf } from "./open_workbook.js";
 
 const { ask, stream, key, setKey } = window.torsionbook;
@@ -125,6 +125,7 @@ function show(view) {
   showAbout(view);
   const { charts, labels, tables } = view, wait = waiting(view);
   at("verdicts").replaceChildren(view.complete ? table(tables.Verdicts, "No verdicts.") : "");
+  at("schematic").replaceChildren(schematic(view.schematic) || "");
   at("train").replaceChildren(drawnTrain(charts.ChartTrain, labels));
   putTable("frequencies", "NaturalFrequencies", tables.NaturalFrequencies, "No modes.");
   putTable("shapes", "ModeShapes", (tables.ModeShapes || []).map(row => row.slice(0, SHAPES + 1)), "No modes.");

@@ -49,6 +49,12 @@ def tv_starts(run: Any) -> Any:
     return run.tables.get("AllowableStarts")
 
 
+@shows_table("TV_FATIGUE_LIMITS", "FatigueLimits", run_of, NO_SHAFT)
+def tv_fatigue_limits(run: Any) -> Any:
+    """Notch and strength factors, endurance limit and safety factor of every judged shaft."""
+    return run.tables.get("FatigueLimits")
+
+
 @registered(
     "TV_SN_LIFE",
     MODEL,
@@ -66,9 +72,9 @@ def tv_starts(run: Any) -> Any:
 def tv_sn_life(
     handle: str, material: str, stress: Rows, units: str | None, remarks: bool | None
 ) -> Rows:
-    """Cycles to failure at a stress, on the S-N line in torsion; below endurance 'unlimited'.
+    """Cycles to failure at a stress, on the S-N line of the material in torsion; below endurance 'unlimited'.
 
-    Above the first S-N point the line is extrapolated, as for allowable starts: the life is a number,
+    Strength factors of table `FatigueFactors` do not lower this line, and `MeanStress` is left out. Above the first S-N point the line is extrapolated, as for allowable starts: the life is a number,
     but not test data, and such starts are not judged. With Remarks `TRUE` a remark beside each life
     says so. A stress above UTS is refused.
     """

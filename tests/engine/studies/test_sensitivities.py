@@ -9,11 +9,19 @@ import numpy as np
 import pytest
 
 from engine.case.case import Case
-from engine.case.data import CaseData, EffectChoiceRow, ElementRow, MeshRow, StationRow
+from engine.case.data import (
+    CaseData,
+    EffectChoiceRow,
+    ElementRow,
+    FatigueFactorRow,
+    MeshRow,
+    StationRow,
+)
 from engine.case.effect import StartEffects
 from engine.model.build_train import build_train
 from engine.model.frequency_derivatives import clusters, frequency_derivatives
 from engine.model.modes import modes_of
+from engine.run import run
 from engine.start.settings import PLAIN_START
 from engine.start.start import run_start
 from engine.start.start_fatigue import sn_slope
@@ -234,6 +242,41 @@ def test_starts_follow_the_sn_line_by_its_slope(found: Derivatives) -> None:
     slope = sn_slope(sample_case("proposed"))
     assert found.all_starts[i] == pytest.approx(slope, rel=1e-6)
     assert np.all(found.peaks[i] == 0.0)
+
+
+def _starts_by_differences(case: Case, parameter: tuple[str, str], step: float) -> np.ndarray:
+    """d ln(starts)/d ln p of whole runs, each with its own steps."""
+    logs = []
+    for factor in (1.0 - step, 1.0 + step):
+        changed = Case(**vars(varied_case(case, [Change(*parameter, factor)])))
+        starts = run(changed).starts
+        assert starts is not None
+        logs.append([-np.log(shaft.damage) for shaft in starts.shafts])
+    low, high = np.array(logs)
+    return (high - low) / (np.log1p(step) - np.log1p(-step))
+
+
+@pytest.mark.slow
+def test_starts_with_a_mean_stress_and_factors_follow_whole_runs(short: Case) -> None:
+    """Goodman and strength factors: differences of runs, whose own error is seen in steps of 1 and 2 %."""
+    rows = tuple(
+        FatigueFactorRow(shaft, surface=0.8, size="by diameter", reliability=0.9)
+        for shaft in ("Low-speed shaft", "High-speed shaft")
+    )
+    case = replace(geared_and_judged(short), fatigue_factors=rows, mean_stress="Goodman")
+    found = derivatives(case)
+    assert found.tangent is not None
+    for parameter in (("damping ratio", ""), ("pulsating torque", "Motor"), ("S-N line", "alloy steel")):  # fmt: skip
+        i = found.parameters.index(parameter)
+        near, far = (_starts_by_differences(case, parameter, step) for step in (0.01, 0.02))
+        doubt = np.abs(far - near)
+        for own in (found.all_starts[i], found.tangent.starts[i]):
+            assert np.all(np.abs(own - near) <= found.stated_starts_errors[i] + doubt), parameter
+            assert np.all(np.abs(own - near) <= 1e-3), parameter
+    # the mean stress makes torque count for more than the amplitude of the line
+    torque = [i for i, (q, _) in enumerate(found.parameters) if q in TORQUE_LIKE]
+    line = found.all_starts[found.parameters.index(("S-N line", "alloy steel"))]
+    assert np.all(-found.all_starts[torque].sum(axis=0) > line + 0.01)
 
 
 def test_a_peak_that_swings_is_told(found: Derivatives) -> None:
