@@ -1,29 +1,5 @@
 """The calculation server: the worksheet functions and the recalculation over HTTP.
 
-module            responsibility
-================  ================================================================================
-`answers`         answers and refusals as JSON
-`client`          A client of the calculation server, with the standard library alone
-`office`          metadata, script and manifest for the Office host
-`openapi`         the description of all this for programs
-`settings`        addresses, keys, certificates and limits, fixed when the server starts
-`bodies`          bodies of requests: read within limits of size and time, as long as the client
-                  is there
-`keys`            API keys: which one a request carries, and whether it is one of ours
-`requests`        the guard in front of every route: names, origins, keys, and how much at a time
-`studies`         a study of a case that is sent as JSON
-`view`            what the page draws of a model
-`tasks`           what the processes do: starts, workbooks, tables, studies
-`processes`       long calculations in a pool of processes: a bounded queue, and what is said of
-                  its ends
-`running_starts`  one calculation of a start for everybody who waits for it
-`calls`           a list of function calls → their answers in the same order
-`stream`          long calls over a WebSocket: stages, results as they come, cancel
-`uploads`         a workbook in, the same workbook recalculated out; or what to write into it; or a
-                  model of it
-`app`             routes, put together for one set of settings
-================  ================================================================================
-=======
 =================  ================================================================================
 module             responsibility
 =================  ================================================================================
