@@ -3,6 +3,7 @@
 TORSIONBOOK_REQUIRE_ALL=1   a test that would be skipped fails instead (set in CI)
 TORSIONBOOK_RUN_SLOW=1      tests marked `slow` run too, properties try all their examples (set in CI)
 TORSIONBOOK_RUN_LONG=1      tests marked `long` run too (set by `make test-long`); CI runs the slow sample beside each
+TORSIONBOOK_EVERY=4         only every fourth of the tests is run: a sample of a repetition
 TORSIONBOOK_SOFFICE=path    the LibreOffice to use, when it is not where one looks first
 
 `make explore` sets TORSIONBOOK_EXPLORE_UNTIL, the time after which no further test is begun, and
@@ -31,6 +32,7 @@ for _name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
 REQUIRE_ALL = os.environ.get("TORSIONBOOK_REQUIRE_ALL") == "1"
 RUN_SLOW = os.environ.get("TORSIONBOOK_RUN_SLOW") == "1"
 RUN_LONG = os.environ.get("TORSIONBOOK_RUN_LONG") == "1"
+EVERY = int(os.environ.get("TORSIONBOOK_EVERY", "1"))
 EXPLORE_UNTIL = float(os.environ.get("TORSIONBOOK_EXPLORE_UNTIL", "inf"))
 EXPLORE_SEED = os.environ.get("TORSIONBOOK_EXPLORE_SEED")
 
@@ -128,6 +130,10 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         dropped = set(not_run)
         items[:] = [item for item in items if item not in dropped]
     items.sort(key=_turn)
+    if EVERY > 1:
+        sample = items[::EVERY]
+        config.hook.pytest_deselected(items=[item for n, item in enumerate(items) if n % EVERY])
+        items[:] = sample
     if EXPLORE_SEED is not None:
         # Not the same ones each time where the time ends in the middle of a pass.
         random.Random(EXPLORE_SEED).shuffle(items)

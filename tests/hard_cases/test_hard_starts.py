@@ -42,6 +42,11 @@ def _marks(name: str, slow: tuple[str, ...]) -> list[pytest.MarkDecorator]:
     return [pytest.mark.slow] if name in slow else []
 
 
+def _marks_of_truth(name: str) -> list[pytest.MarkDecorator]:
+    """The truth of a thousand stations takes minutes."""
+    return [pytest.mark.long] if name == THOUSAND else _marks(name, LONG)
+
+
 @pytest.mark.first_ones(4)
 @pytest.mark.parametrize("name", [pytest.param(name, marks=_marks(name, SLOW)) for name in STARTS])
 def test_peaks_are_within_the_tolerance_and_the_reported_error(name: str) -> None:
@@ -61,7 +66,9 @@ def test_peaks_are_within_the_tolerance_and_the_reported_error(name: str) -> Non
 
 
 @pytest.mark.first_ones(1)
-@pytest.mark.parametrize("name", [pytest.param(name, marks=_marks(name, LONG)) for name in STARTS])
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=_marks_of_truth(name)) for name in STARTS]
+)
 def test_the_truth_agrees_with_itself_at_twice_the_step(name: str) -> None:
     hard = STARTS[name]
     end = 0.1 if name == THOUSAND else default_start(hard).start.outcome.time

@@ -193,7 +193,7 @@ def test_reported_peaks_are_the_references_peaks(small) -> None:
         assert abs(peak.minimum - torque.min()) <= allowed
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("design", ["proposed", "modified"])
 def test_full_start_of_the_sample(design: str) -> None:
     _same_peaks(sample_case(design))

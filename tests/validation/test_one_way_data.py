@@ -295,7 +295,13 @@ def exact_start(case, ahead, end):
 
 
 @pytest.mark.parametrize(
-    "seeds", [range(6), pytest.param(range(6, 40), marks=pytest.mark.slow)], ids=len
+    "seeds",
+    [
+        range(6),
+        pytest.param(range(6, 14), marks=pytest.mark.slow),
+        pytest.param(range(14, 40), marks=pytest.mark.long),
+    ],
+    ids=len,
 )
 def test_stated_errors_of_starts_in_time_hold(seeds):
     missed = {}

@@ -84,8 +84,8 @@ def by_itself(results: Results, crossing: Crossing, damping: float) -> float:
     scope="module",
     params=[
         ("proposed", "mean speed"),
-        pytest.param(("proposed", "own speed"), marks=pytest.mark.slow),
-        pytest.param(("modified", "mean speed"), marks=pytest.mark.slow),
+        pytest.param(("proposed", "own speed"), marks=pytest.mark.long),
+        pytest.param(("modified", "mean speed"), marks=pytest.mark.long),
         pytest.param(("modified", "own speed"), marks=pytest.mark.slow),
     ],
 )
