@@ -367,7 +367,8 @@ def test_a_workbook_of_an_earlier_version_is_written_as_before(tmp_path: Path) -
     workbook.set_name("OverallVerdict", Formula(OVERALL_WITHOUT_COPY), replace_formula=True)
     workbook.save(tmp_path / "in.xlsx")
     report = write_results(tmp_path / "in.xlsx", tmp_path / "out.xlsx", made_up_run(), STAMP)
-    assert report.notes == ()
+    # the hidden sheet is there, and a formula of it counts the rows of a table that is not
+    assert [note for note in report.notes if "Inputs calculated!C2" not in note] == []
     tables = open_workbook(report.path).tables
     assert {table.data.height for name, table in tables.items() if "Calculated" in name} == {1}
 
