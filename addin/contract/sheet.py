@@ -10,10 +10,8 @@ from functools import reduce
 
 #: Width of the texts of sheet `Notes`. [characters]
 NOTES_WIDTH = 140.0
-#: Usual height of a row: that of its text and a little more; and where letters are larger. [point]
-ROW_HEIGHT, _TALL_ROW = 12.75, 15.0
-#: Height of letters that are 8 pt high where a sheet is printed at 70 %. [pt]
-READABLE = 11.5
+#: Usual height of a row: that of its text and a little more. [point]
+ROW_HEIGHT = 12.75
 #: Which parts are printed whatever they hold, and which are not.
 ALWAYS, NEVER = ("always",), ("never",)
 
@@ -79,7 +77,6 @@ class Sheet:
     print_to: int = 0  #: Last row that is printed in any case.
     on: str = ""  #: Of a part: the sheet on which it stands.
     shift: int = 0  #: Columns of the parts left of it, see `side_by_side`. [count]
-    row_height: float = ROW_HEIGHT  #: Of the rows of its sheet, see `side_by_side`. [point]
 
     @property
     def worksheet(self) -> str:
@@ -133,11 +130,9 @@ def column_letters(number: int) -> str:
 def side_by_side(parts: Sequence[Sheet]) -> tuple[Sheet, ...]:
     """Parts of the same sheet beside each other, in their order."""
     placed, used = [], dict[str, int]()
-    tall = {part.worksheet for part in parts if part.letters > 9.0}
     for part in parts:
         shift = used.get(part.worksheet, 0)
-        height = _TALL_ROW if part.worksheet in tall else ROW_HEIGHT
-        placed.append(replace(part, shift=shift, row_height=height))
+        placed.append(replace(part, shift=shift))
         widest = list(part.widths)[-1].split(":")[-1]
         used[part.worksheet] = shift + column_number(widest)
     return tuple(placed)

@@ -9,7 +9,6 @@ from addin.contract.result_tables import CROSSING_ROWS
 from addin.contract.sheet import (
     ALWAYS,
     NEVER,
-    READABLE,
     ChartAt,
     KeyNumber,
     Sheet,
@@ -144,8 +143,8 @@ FACT_LINES: tuple[tuple[str, str, str, str, str, float], ...] = (
         ("Summary", f"F{row}", f"I{row + 1}", _note_line(number), "prose", _KEY_ROW)
         for number, row in enumerate(range(NOTES_BEGIN, NOTES_END, 2), 1)
     ),
-    ("Margins", "B4", "J4", BLANK_TEXT.format("run_PrintedModes"), "note_wrap", 30.0),
-    ("Steady state", "B4", "N4", BLANK_TEXT.format("run_PrintedResponse"), "note_wrap", 30.0),
+    ("Margins", "B4", "J4", BLANK_TEXT.format("run_PrintedModes"), "note", 15.0),
+    ("Steady state", "B4", "N4", BLANK_TEXT.format("run_PrintedResponse"), "note", 15.0),
     ("Accuracy", "B4", "P4", BLANK_TEXT.format("run_AccuracySentence"), "sentence", 30.0),
     ("Accuracy", "B5", "P5", BLANK_TEXT.format("run_AccuracyReference"), "prose", 26.0),
     ("Accuracy", "B6", "P6", BLANK_TEXT.format("run_AccuracyInputs"), "note", 15.0),
@@ -156,7 +155,7 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
     Sheet(
         "Summary",
         "summary",
-        {"A": 1.5, "B": 33, "C:D": 14, "E": 24.5, "F": 40, "G": 26, "H": 24, "I": 8},
+        {"A": 1.5, "B": 33, "C:D": 14, "E": 24.5, "F": 40, "G": 23, "H": 27, "I": 8},
         {"Verdicts": f"B{VERDICTS_ROW}", "CaseMatrix": f"B{_MATRIX_ROW}"},
         (
             ChartAt("governing", f"B{_HISTORY_ROW}", 1322, 344),
@@ -168,19 +167,17 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
         printed_for=ALWAYS,
         print_to=FOOT_ROW,
         largest=70,
-        letters=READABLE,
+        letters=11.5,
     ),
     Sheet(
         "Case",
         "input",
-        {"A": 1.5, "B": 20, "C": 16, "D": 11, "E": 42, "F": 2, "G": 20, "H": 14, "I": 12, "J": 42},
+        {"A": 1.5, "B": 22, "C": 26, "D": 9, "E": 32, "F": 2, "G": 22, "H": 18, "I": 9, "J": 34},
         {"EffectChoices": "B32"},
         intro="Inputs of the case and how it is calculated. Type into the yellow cells (blue "
               "text); the unit is in the cell to the right of the number.",
         printed_for=ALWAYS,
         print_to=45,
-        largest=70,
-        letters=READABLE,
     ),
     Sheet(
         "Conditions",
@@ -235,20 +232,18 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
     Sheet(
         "Torque",
         "input",
-        {"A": 1.5, "B": 14, "C": 8, "D": 9.5, "E": 11, "F": 8, "G": 11.5, "H": 1, "I": 14, "J": 8, "K": 9.5, "L": 1,
-         "M": 12, "N:O": 8.5, "P": 1, "Q:X": 5.6},
+        {"A": 1.5, "B": 13, "C:G": 8, "H": 1, "I": 13, "J": 8, "K": 10, "L": 1, "M": 13,
+         "N:O": 8, "P": 1, "Q:X": 7},
         {"MotorTorque": "B5", "LoadTorque": "I5", "TorqueTime": "M5"},
         (
-            ChartAt("torque", "Q5", 318, 300),
-            ChartAt("motor-typed", "Q21", 318, 240),
-            ChartAt("load-typed", "Q34", 318, 220),
+            ChartAt("torque", "Q5", 432, 300),
+            ChartAt("motor-typed", "Q23", 432, 220),
+            ChartAt("load-typed", "Q37", 432, 190),
         ),
         on="Torque and motor",
         intro="Torque against speed of the motor and of each driven machine; every curve begins "
         "with the row of its lowest speed.",
         printed_for=ALWAYS,
-        largest=70,
-        letters=READABLE,
     ),
     Sheet(
         "Faults in operation",
@@ -261,7 +256,7 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
     Sheet(
         "Motor",
         "input",
-        {"A": 1.5, "B": 14, "C": 11, "D:Z": 8.5, "AA:AB": 7, "AC": 14, "AD:AG": 7.4},
+        {"A": 1.5, "B": 14, "C": 11, "D:Z": 8.5, "AA:AG": 7},
         {"MotorData": "B5", "MotorCircuit": "B15", "MotorCurves": "B49", "SupplyVoltage": "N49",
          "Supply": "R49", "MotorTimeConstants": "AB49"},
         (ChartAt("motor-curves", "B24", 640, 400),),
@@ -273,7 +268,7 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
     Sheet(
         "Events",
         "result",
-        {"A": 1.5, "B": 13, "C": 15.5, "D:E": 8.5, "F:H": 6.5, "I:K": 7, "L": 7.5, "M": 9.5, "N:R": 6, "S": 8.3, "T:V": 6.2, "W": 8.3, "X": 6},
+        {"A": 1.5, "B": 13, "C": 12, "D:E": 8.5, "F:H": 6.5, "I:K": 7, "L": 7.5, "M": 9.5, "N:R": 6, "S": 8.3, "T:V": 6.2, "W": 8.3, "X": 6},
         {"EventPeaks": "B5"},
         on="Torque and motor",
         intro="Faults in operation: events of tables EventTorque and MotorEvents upon the train that "
@@ -291,16 +286,14 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
     Sheet(
         "Fatigue",
         "input",
-        {"A": 1.5, "B": 22, "C": 10.4, "D": 10.6, "E": 11.2, "F": 8.6, "G": 11, "H": 8, "I": 10.8, "J:M": 8, "N": 1, "O": 10.6, "P": 7.4, "Q": 9,
-         "R:S": 10.6, "T": 4},
-        {"Materials": "B5", "SNPoints": "I5", "AllowableStarts": "B22", "StartCycles": "O31"},
-        (ChartAt("sn", "O5", 394, 300),),
+        {"A": 1.5, "B": 19, "C:M": 8.8, "N": 1, "O:U": 8},
+        {"Materials": "B5", "SNPoints": "I5", "AllowableStarts": "B26", "StartCycles": "O37"},
+        (ChartAt("sn", "O5", 427, 300),),
         intro="Strength and S-N lines of the shaft materials (zero-to-peak; nominal stress times SCF or Kf is compared "
         "with them), and the fatigue damage of one start by rainflow count and Miner's rule.",
         printed_for=ALWAYS,
         print_to=35,
         largest=70,
-        letters=READABLE,
     ),
     Sheet(
         "Strength",
@@ -315,35 +308,30 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
     Sheet(
         "Frequencies",
         "result",
-        {"A": 1.5, "B": 6, "C": 10.8, "D": 10, "E": 8.4, "F": 9.4, "G": 20, "H": 6.6, "I": 9.6, "J": 8.4},
+        {"A": 1.5, "B": 6, "C:D": 9, "E:F": 8, "G": 18, "H:I": 7, "J": 8},
         {"NaturalFrequencies": "B5"},
         on="Results",
         intro="Undamped torsional natural frequencies; rigid-body modes come first with frequency 0.",
-        largest=70,
-        letters=READABLE,
     ),
     Sheet(
         "Margins",
         "result",
-        {"A": 1.5, "B": 6, "C": 17.5, "D": 8, "E": 11, "F": 8, "G": 9.8, "H": 10, "I": 9, "J": 7.8},
+        {"A": 1.5, "B": 6, "C": 20, "D": 8, "E": 10, "F:G": 8, "H": 13, "I": 13.5, "J": 7.5},
         {"SeparationMargins": "B5"},
         on="Results",
         joins=True,
-        intro="Margin = |f − f_exc| / f_exc at the speeds of operation; 0 where an excitation crosses the mode.",
-        largest=70,
-        letters=READABLE,
+        intro="Margin = |f − f_exc| / f_exc, the least over the speeds of continuous operation; "
+        "0 where an excitation crosses the mode within this range.",
     ),
     Sheet(
         "Steady state",
         "result",
-        {"A": 1.5, "B": 23, "C": 19, "D": 6.4, "E": 11, "F": 14, "G:K": 11, "L": 22, "M": 8, "N:O": 9},
+        {"A": 1.5, "B": 20, "C": 20, "D": 6, "E": 9, "F": 16, "G:K": 11, "L": 24, "M:O": 10},
         {"SteadyState": "B26"},
-        (ChartAt("shapes", "B5", 624, 336), ChartAt("interference", "H5", 640, 336)),
+        (ChartAt("shapes", "B5", 596, 336), ChartAt("interference", "H5", 640, 336)),
         on="Results",
         intro="Response to continuous excitation, by default 1 % zero-to-peak of the "
         "transmitted torque. Stresses include SCF and are compared with UTS/25.",
-        largest=70,
-        letters=READABLE,
     ),
     Sheet(
         "Mode shapes",
@@ -366,21 +354,19 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
     Sheet(
         "Electrical damping",
         "result",
-        {"A": 1.5, "B": 18, "C": 6.4, "D:L": 13.4},
+        {"A": 1.5, "B": 16, "C": 6, "D:L": 11},
         {"ElectricalDamping": "B5"},
         on="Results",
         intro="What the air gap of motors with a data sheet adds to the damping of the modes.",
         printed_for=("MotorData",),
-        largest=70,
-        letters=READABLE,
     ),
     Sheet(
         "Start-up",
         "result",
-        {"A": 1.5, "B": 18, "C:D": 9.6, "E": 8, "F": 9.6, "G": 8, "H": 9.6, "I:J": 7.5, "K": 13, "L": 8.5,
-         "M:N": 9.6, "O:P": 7.5, "Q": 36},
+        {"A": 1.5, "B": 16, "C:D": 9.6, "E": 8, "F": 9.6, "G": 8, "H": 9.6, "I:J": 7.5, "K": 13, "L": 8.5,
+         "M:N": 9.6, "O:P": 7.5, "Q": 38},
         {"StartupCrossings": "B5", "StartupPeaks": f"B{_OF_ELEMENTS}"},
-        (ChartAt("speed-time", f"Q{_OF_ELEMENTS + 1}", 254, 230),),
+        (ChartAt("speed-time", f"Q{_OF_ELEMENTS + 1}", 268, 230),),
         on="Start",
         intro="The start from rest to EndSpeed, or to the end of pull-in or coast-down. Torques "
         "are at each element's own speed; a mesh's on its From side. Stresses here are nominal, without "
@@ -408,7 +394,7 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
     Sheet(
         "Reversals",
         "result",
-        {"A": 1.5, "B": 16, "C": 9.6, "D:K": 7.5, "L": 9, "M:N": 7.5, "O": 8, "P:R": 7.5, "S": 18, "T:V": 8.5},
+        {"A": 1.5, "B": 15, "C": 9.6, "D:K": 7.3, "L": 9, "M:N": 7.5, "O": 8, "P:R": 7.5, "S": 15, "T:V": 7.8},
         {"TorqueReversals": "B5", "MakerSheet": f"B{_OF_ELEMENTS}"},
         on="Start",
         intro="Gear teeth that unload or separate during the start. A reversal is one passage of "
@@ -418,15 +404,13 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
     Sheet(
         "Effects",
         "result",
-        {"A": 1.5, "B": 20, "C": 9, "D": 7, "E:H": 11, "I": 98},
+        {"A": 1.5, "B": 19, "C": 9, "D": 7, "E:H": 11, "I": 96},
         {"Effects": "B5", "Plans": f"H{_BELOW_EFFECTS}"},
         on="Effects and accuracy",
         intro="Effects that this case requires, each with its deciding number. Force an effect on "
               "or off in table EffectChoices on sheet Case.",
         printed_for=("Effects",),
         print_to=_BELOW_EFFECTS + len(EFFECT_NOTES),
-        largest=70,
-        letters=READABLE,
     ),
     Sheet(
         "Standard",
@@ -435,8 +419,6 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
         {"StandardRequirements": "B5"},
         on="Effects and accuracy",
         intro="What the standard that is named in scalar Standard asks for, and which checks show it.",
-        largest=70,
-        letters=READABLE,
     ),
     Sheet(
         "Accuracy",
@@ -524,7 +506,7 @@ def _of_shaft(column: str) -> str:
 
 
 #: Cell of the caption above the facts of the governing shaft on sheet `Fatigue`.
-CYCLE_FACTS_AT = "O20"
+CYCLE_FACTS_AT = "O24"
 
 #: What leads from the cycles of one start to 1/q.
 CYCLE_FACTS = (
@@ -562,7 +544,7 @@ CYCLE_FACTS = (
         number_format=shown.STARTS,
     ),
     KeyNumber(
-        "In table AllowableStarts",
+        "Allowable starts in table AllowableStarts",
         '=IF(run_GoverningShaft="","",IFERROR(INDEX(AllowableStarts[Allowable starts],'
         'MATCH(run_GoverningShaft,AllowableStarts[Element],0)),""))',
         number_format=shown.STARTS,

@@ -50,14 +50,13 @@ class FrontSheets(Tables):
 
     def _case(self) -> None:
         """Scalars in two halves, each with its name, unit and what a blank means."""
-        page, self.style.letters = self.sheets["Case"], part_named("Case").letters
+        page = self.sheets["Case"]
         page.ignore_errors({"number_stored_as_text": "C6:C13"})
         for letter, groups in CASE_HALVES:
             row, left = 4, column_number(letter)
             for group in groups:
                 members = [f for f in fields.SCALARS if f.group == group]
                 row = self._scalars(page, group, members, row, left)
-        self.style.letters = USUAL
 
     def _scalars(self, page: Any, group: str, members: list[Field], row: int, left: int) -> int:
         """A group of scalars under its heading; the row where the next one begins."""

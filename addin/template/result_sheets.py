@@ -43,7 +43,7 @@ class ResultSheets(FrontSheets):
     def _cycle_facts(self) -> None:
         """Data of the governing shaft and the sum over its cycles, above table `StartCycles`."""
         part = part_named("Fatigue")
-        page, self.style.letters = self.page(part), part.letters
+        page = self.page(part)
         row, left = xl_cell_to_rowcol(part.at(CYCLE_FACTS_AT))
         page.write_string(
             row, left, "From stress cycles to allowable starts 1 / q", self.style("caption")
@@ -57,7 +57,6 @@ class ResultSheets(FrontSheets):
                 self._unit_of_column(page, k, left + 5, fact.unit)
             else:
                 page.write_blank(k, left + 5, None, self.style("key_unit"))
-        self.style.letters = USUAL
 
     def _fact_lines(self) -> None:
         """Lines of words that the calculation writes into `RunFacts`."""
@@ -74,7 +73,6 @@ class ResultSheets(FrontSheets):
     def _sheet_notes(self) -> None:
         """How to read the effects, and what those on `Case` are."""
         part = part_named("Effects")
-        self.style.letters = part.letters
         row, left = xl_cell_to_rowcol(part.at(EFFECT_NOTES_AT))
         for k, text in enumerate(EFFECT_NOTES, row + 1):
             self.page(part).write_string(k, left, text, self.style("note"))
@@ -83,7 +81,6 @@ class ResultSheets(FrontSheets):
             self.sheets[choices.sheet].write_string(
                 k, choices.columns["Choice"] + 1, effect.sentence, self.style("note_beside")
             )
-        self.style.letters = USUAL
 
     def _study_lines(self) -> None:
         """On each result sheet of a study what it found, and which inputs it belongs to."""

@@ -63,7 +63,6 @@ _FORMATS: Mapping[str, Mapping[str, Any]] = {
     "strip": _format("navy", "mist", **_LEFT),
     "strip_verdict": _format("navy", "mist", bold=True, **_LEFT),
     "note": {"italic": True, "font_color": PALETTE["grey"]},
-    "note_wrap": {"italic": True, "font_color": PALETTE["grey"], "text_wrap": True},
     "note_beside": {"italic": True, "font_color": PALETTE["grey"], "indent": 1},
     "fact": _format("navy", bold=True, align="left"),
     "sentence": _boxed("navy", "paper", bold=True, font_size=11, text_wrap=True, **_LEFT),
@@ -132,10 +131,7 @@ class Styles:
                 size = max(properties.get("font_size", USUAL), self.letters)
                 properties |= {"font_name": FONT, "font_size": size}
                 if self.letters > USUAL and properties.pop("shrink", False):
-                    properties["text_wrap"] = name in (
-                        "verdict",
-                        "result_text",
-                    )  # letters stay as high as they are
+                    properties["text_wrap"] = name == "verdict"  # letters stay as high as they are
             if number:
                 properties["num_format"] = number
             self._made[key] = self._workbook.add_format(properties)

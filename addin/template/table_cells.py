@@ -23,13 +23,6 @@ _SHORT_HEADER = 8
 _FIRST_ROW = 4
 
 
-def _header_height(letters: float, has_units: bool) -> float:
-    """Height of three lines of a header over columns with units, of two over others. [point]"""
-    if letters == USUAL:
-        return 38 if has_units else 24
-    return 46 if has_units else 30
-
-
 class Tables(Frames):
     """Frames with the tables of the contract on them."""
 
@@ -49,7 +42,7 @@ class Tables(Frames):
         # A row among those of a table beside it stays low where its words allow that.
         long = max(len(field.name) for field in columns) > _SHORT_HEADER
         if row == _FIRST_ROW or long or not self.has_parts(sheet):
-            page.set_row(header, _header_height(sheet.letters, has_units))
+            page.set_row(header, 38 if has_units else 24 if sheet.letters == USUAL else 30)
         page.add_table(
             header,
             left,

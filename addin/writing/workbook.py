@@ -32,8 +32,8 @@ from addin.contract.run_facts import RUN_FACTS
 from addin.contract.sheet import column_number, plot_name, text_height
 from addin.contract.sheets import (
     FOOT_ROW,
-    SHEETS,
     VERDICTS_ROW,
+    part_named,
 )
 from addin.contract.shown_cell import shown_cell
 from addin.contract.shown_units import ShownUnits, shown_units
@@ -621,7 +621,7 @@ def _fit_rows(workbook: Workbook, written: Sequence[TableData]) -> None:
         wrapped = [
             (columns.index(field.name), room.get(field.name, field.width))
             for field in (spec.columns if spec else ())
-            if (field.width or (room and not field.is_number)) and field.name in columns
+            if (field.width or (field.kind == "verdict" and room)) and field.name in columns
         ]
         if spec is None or not wrapped:
             continue
@@ -644,28 +644,23 @@ def _fit_rows(workbook: Workbook, written: Sequence[TableData]) -> None:
 def _room_of(workbook: Workbook, name: str) -> tuple[Mapping[str, float], float]:
     """Widths of columns that are wider than their texts need at the least, and height of the letters of a table.
 
-    Of a table whose letters are large, where it is shipped today; elsewhere nothing is known of the columns.
+    Of a table of sheet Summary where it is shipped today; elsewhere nothing is known of the columns.
     """
-    table, part = workbook.tables.get(name), _READABLE_PARTS.get(name)
-    if table is None or part is None:
+    table, summary = workbook.tables.get(name), part_named("Summary")
+    place = summary.tables.get(name)
+    if table is None or place is None:
         return {}, _USUAL
-    place, units = part.tables[name], any(c.has_unit for c in fields.table(name).workbook_columns)
-    column, row = place.rstrip("0123456789"), int(place.lstrip("ABCDEFGHIJKLMNOPQRSTUVWXYZ"))
-    left = column_number(column)
-    if (table.ref.top, table.ref.left) != (row + 1 + units, part.shift + left):
+    column, row = place[0], int(place[1:])
+    if (table.ref.top, table.ref.left) != (row + 1, column_number(column)):
         return {}, _USUAL
-    widths = part.column_widths
+    widths = summary.column_widths
     return {
-        header: widths[left + k] - _INDENT
-        for k, header in enumerate(table.columns)
-        if left + k in widths
-    }, part.letters
+        header: widths[table.ref.left + k] - _INDENT for k, header in enumerate(table.columns)
+    }, summary.letters
 
 
 #: Usual height of letters. [pt]
 _USUAL = 9.0
-#: The parts with larger ones, by their tables.
-_READABLE_PARTS = {name: part for part in SHEETS if part.letters > _USUAL for name in part.tables}
 #: What the frame and the indent of a cell take of its width. [characters]
 _INDENT = 2.0
 
