@@ -481,7 +481,7 @@ def _unbounded(results: Results) -> str:
     if start is None or start.left_out is not None:
         return ""
     names = [name for name in plan.left_out if plan.decision(name).bound is None]
-    return f"no bound on what is left out: {', '.join(names) or 'fast modes'} (see sheet Effects and accuracy)"
+    return f"no bound on what is left out: {', '.join(names) or 'fast modes'}"
 
 
 def _and(named: str, unbounded: str) -> str:
