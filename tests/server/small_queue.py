@@ -11,8 +11,8 @@ from addin.server.processes import Work  # noqa: E402
 begin = Work.__init__
 
 
-def begin_small(self: Work, processes: int, waiting: int, time_limit: float) -> None:
-    begin(self, processes, 1, time_limit)
+def begin_small(self: Work, processes: int, waiting: int, *others: object) -> None:
+    begin(self, processes, 1, *others)
 
 
 if __name__ == "__main__":
