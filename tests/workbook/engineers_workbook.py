@@ -36,10 +36,10 @@ RENAMED = {
 }
 #: Tables that stand elsewhere: rows and columns were inserted before them.
 MOVED = {
-    "Verdicts": "H14",
+    "Verdicts": "K14",
     "Stations": "C9", "ModeDamping": "K9", "Elements": "C33", "Meshes": "C57",
     "MotorTorque": "B8", "LoadTorque": "H8", "TorqueTime": "L9",
-    "Materials": "B7", "SNPoints": "I9",
+    "Materials": "B7", "SNPoints": "I7",
     "Excitations": "C8", "EventTorque": "C27", "MotorEvents": "C52",
     "NaturalFrequencies": "B29", "ModeShapes": "L31",
     "SeparationMargins": "B28",

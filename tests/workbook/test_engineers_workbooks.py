@@ -69,6 +69,10 @@ NOBODYS = (
     "xl/richData/rdsupportingpropertybagstructure.xml",
     "xl/richData/richStyles.xml",
 )
+#: Formulas that are left blank and named: a function of a macro, fields of linked data types, a pivot table.
+NOBODY_CAN_TELL = {
+    *(f"Our summary!{cell}" for cell in ("B11", "C20", "D20", "E20")), "Our pivots!H3",
+}  # fmt: skip
 #: Sheets whose cells differ from run to run: date, wall times.
 OF_EACH_RUN = ("Lists", "ChartData", "Effects and accuracy", "Audit", "Summary")
 
@@ -84,7 +88,9 @@ def returned(request, tmp_path_factory) -> tuple[Path, Path, Path]:
             given, destination=written, json_file=written.with_suffix(".json"), overrides={}
         )
         assert done.problems == ()
-        assert not [w for w in done.warnings if "formulas have no stored value" in w]
+        named = [w for w in done.warnings if "formulas have no stored value" in w]
+        cells = [w.split("open the workbook: ")[1].split(". ")[0].split(", ") for w in named]
+        assert {cell for one in cells for cell in one} == NOBODY_CAN_TELL
     return source, once, twice
 
 

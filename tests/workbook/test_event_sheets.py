@@ -21,6 +21,7 @@ from addin.xlsx import Workbook, open_workbook
 from addin.xlsx.references import cell_name
 from engine.case.data import CaseData, EffectChoiceRow, EventTorqueRow, MotorEventRow
 from tests.engine.results.test_motor_events import motor
+from tests.opened import rows_of
 from tests.reading.small_workbook import SmallWorkbook
 from tests.trains import geared
 
@@ -138,8 +139,8 @@ def test_a_worst_clearing_time_on_the_sheet(tmp_path: Path) -> None:
     )
     assert not done.problems
     rows = json.loads((tmp_path / "results.json").read_text(encoding="utf-8"))["event_peaks"]
-    sheet = shown(open_workbook(book), "EventPeaks")
-    assert [row[-8:-5] for row in sheet] == [
+    worst = ("Worst phase", "Worst angle", "Worst clearing time")
+    assert [[row[name] for name in worst] for row in rows_of(book, "EventPeaks")] == [
         [pytest.approx(math.degrees(r["worst_phase"])), None, r["worst_clearing_time"]]
         if r["event"] == "Worst"
         else [None] * 3

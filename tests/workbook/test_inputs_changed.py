@@ -13,6 +13,7 @@ from typing import Any
 import pint
 import pytest
 from made_up_run import SOURCE, STAMP, made_up_run
+from workbook_checks import rated_torque
 
 from addin.contract.banner import OVERALL_WITHOUT_COPY
 from addin.contract.field import Field, TableSpec
@@ -38,9 +39,11 @@ STATIONS = ("Motor", "LS coupling hub", "Bull gear")
 
 #: Speed of the stations at synchronism, 1800 rpm times their ratios. [rad/s]
 FULL_SPEEDS = tuple(60.0 * math.pi * 0.1 * (k + 1) for k in range(ROWS))
-#: Units that are shares: dimension, unit, and what one of them is in SI. The motor has 58,400 N m.
+#: Rated torque as sheet Case of the example has it, a number and its unit. [N m]
+RATED = rated_torque(SOURCE)
+#: Units that are shares: dimension, unit, and what one of them is in SI.
 SHARES = {
-    ("torque", "pu"): 58400.0, ("torque", "%"): 584.0, ("excitation torque", "pu"): 58400.0,
+    ("torque", "pu"): RATED, ("torque", "%"): 0.01 * RATED, ("excitation torque", "pu"): RATED,
     ("running speed", "%"): 0.6 * math.pi, ("ratio", "1"): 1.0, ("ratio", "%"): 0.01,
     ("fraction", "1"): 1.0, ("fraction", "%"): 0.01, ("ratio", "pu"): 1.0, ("fraction", "pu"): 1.0,
 }  # fmt: skip

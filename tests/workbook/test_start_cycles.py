@@ -16,7 +16,7 @@ from addin.writing.workbook import write_results
 from addin.xlsx import open_workbook
 from engine.fatigue.damage import miner_damage
 from engine.fatigue.sn_curve import sn_curve_for
-from tests.opened import opened
+from tests.opened import opened, rows_of
 
 SHAFT = "HP compressor shaft"
 
@@ -66,12 +66,23 @@ def test_only_the_line_of_the_governing_shaft_is_drawn() -> None:
 
 @pytest.mark.slow
 def test_the_sum_stands_on_the_sheet(tmp_path: Path) -> None:
-    path = write_results(SOURCE, tmp_path / "out.xlsx", made_up_run(), STAMP).path
+    run = made_up_run()
+    # without notches Kf is the SCF that is typed; two shafts with two values, so that a wrong row shows
+    typed = {row["Element"]: row["SCF"] for row in rows_of(SOURCE, "Elements")}
+    assert typed[SHAFT] != typed["Motor shaft"]
+    limits = [{"element": name, "kf": float(typed[name])} for name in ("Motor shaft", SHAFT)]
+    run = replace(run, tables=dict(run.tables) | {"FatigueLimits": limits})
+    path = write_results(SOURCE, tmp_path / "out.xlsx", run, STAMP).path
     sheet = opened(path)["Fatigue"]
-    shown = {row[0]: row[3] for row in sheet.iter_rows(24, 35, 15, 18, values_only=True) if row[0]}
+    # found by what it is called: three cells for the label, then the number
+    (first,) = (c for row in sheet.iter_rows() for c in row if c.value == "Governing shaft")
+    area = sheet.iter_rows(
+        first.row, first.row + 11, first.column, first.column + 3, values_only=True
+    )
+    shown = {row[0]: row[3] for row in area if row[0]}
     whole = sum(row["damage"] for row in start_cycle_rows(made_up_run()))
     assert shown["Governing shaft"] == SHAFT
-    assert shown["SCF"] == pytest.approx(3.0)
+    assert shown["Kf, or SCF"] == pytest.approx(typed[SHAFT])
     assert shown["Sum of n / N = damage q"] == pytest.approx(whole, rel=1e-9)
     assert shown["1 / sum = allowable starts"] == pytest.approx(1.0 / whole, rel=1e-9)
     table = open_workbook(path, read_only=True).table("StartCycles")

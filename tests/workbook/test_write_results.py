@@ -12,7 +12,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from made_up_run import PSI, SOURCE, STAMP, made_up_run
-from workbook_checks import assert_caches_agree, assert_pages_have_ink, type_unit
+from workbook_checks import (
+    assert_caches_agree,
+    assert_pages_have_ink,
+    rated_torque,
+    type_unit,
+)
 
 from addin.charts.rows import HISTORY_POINTS, decimate
 from addin.contract.chart_tables import CHART_TABLES
@@ -62,7 +67,7 @@ def test_torque_in_per_unit_is_of_the_rated_torque(tmp_path: Path) -> None:
     source = with_unit(tmp_path, "StartupPeaks", "Maximum torque", "pu")
     write_results(source, tmp_path / "out.xlsx", made_up_run(), STAMP)
     torque = rows_of(tmp_path / "out.xlsx", "StartupPeaks")[0]["Maximum torque"]
-    assert torque == pytest.approx(117900.0 / 58400.0)
+    assert torque == pytest.approx(117900.0 / rated_torque(source))
 
 
 def test_an_unreadable_result_unit_is_named_and_si_is_shown(retyped: SaveReport) -> None:

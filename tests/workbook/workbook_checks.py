@@ -11,8 +11,20 @@ from openpyxl.utils import get_column_letter
 from PIL import Image
 
 from addin.xlsx import Workbook
+from tests.opened import opened
 
+#: Units of a rated torque, by their definitions: 0.3048 m and 0.45359237 kg at 9.80665 m/s². [N m]
+TORQUES = {"N*m": 1.0, "kN*m": 1000.0, "lbf*ft": 0.3048 * 0.45359237 * 9.80665}
 ERRORS = ("#N/A", "#NAME?", "#REF!", "#VALUE!", "#DIV/0!", "#NUM!", "#NULL!", "Err:")
+
+
+def rated_torque(path: Path) -> float:
+    """Rated torque that sheet Case shows, as another program reads it. [N m]"""
+    book = opened(path)
+    ((sheet, cell),) = book.defined_names["RatedTorque"].destinations
+    value = book[sheet][cell]
+    unit = value.offset(column=1).value
+    return float(value.value) * TORQUES[unit]
 
 
 def type_unit(workbook: Workbook, table: str, column: str, unit: str) -> None:
