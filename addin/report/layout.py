@@ -162,9 +162,9 @@ def rows_together(table: Table) -> list[int]:
             groups[-1] += 1
         else:
             groups.append(1)
-    for ends in (slice(0, 2), slice(-2, None)):
-        while len(groups) > 1 and groups[ends.start] < _ROWS:
-            groups[ends] = [sum(groups[ends])]
+    for end, both in ((0, slice(0, 2)), (-1, slice(-2, None))):
+        while len(groups) > 1 and groups[end] < _ROWS:
+            groups[both] = [sum(groups[both])]
     return groups
 
 

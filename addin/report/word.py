@@ -354,7 +354,8 @@ class _Writer:
             return self._alert(block.text, 10.0)
         paragraph = self._paragraph("Report note" if block.kind == "note" else "Normal")
         paragraph.add_run(block.text)
-        if block.kind == "lead":
+        if block.kind == "lead":  # the line beside it stands within the margin
+            paragraph.paragraph_format.left_indent = Mm(3)
             _border(paragraph._p.get_or_add_pPr(), "left", _NAVY, 14, 6)
         return paragraph
 

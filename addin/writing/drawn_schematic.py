@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
@@ -132,7 +133,7 @@ class _Picture:
         left, width = self._at(one.left), self._x * one.width
         axis, half = self._y * one.axis, self._y * one.half
         ink, pale = SPEED_GROUPS[one.group]
-        if not one.name:
+        if not one.name or width < 3.0 * self._letter + 4.0:  # no room for a name
             yield Shape(left, axis - half, width, 2.0 * half, fill=ink, line=PALETTE["white"])
             return
         lines = max(1, int(2.0 * half / _LINE))
@@ -146,7 +147,18 @@ class _Picture:
             words, room = one.words, width + 0.1 * self._x
             if len(words) * self._letter > room and axis + half + 2.0 * _LINE <= self._height:
                 words = words.replace(", ", ",\n", 1)
-            yield self._below(words, left + 0.5 * width, axis + half)
+            if self._letter * max(map(len, words.split("\n"))) <= self._to_neighbour(one):
+                yield self._below(words, left + 0.5 * width, axis + half)
+
+    def _to_neighbour(self, one: Machine) -> float:
+        """From the middle of a machine to that of the nearest on its shaft line. [pixel]"""
+        middle = one.left + 0.5 * one.width
+        others = (
+            abs(other.left + 0.5 * other.width - middle)
+            for other in self._drawing.machines
+            if other.name and other is not one and other.axis == one.axis
+        )
+        return self._x * min(others, default=math.inf)
 
     def _gear(self, one: Gear) -> Iterator[Shape]:
         """A gear from the side: its face with lines of teeth, teeth along both rims."""

@@ -9,8 +9,9 @@ import pytest
 from addin.charts.schematic import schematic
 from addin.contract.shipped import template_path
 from addin.reading.workbook import read_workbook
-from addin.writing.drawn_schematic import draw_schematic, schematic_picture
+from addin.writing.drawn_schematic import SchematicPicture, draw_schematic, schematic_picture
 from addin.xlsx import open_workbook
+from addin.xlsx.drawn_shapes import Shape
 from engine.case.data import CaseData, ElementRow, MeshRow, StationRow
 
 
@@ -60,6 +61,11 @@ def test_words_of_a_picture_cover_no_others(geared: CaseData, letter: float) -> 
     assert picture is not None
     words = [one for one in picture.shapes if one.text]
     assert {one.text.split("\n")[0] for one in words} >= {"Motor", "HS coupling", "Intermediate"}
+    stand_apart(words, picture)
+
+
+def stand_apart(words: list[Shape], picture: SchematicPicture) -> None:
+    """Whether words cover no others and lie within the picture."""
     for k, one in enumerate(words):
         assert one.left >= 0.0
         assert one.left + one.width <= picture.width
@@ -69,6 +75,23 @@ def test_words_of_a_picture_cover_no_others(geared: CaseData, letter: float) -> 
             assert (
                 beside or one.top + one.height <= other.top or other.top + other.height <= one.top
             )
+
+
+@pytest.mark.parametrize("count", [2, 6, 12, 18, 40, 200])
+def test_a_long_train_shows_the_words_that_have_room(count: int) -> None:
+    """Every station is a machine here, their shafts as short as any."""
+    names = [f"A rather long name {k}" for k in range(count)]
+    stations = tuple(StationRow(name, inertia=1.0, speed_ratio=1.0) for name in names)
+    elements = tuple(
+        ElementRow(f"s{k}", kind="shaft", from_=names[k], to=names[k + 1], stiffness=1.0)
+        for k in range(count - 1)
+    )
+    picture = schematic_picture(replace(CaseData(), stations=stations, elements=elements), 918.0)
+    assert picture is not None
+    words = [one for one in picture.shapes if one.text]
+    stand_apart(words, picture)
+    if count == 2:
+        assert len(words) == 4  # names and speeds
 
 
 def test_a_closed_loop_a_branch_and_two_pinions_are_drawn_once_each() -> None:
