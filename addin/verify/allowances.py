@@ -6,7 +6,7 @@ segments. All others are exact to rounding, and nothing is allowed for them.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from addin.contract.field import ReportedError
@@ -35,6 +35,7 @@ class Allowances:
         if start is not None:
             spread = start.repeatability.spread if start.repeatability is not None else 0.0
             self._peaks = max(start.estimated_error, spread)
+        self._of_rows = dict(_errors_of_rows(results))
 
     def of_words(self) -> float | None:
         """Relative error of a number inside a sentence.
@@ -67,13 +68,17 @@ class Allowances:
         field = find_column(table, column)
         if field is None or field.error is None:
             return None
-        error, size = self._error(field.error, row), row.get(field.share_of or column)
+        error, size = self._error(table, field.error, row), row.get(field.share_of or column)
         if error is None or not isinstance(size, int | float):
             return None
         return error * abs(size)
 
-    def _error(self, error: ReportedError, row: Mapping[str, Any]) -> float | None:
-        """A reported error, relative. [1]"""
+    def _error(self, table: str, error: ReportedError, row: Mapping[str, Any]) -> float | None:
+        """A reported error, relative: that of the row where its table reports one for each. [1]"""
+        if error in (ReportedError.PEAKS, ReportedError.EVENTS):
+            own = self._of_rows.get((table, str(row.get("Event") or ""), str(row.get("Element"))))
+            if own is not None:
+                return own
         if error is ReportedError.PEAKS:
             return self._peaks
         if error is ReportedError.STARTS:
@@ -89,3 +94,22 @@ class Allowances:
         if error is ReportedError.WORDS:
             return self.of_words()
         return 1.0  # another version may estimate an error otherwise, up to its size
+
+
+def _errors_of_rows(results: Results) -> Iterator[tuple[tuple[str, str, str], float]]:
+    """Table, event and element of each row with an error of its own, and that error. [1]
+
+    None is larger than that of all peaks, which disregards elements whose torque is negligible.
+    """
+    start = results.start
+    if start is not None:
+        spread = start.repeatability.spread if start.repeatability is not None else 0.0
+        for peak in start.peaks:
+            own = min(peak.relative_error, start.estimated_error)
+            yield ("StartupPeaks", "", peak.element), max(own, spread)
+    for event in results.events:
+        response = event.response
+        if response is not None:
+            for peak in response.peaks:
+                own = min(peak.relative_error, response.estimated_error)
+                yield ("EventPeaks", event.name, peak.element), own

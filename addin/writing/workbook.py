@@ -26,7 +26,7 @@ from addin.contract.banner import (
     is_earlier_banner,
 )
 from addin.contract.chart_tables import CHART_TABLES, HISTORIES, LABELS
-from addin.contract.charts import CHARTS, Label
+from addin.contract.charts import CHARTS, Label, Series
 from addin.contract.digests import short_digest
 from addin.contract.run_facts import RUN_FACTS
 from addin.contract.sheet import column_number, plot_name, text_height
@@ -547,28 +547,38 @@ def _title_links(workbook: Workbook, only: str = "") -> list[TitleLink]:
     links = []
     for chart in CHARTS.values():
         title, axis = chart.title, chart.y.title
-        if not (isinstance(title, Label) and isinstance(axis, Label)):
+        if not isinstance(title, Label) or only not in ("", title.key):
             continue
-        if only not in ("", title.key):
+        values = [_drawn_values(workbook, series) for series in chart.series]
+        drawn = tuple(rect for sheet, rect in filter(None, values) if sheet == labels.sheet)
+        if len(drawn) < len(values):
             continue
-        table = workbook.tables.get(chart.series[0].table)
-        columns = [series.y for series in chart.series]
-        if table is None or not set(columns) <= set(table.columns) or table.sheet != labels.sheet:
-            continue
-        if not (_has_label(labels, title.key) and _has_label(labels, axis.key)):
+        shown = [label for label in (title, axis) if isinstance(label, Label)]
+        if not all(_has_label(labels, label.key) for label in shown):
             continue  # a workbook of an earlier version
-        lefts = [table.ref.left + table.column_index(column) for column in columns]
         links.append(
             TitleLink(
-                table.sheet,
-                tuple(Rect(table.data.top, at, table.data.bottom, at) for at in lefts),
+                labels.sheet,
+                drawn,
                 _label_cell(labels, title.key),
-                _label_cell(labels, axis.key),
+                _label_cell(labels, axis.key) if isinstance(axis, Label) else "",
                 title.words,
-                axis.words,
+                axis.words if isinstance(axis, Label) else "",
             )
         )
     return links
+
+
+def _drawn_values(workbook: Workbook, series: Series) -> tuple[str, Rect] | None:
+    """Sheet and cells that a series draws upwards; None where the workbook has no such column or row."""
+    table = workbook.tables.get(series.table)
+    if table is None or series.y not in table.columns:
+        return None
+    at = table.ref.left + table.column_index(series.y)
+    top, bottom = table.data.top, table.data.bottom
+    if series.row is not None:
+        top = bottom = top + series.row
+    return table.sheet, Rect(top, at, bottom, at)
 
 
 def _has_label(labels: Table, key: str) -> bool:

@@ -25,7 +25,7 @@ class TitleLink:
     sheet: str  #: Sheet of the values and of the titles.
     values: tuple[Rect, ...]  #: The values of its series.
     title: str  #: Cells of the chart's title and of the title of its vertical value axis.
-    value_axis: str  #: Likewise.
+    value_axis: str  #: Likewise; empty where that axis has fixed words.
     #: Pattern of the words that these cells may have shown; other words are somebody's own and
     #: stay.
     title_words: str
@@ -66,7 +66,7 @@ def link_titles(
                 (root.find(CHART_TITLE), link.title, link.title_words),
                 (_value_axis_title(root), link.value_axis, link.axis_words),
             )
-            if title is not None and _has_words(title, words)
+            if cell and title is not None and _has_words(title, words)
         ]
         for title, cell in lost:
             _link(title, link.sheet, cell, shown(link.sheet, cell))

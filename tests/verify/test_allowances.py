@@ -15,7 +15,8 @@ from addin.verify.findings import Agreement
 def started(spread: float | None) -> SimpleNamespace:
     """A start with peaks to 0.04 %, and the spread of a sensitive one."""
     repeatability = None if spread is None else SimpleNamespace(spread=spread)
-    return SimpleNamespace(estimated_error=4e-4, repeatability=repeatability)
+    peaks = (SimpleNamespace(element="Stiff shaft", relative_error=1e-4),)
+    return SimpleNamespace(estimated_error=4e-4, repeatability=repeatability, peaks=peaks)
 
 
 def reported(**fields: Any) -> Allowances:
@@ -28,7 +29,10 @@ def reported(**fields: Any) -> Allowances:
         "events": (
             SimpleNamespace(
                 name="Fault",
-                response=SimpleNamespace(estimated_error=2e-4),
+                response=SimpleNamespace(
+                    estimated_error=2e-4,
+                    peaks=(SimpleNamespace(element="Stiff shaft", relative_error=5e-5),),
+                ),
                 damage_errors=(("Shaft", 0.05),),
             ),
             SimpleNamespace(name="Not calculated", response=None, damage_errors=()),
@@ -74,6 +78,22 @@ ROW = {
 def test_the_allowance_of_a_number_is_its_reported_error(table, column, allowed):
     found = reported().of_value(table, column, ROW)
     assert found == (None if allowed is None else pytest.approx(allowed, rel=1e-12))
+
+
+def test_a_row_with_an_error_of_its_own_is_allowed_no_more():
+    """StartupPeaks and EventPeaks report one for each element; other tables, that of all peaks."""
+    stiff = ROW | {"Element": "Stiff shaft"}
+    for table, column, allowed in (
+        ("StartupPeaks", "Maximum torque", 1e-4 * 5000.0),
+        ("StartupPeaks", "Peak-to-peak stress", 1e-4 * 80.0),
+        ("EventPeaks", "Maximum", 5e-5 * 900.0),
+        ("StartCycles", "Amplitude", 4e-4 * 40.0),
+    ):
+        event = {"Event": "Fault" if table == "EventPeaks" else None}
+        found = reported().of_value(table, column, stiff | event)
+        assert found == pytest.approx(allowed, rel=1e-12)
+    wide, stiff = reported(start=started(0.02)), stiff | {"Event": None}
+    assert wide.of_value("StartupPeaks", "Maximum torque", stiff) == pytest.approx(0.02 * 5000.0)
 
 
 def test_a_sensitive_start_has_its_spread_and_uncut_shafts_have_no_error():

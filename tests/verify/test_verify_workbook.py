@@ -46,14 +46,18 @@ def test_what_was_written_follows_to_the_bit(train):
 
 
 def test_an_edited_number_is_named_with_its_cell(edited):
+    places = []
+
     def edit(workbook):
         place = cell_of(workbook, "SteadyState", 3, "Torque")
+        places.append(place)
         workbook.set_cell(*place, 0.9 * value(workbook, place))
 
     found = verify_file(edited(edit))
     assert found.outcome == "does not follow"
     [finding] = failing(found)
-    assert (finding.kind, finding.sheet, finding.cell) == ("edited", "Results", "AW10")
+    assert finding.kind == "edited"
+    assert [(finding.sheet, finding.cell)] == places
     assert finding.found == pytest.approx(0.9 * finding.expected)
 
 
@@ -72,11 +76,14 @@ def test_an_edit_within_the_reported_error_is_an_edit_all_the_same(edited):
 @pytest.mark.slow
 @pytest.mark.parametrize("put", ["12,345", Formula("=1+1", 2.0), None, 77.0])
 def test_whatever_stands_in_place_of_a_number_is_seen(edited, put):
+    places = []
+
     def edit(workbook):
-        workbook.set_cell(*cell_of(workbook, "StartupPeaks", 2, "Minimum torque"), put)
+        places.append(cell_of(workbook, "StartupPeaks", 2, "Minimum torque"))
+        workbook.set_cell(*places[0], put)
 
     found = verify_file(edited(edit))
-    assert ("edited", "D21") in {(f.kind, f.cell) for f in failing(found)}
+    assert ("edited", *places[0]) in {(f.kind, f.sheet, f.cell) for f in failing(found)}
     assert {f.sheet for f in failing(found)} == {"Start"}
 
 

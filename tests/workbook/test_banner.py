@@ -8,8 +8,10 @@ from typing import Any
 
 import pytest
 from made_up_run import SOURCE, STAMP, made_up_run
+from openpyxl.utils import range_boundaries
 
 from addin.contract.banner import headline
+from addin.contract.sheets import SUMMARY_NOTES
 from addin.writing.workbook import write_results
 from tests.opened import opened
 
@@ -23,10 +25,12 @@ F, I, N, U = "fail", "incomplete", "not judged", "unbounded"
         ((P, P, P), 0, "PASS: all 3 checks"),
         pytest.param((P, A), 1, "ACCEPTED (margin by forced response): all 2 checks, 1 note",
                      marks=pytest.mark.slow),
-        pytest.param((P, A, W), 9, "PASS WITHIN ITS ERROR: 1 of 3 checks, 9 notes",
+        pytest.param((P, A, W), SUMMARY_NOTES + 1,
+                     f"PASS WITHIN ITS ERROR: 1 of 3 checks, {SUMMARY_NOTES + 1} notes",
                      marks=pytest.mark.slow),
-        pytest.param((P, A, W, I, N), 8,
-                     "INCOMPLETE: 2 of 5 checks not judged, or only in part, 8 notes",
+        pytest.param((P, A, W, I, N), SUMMARY_NOTES,
+                     "INCOMPLETE: 2 of 5 checks not judged, or only in part, "
+                     f"{SUMMARY_NOTES} notes",
                      marks=pytest.mark.slow),
         pytest.param((P, F), 1, "CHECK THE INPUTS: start of 0.03 s, 1 note",
                      marks=pytest.mark.slow),
@@ -46,8 +50,17 @@ def test_banner_and_headline_say_the_same(
     write_results(SOURCE, tmp_path / "out.xlsx", replace(run, tables=tables), STAMP)
     sheet = opened(soffice.convert(tmp_path / "out.xlsx", outdir=tmp_path / "seen"))["Summary"]
     assert sheet["B9"].value == headline(overall, verdicts, notes) == words
-    lines = [sheet[f"H{row}"].value or "" for row in range(28, 44, 2)]  # each on two rows
     shown = [f"Note {k + 1}." for k in range(notes)] or ["None."]
-    if notes > 8:
-        shown = [*shown[:7], f"And {notes - 7} more notes: see sheet Audit."]
-    assert [line for line in lines if line] == shown
+    if notes > SUMMARY_NOTES:  # the last line says how many are left
+        left = notes - (SUMMARY_NOTES - 1)
+        shown = [*shown[: SUMMARY_NOTES - 1], f"And {left} more notes: see sheet Audit."]
+    assert notes_of(sheet) == shown
+
+
+def notes_of(sheet: Any) -> list[str]:
+    """What stands below the caption Notes, down to the part with the verdicts."""
+    (caption,) = (cell for row in sheet.iter_rows() for cell in row if cell.value == "Notes")
+    end = range_boundaries(sheet.tables["Verdicts"].ref)[1]
+    assert caption.row < end
+    below = (sheet.cell(row, caption.column).value for row in range(caption.row + 1, end - 1))
+    return [value for value in below if value]

@@ -41,6 +41,19 @@ def written() -> dict[str, TableData]:
     return {data.name: data for data in tables_to_write(retyped(), made_up_run(), STAMP, ())}
 
 
+def typed_rated_torque() -> float:
+    """What is typed in sheet Case: what 1 pu is worth. [N m]"""
+    workbook = open_workbook(SOURCE)
+    at = workbook.name("RatedTorque")
+    assert at.sheet is not None
+    assert at.rect is not None
+    part = workbook.sheet_part(at.sheet)
+    assert part.constant(at.rect.top, at.rect.left + 1) == "lbf*ft"
+    typed = part.constant(at.rect.top, at.rect.left)
+    assert isinstance(typed, float)
+    return typed * LBF_FT
+
+
 def rows(data: TableData) -> list[dict[str, Any]]:
     return [dict(zip(data.columns or (), row, strict=True)) for row in data.rows]
 
@@ -63,7 +76,7 @@ def test_facts_say_what_one_shown_unit_is_worth(written: dict[str, TableData]) -
 
 def test_results_are_in_the_unit_above_their_column(written: dict[str, TableData]) -> None:
     peaks = rows(written["StartupPeaks"])
-    assert peaks[0]["Maximum torque"] == pytest.approx(117900.0 / 58400.0)
+    assert peaks[0]["Maximum torque"] == pytest.approx(117900.0 / typed_rated_torque())
     assert peaks[-1]["Peak-to-peak stress"] == pytest.approx(29990.0 * PSI / MPA)
     assert peaks[-1]["Percent speed"] == pytest.approx(75.0)
     (_, first, *_) = rows(written["NaturalFrequencies"])
