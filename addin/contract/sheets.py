@@ -155,7 +155,7 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
     Sheet(
         "Summary",
         "summary",
-        {"A": 1.5, "B": 33, "C:D": 14, "E": 21, "F": 49, "G": 23, "H": 21.5, "I": 8},
+        {"A": 1.5, "B": 33, "C:D": 14, "E": 24, "F": 49, "G": 21.5, "H": 20, "I": 8},
         {"Verdicts": f"B{VERDICTS_ROW}", "CaseMatrix": f"B{_MATRIX_ROW}"},
         (
             ChartAt("governing", f"B{_HISTORY_ROW}", 1322, 344),
@@ -612,8 +612,9 @@ KEY_NUMBERS = (
         _extreme("SeparationMargins[Margin]", "MIN"),
         "SeparationMargins[Margin]",
         "0.00",
-        "=IFERROR(INDEX(SeparationMargins[Excitation],MATCH(MIN(SeparationMargins[Margin]),"
-        'SeparationMargins[Margin],0)),"")',
+        '=IFERROR("mode "&INDEX(SeparationMargins[Mode],MATCH(MIN(SeparationMargins[Margin]),'
+        'SeparationMargins[Margin],0))&", "&INDEX(SeparationMargins[Excitation],'
+        'MATCH(MIN(SeparationMargins[Margin]),SeparationMargins[Margin],0)),"")',
     ),
     KeyNumber(
         "Duration of the start",

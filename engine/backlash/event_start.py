@@ -469,7 +469,8 @@ def _start(
     step = COARSEST_EVENT_ANGLE * math.sqrt(math.sqrt(share)) / plain.pulsation_omega
     if linear.method == Method.EXPONENTIAL:  # Newmark's steps are shorter than these runs need
         first = linear.step * 2.0 ** (linear.halvings + 1)
-        step = min(first, step) if effects.clearances else first  # without contacts no runs part
+        # without contacts no runs part; instants of an event are compared by runs at this step alone
+        step = min(first, step) if effects.clearances or event is not None else first
     judge: Settled | None = _settled_judge(case, waited, motors[0], synchronous)
     if effects.full_length and case.maximum_time:
         judge = None  # asked to go on to MaximumTime although the train has settled
