@@ -42,25 +42,23 @@ def _path(typed: Typed) -> Path:
     return typed.folder / Path(_text(typed)).expanduser()
 
 
+def _converted(typed: Typed, kind: Callable[[str], Any]) -> Any:
+    """Text as a number, where it is one; anything else as it is."""
+    try:
+        return kind(typed.value) if isinstance(typed.value, str) else typed.value
+    except ValueError:
+        return typed.value
+
+
 def _whole(typed: Typed) -> int:
-    value = typed.value
-    if isinstance(value, str):
-        try:
-            value = int(value)
-        except ValueError:
-            pass
+    value = _converted(typed, int)
     if not isinstance(value, int) or isinstance(value, bool):
         raise SettingsError(f"{typed.place} is '{typed.value}'; write a whole number.")
     return value
 
 
 def _number(typed: Typed) -> float:
-    value = typed.value
-    if isinstance(value, str):
-        try:
-            value = float(value)
-        except ValueError:
-            pass
+    value = _converted(typed, float)
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
         raise SettingsError(f"{typed.place} is '{typed.value}'; write a number.")
     return float(value)
