@@ -469,8 +469,10 @@ def _start(
     step = COARSEST_EVENT_ANGLE * math.sqrt(math.sqrt(share)) / plain.pulsation_omega
     if linear.method == Method.EXPONENTIAL:  # Newmark's steps are shorter than these runs need
         first = linear.step * 2.0 ** (linear.halvings + 1)
-        # without contacts no runs part; instants of an event are compared by runs at this step alone
-        step = min(first, step) if effects.clearances or event is not None else first
+        # fluxes in time alone make a start cost; runs part at contacts, and instants of an event
+        # and of a field are compared by runs at this step alone
+        fluxes = effects.motor_transient and not effects.clearances and event is None
+        step = first if fluxes else min(first, step)
     judge: Settled | None = _settled_judge(case, waited, motors[0], synchronous)
     if effects.full_length and case.maximum_time:
         judge = None  # asked to go on to MaximumTime although the train has settled

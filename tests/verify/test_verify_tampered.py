@@ -335,7 +335,9 @@ def test_a_workbook_saved_by_openpyxl_still_follows(train, tmp_path):
     openpyxl.load_workbook(train).save(tmp_path / "saved.xlsx")
     found = verify_file(tmp_path / "saved.xlsx")
     assert found.passes
-    assert not found.findings
+    assert [f.sentence for f in found.findings] == [  # openpyxl keeps charts and drops shapes
+        "no schematic of the train is found: it was removed or renamed"
+    ]
 
 
 @pytest.mark.slow
