@@ -40,8 +40,8 @@ WIDEST_RECONTACT_ERROR = 0.1
 WHOLE = [pytest.param(n, marks=[pytest.mark.slow] * (n in LONG)) for n in CLEARANCES]
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", WHOLE)
+@pytest.mark.long
+@pytest.mark.parametrize("name", CLEARANCES)
 def test_the_truth_agrees_with_itself_at_twice_the_step(name: str) -> None:
     hard = CLEARANCES[name]()
     fine, coarse = _truth(name), clearance_truth(hard, coarser=2.0)

@@ -43,8 +43,8 @@ def _marks(name: str, slow: tuple[str, ...]) -> list[pytest.MarkDecorator]:
 
 
 def _marks_of_truth(name: str) -> list[pytest.MarkDecorator]:
-    """The truth of a thousand stations takes minutes."""
-    return [pytest.mark.long] if name == THOUSAND else _marks(name, LONG)
+    """The truth of a thousand stations, and of long starts, takes minutes."""
+    return [pytest.mark.long] if name in (THOUSAND, *LONG) else []
 
 
 @pytest.mark.first_ones(4)
@@ -80,7 +80,7 @@ def test_the_truth_agrees_with_itself_at_twice_the_step(name: str) -> None:
     assert np.max(np.abs(fine.minimum - coarse.minimum) / size) <= TRUTH
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_first_tenth_of_a_second_of_a_thousand_stations() -> None:
     whole = STARTS[THOUSAND]
     hard = replace(whole, case=replace(whole.case, maximum_time=0.1))

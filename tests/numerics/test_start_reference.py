@@ -200,7 +200,7 @@ def test_full_start_of_the_sample(design: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("design", ["proposed", "modified"])
+@pytest.mark.parametrize("design", ["proposed", pytest.param("modified", marks=pytest.mark.long)])
 def test_full_start_of_the_example(design: str) -> None:
     """The shipped examples; their sheet Notes quotes the reference's stress and mesh torque."""
     case = read_workbook(template_path(f"example_{design}.xlsx")).case()

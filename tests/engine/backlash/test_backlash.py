@@ -79,7 +79,9 @@ def test_curves_read_at_the_mean_speed(seed: int, bearings: bool) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("law", ContactLaw)
 @pytest.mark.parametrize("bearings", [False, True])
-@pytest.mark.parametrize("seed", [8, 24, 25, 35, 36, 38])
+@pytest.mark.parametrize(
+    "seed", [24, 35, *(pytest.param(n, marks=pytest.mark.long) for n in (8, 25, 36, 38))]
+)
 def test_more_random_starts(seed: int, bearings: bool, law: str) -> None:
     compared(seed, bearings, law)
 
