@@ -148,6 +148,17 @@ def refusal(wrong: FunctionError) -> Answer:
     return answer
 
 
+#: What a task ends with where it has no result.
+NO_RESULT = (FunctionError, Busy, TooLong, RuntimeError)
+
+
+def without_result(wrong: Exception) -> Answer:
+    """The answer to whoever waited for a task that ended with one of `NO_RESULT`."""
+    if isinstance(wrong, FunctionError):
+        return refusal(wrong)
+    return error(str(wrong), "#N/A", busy=isinstance(wrong, Busy))
+
+
 class _Unsent:
     """Cells of all answers that have not been sent."""
 
@@ -307,9 +318,8 @@ class Calls:
         """Calls about one model, once its result is there; they get it from here."""
         try:
             value = await self._starts.ready(model, asked.tell, what)
-        except (Busy, TooLong, RuntimeError) as wrong:
-            busy = isinstance(wrong, Busy)
-            return {i: error(str(wrong), "#N/A", busy=busy) for i in wanted}
+        except NO_RESULT as wrong:
+            return dict.fromkeys(wanted, without_result(wrong))
         brought = partial(handed, model, what, value)
         return await self._in_thread(self._long, asked, wanted, brought)
 
