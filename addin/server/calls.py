@@ -6,7 +6,7 @@ import asyncio
 import logging
 import threading
 import time
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import Awaitable, Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import AbstractContextManager, nullcontext
 from contextvars import copy_context
@@ -57,12 +57,17 @@ class Call:
         """Whether it asks about a model."""
         return "model" in self._kinds
 
-    def model(self) -> Model | None:
-        """The model it asks about; None where the function itself will say what is wrong."""
+    @property
+    def handle(self) -> str:
+        """The handle it gives; empty where there is none."""
         kinds = self._kinds[: len(self.arguments)]
         cell = _only_cell(self.arguments[kinds.index("model")]) if "model" in kinds else None
+        return cell.strip() if isinstance(cell, str) else ""
+
+    def model(self) -> Model | None:
+        """The model it asks about; None where the function itself will say what is wrong."""
         try:
-            return MODELS.of(cell.strip()) if isinstance(cell, str) else None
+            return MODELS.of(self.handle) if self.handle else None
         except FunctionError:
             return None
 
@@ -277,6 +282,7 @@ class Calls:
         # those without a model first: a TV_MODEL among them makes the handle that others ask about
         bare = [i for i, each in enumerate(calls) if not each.takes_model]
         answers = await self._in_thread(pool, asked, bare)
+        await self.fetch(each.handle for each in calls)
         at_once: list[int] = []
         waiting: dict[tuple[str, str], tuple[Model, list[int]]] = {}
         for i, each in enumerate(calls):
@@ -302,6 +308,11 @@ class Calls:
                 name = each.name if each.name in FUNCTIONS else "unknown"
                 self._metrics.count(CALLS, name, _end(answers[i]))
         return [answers[i] for i in range(len(calls))]
+
+    async def fetch(self, handles: Iterable[str]) -> None:
+        """Have models here that other servers have made, as far as they are shared."""
+        if MODELS.store is not None:
+            await asyncio.to_thread(MODELS.fetch, list(handles))
 
     async def encoded(self, content: Any) -> bytes:
         """JSON, made in a thread since it may be large."""

@@ -282,6 +282,7 @@ class Stream:
 
     async def _view(self, handle: str, answering: _Answering) -> dict[str, Any]:
         """The page's numbers: first without the start, then with it."""
+        await self._calls.fetch([handle])
         model = MODELS.of(handle)
         first = _Answering(answering.identity, self._calls.new_unsent_cells())
         await self._turn(first)

@@ -58,7 +58,7 @@ class LazyTables(Mapping[str, Any]):
         return len(self._tables)
 
 
-def _bounded(source: Path) -> CaseInput | Unreadable:
+def bounded_read(source: Path) -> CaseInput | Unreadable:
     """What is in an upload, which may take so much memory and no more."""
     try:
         with bounded_memory(READING):
@@ -78,7 +78,7 @@ def _recalculation(paths: tuple[str, str], tell: Tell, *, is_open: bool) -> Any:
     tell("reading")
     try:
         with bounded_memory(WRITING):
-            read = _bounded(source)
+            read = bounded_read(source)
             before = _table_sizes(read)
             prepared = PreparedInput(read)
             done = recalculate(
@@ -107,7 +107,7 @@ def _table_sizes(read: CaseInput | Unreadable) -> dict[str, Rect]:
 def _read(path: str, tell: Tell) -> Any:
     """Read a workbook or a case JSON; problems, warnings, the case and its units."""
     tell("reading")
-    read = _bounded(Path(path))
+    read = bounded_read(Path(path))
     if isinstance(read, Unreadable) or read.problems:
         return read.problems, read.warnings, None, ""
     return (), read.warnings, read.case(), system_of(read)
@@ -151,8 +151,19 @@ def load() -> None:
     """Nothing: what every task needs is loaded with this module."""
 
 
-def answer_of(task: tuple[str, Any], tell: Tell) -> tuple[str, Any]:
+def answer_of(
+    task: tuple[str, Any], tell: Tell, known: Mapping[str, Callable[[Any, Tell], Any]] = TASKS
+) -> tuple[str, Any]:
     """What becomes of a task, by its name and what it works on.
+
+    Parameters
+    ----------
+    task : tuple
+        Its name and what it works on.
+    tell : callable
+        Called with each stage. [words]
+    known : mapping
+        Tasks by name.
 
     Returns
     -------
@@ -163,7 +174,7 @@ def answer_of(task: tuple[str, Any], tell: Tell) -> tuple[str, Any]:
     """
     name, payload = task
     try:
-        return "done", TASKS[name](payload, tell)
+        return "done", known[name](payload, tell)
     except FunctionError as wrong:
         return "refused", (wrong.message, wrong.code)
     except (ModelError, InternalError) as wrong:
