@@ -23,13 +23,16 @@ group() { echo "--group pyproject.toml:$1"; }
     compile "$@" $(group parquet) -c requirements/run.txt -o requirements/parquet.txt
     compile "$@" $(group excel) -c requirements/run.txt -o requirements/excel.txt
     compile "$@" $(group server) -c requirements/run.txt -o requirements/server.txt
+    compile "$@" $(group shared) -o requirements/shared.txt
+    compile "$@" $(group mcp) -c requirements/run.txt -c requirements/server.txt -o requirements/mcp.txt
     compile "$@" $(group report) -c requirements/run.txt -o requirements/report.txt
     compile "$@" $(group python) -c requirements/run.txt -c requirements/report.txt -o requirements/python.txt
     compile "$@" $(group cluster) -c requirements/run.txt -o requirements/cluster.txt
     compile "$@" pyproject.toml $(group build) $(group parquet) $(group excel) $(group server) \
-        $(group report) $(group python) $(group cluster) $(group dev) -c requirements/run.txt \
+        $(group shared) $(group mcp) $(group report) $(group python) $(group cluster) $(group dev) -c requirements/run.txt \
         -c requirements/parquet.txt -c requirements/excel.txt -c requirements/server.txt \
-        -c requirements/report.txt -c requirements/python.txt -c requirements/cluster.txt -o requirements/dev.txt
+        -c requirements/shared.txt -c requirements/mcp.txt -c requirements/report.txt -c requirements/python.txt \
+        -c requirements/cluster.txt -o requirements/dev.txt
     compile "$@" $(group compiler) -o requirements/build.txt
     compile "$@" $(group lock) -o requirements/lock.txt
 }

@@ -74,9 +74,16 @@ def find_browser() -> str | None:
     return next((found for found in map(shutil.which, names) if found), None)
 
 
+def find_redis() -> str | None:
+    """A server that shares memory, or None."""
+    names = ("valkey-server", "redis-server")
+    return next((found for found in map(shutil.which, names) if found), None)
+
+
 REQUIREMENTS = {
     "needs_libreoffice": (find_soffice, "LibreOffice (soffice) is not installed"),
     "needs_browser": (find_browser, "no Chromium is installed"),
+    "needs_redis": (find_redis, "neither valkey-server nor redis-server is installed"),
 }
 
 

@@ -44,6 +44,7 @@ GROUPS = {
         "excel": "Worksheet functions in desktop Excel on Windows, through xlwings.",
         "calc": "Worksheet functions in LibreOffice Calc.",
         "serve": "Serve the worksheet functions, the Office add-in and recalculation over HTTP.",
+        "mcp": "Read, calculate and explain workbooks for an assistant that speaks MCP.",
     },
     "Program": {"version": "Print the version."},
 }

@@ -15,6 +15,7 @@ from addin.cli.status import INTERNAL, USAGE, failed, failing_on
 from addin.server.configuration import configured
 from addin.server.listening import address_of, handed_over, sockets_of
 from addin.server.settings import Settings, SettingsError, check_certificate
+from addin.server.shared import check_shared
 
 #: Whether the optional packages of the server are there.
 INSTALLED = all(map(importlib.util.find_spec, ("starlette", "uvicorn", "websockets")))
@@ -79,6 +80,20 @@ def serve(
             show_default="0",
         ),
     ] = None,
+    shared: Annotated[
+        str | None,
+        typer.Option(
+            metavar="URL",
+            help="Redis or Valkey through which servers behind a balancer share models and results.",
+        ),
+    ] = None,
+    shared_key_file: Annotated[
+        str | None, typer.Option(metavar="path", help="File with the one secret of these servers.")
+    ] = None,
+    shared_time: Annotated[
+        float | None,
+        typer.Option(help="Seconds that it keeps what nobody uses.", show_default="86400"),
+    ] = None,
     grace: Annotated[
         float | None,
         typer.Option(
@@ -108,6 +123,7 @@ def serve(
     with failing_on(SettingsError, status=USAGE):
         settings = configured(flags, os.environ, limit or ())
         check_certificate(settings)
+        check_shared(settings)
         sockets = handed_over(settings, os.environ) or sockets_of(settings)
     run(settings, sockets)
 

@@ -14,6 +14,7 @@ module             responsibility
 `logs`             the log: lines of text or of JSON
 `metrics`          what a server counts, for Prometheus
 `configuration`    settings from flags, environment and file
+`shared`           models and results that several servers share, in Redis or Valkey
 `bodies`           bodies of requests: read within limits of size and time, as long as the client
                    is there
 `keys`             API keys: which one a request carries, whether it is one of ours, who guesses

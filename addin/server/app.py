@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import time
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager, closing
@@ -28,6 +29,7 @@ from addin.server.processes import Work
 from addin.server.requests import RequestGuard
 from addin.server.running_starts import Starts
 from addin.server.settings import Settings
+from addin.server.shared import SharedMemory
 from addin.server.stream import Stream
 from addin.workers.processes import most_resident
 from addin.worksheet.models import MODELS
@@ -58,6 +60,7 @@ def create_app(settings: Settings) -> Starlette:
     reading = Work(1, limits.waiting, limits.short_time, metrics)
     starts = Starts(work)
     calls = Calls(starts, limits, metrics)
+    memory = SharedMemory(settings) if settings.shared else None
     metrics.gauges += [
         ("calculations_waiting", "gauge", "Calculations that wait.", lambda: work.waiting() + reading.waiting()),
         ("models", "gauge", "Models in memory.", lambda: MODELS.count),
@@ -67,6 +70,11 @@ def create_app(settings: Settings) -> Starlette:
         ("memory_bytes", "gauge", "Largest resident memory of the server process.", most_resident),
         ("processor_seconds_total", "counter", "Processor time of the server process.", time.process_time),
     ]  # fmt: skip
+
+    if memory is not None:
+        metrics.gauges.append(
+            ("shared_memory_up", "gauge", "Whether the shared memory answers.", lambda: int(memory.is_up))
+        )  # fmt: skip
 
     async def batch(request: Request) -> Response:
         content, size = await read_json(request, limits.body, limits.body_time)
@@ -93,7 +101,13 @@ def create_app(settings: Settings) -> Starlette:
 
     @asynccontextmanager
     async def running(app: Starlette) -> AsyncIterator[None]:
+        if memory is not None:
+            await asyncio.to_thread(memory.begin)
+            MODELS.store = memory
         yield
+        if memory is not None:
+            MODELS.store = None
+            memory.close()
         calls.close()
         for pool in (work, reading):
             pool.close()

@@ -6,7 +6,7 @@ import asyncio
 import logging
 import threading
 import time
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import Awaitable, Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import AbstractContextManager, nullcontext
 from contextvars import copy_context
@@ -57,12 +57,17 @@ class Call:
         """Whether it asks about a model."""
         return "model" in self._kinds
 
-    def model(self) -> Model | None:
-        """The model it asks about; None where the function itself will say what is wrong."""
+    @property
+    def handle(self) -> str:
+        """The handle it gives; empty where there is none."""
         kinds = self._kinds[: len(self.arguments)]
         cell = _only_cell(self.arguments[kinds.index("model")]) if "model" in kinds else None
+        return cell.strip() if isinstance(cell, str) else ""
+
+    def model(self) -> Model | None:
+        """The model it asks about; None where the function itself will say what is wrong."""
         try:
-            return MODELS.of(cell.strip()) if isinstance(cell, str) else None
+            return MODELS.of(self.handle) if self.handle else None
         except FunctionError:
             return None
 
@@ -146,6 +151,17 @@ def refusal(wrong: FunctionError) -> Answer:
     if isinstance(wrong, ModelForgotten):
         answer["error"]["forgotten"] = True
     return answer
+
+
+#: What a task ends with where it has no result.
+NO_RESULT = (FunctionError, Busy, TooLong, RuntimeError)
+
+
+def without_result(wrong: Exception) -> Answer:
+    """The answer to whoever waited for a task that ended with one of `NO_RESULT`."""
+    if isinstance(wrong, FunctionError):
+        return refusal(wrong)
+    return error(str(wrong), "#N/A", busy=isinstance(wrong, Busy))
 
 
 class _Unsent:
@@ -266,6 +282,7 @@ class Calls:
         # those without a model first: a TV_MODEL among them makes the handle that others ask about
         bare = [i for i, each in enumerate(calls) if not each.takes_model]
         answers = await self._in_thread(pool, asked, bare)
+        await self.fetch(each.handle for each in calls)
         at_once: list[int] = []
         waiting: dict[tuple[str, str], tuple[Model, list[int]]] = {}
         for i, each in enumerate(calls):
@@ -292,6 +309,11 @@ class Calls:
                 self._metrics.count(CALLS, name, _end(answers[i]))
         return [answers[i] for i in range(len(calls))]
 
+    async def fetch(self, handles: Iterable[str]) -> None:
+        """Have models here that other servers have made, as far as they are shared."""
+        if MODELS.store is not None:
+            await asyncio.to_thread(MODELS.fetch, list(handles))
+
     async def encoded(self, content: Any) -> bytes:
         """JSON, made in a thread since it may be large."""
         return await asyncio.get_running_loop().run_in_executor(self._json, encoded, content)
@@ -307,9 +329,8 @@ class Calls:
         """Calls about one model, once its result is there; they get it from here."""
         try:
             value = await self._starts.ready(model, asked.tell, what)
-        except (Busy, TooLong, RuntimeError) as wrong:
-            busy = isinstance(wrong, Busy)
-            return {i: error(str(wrong), "#N/A", busy=busy) for i in wanted}
+        except NO_RESULT as wrong:
+            return dict.fromkeys(wanted, without_result(wrong))
         brought = partial(handed, model, what, value)
         return await self._in_thread(self._long, asked, wanted, brought)
 

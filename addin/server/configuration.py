@@ -17,7 +17,15 @@ from typing import Any
 
 from addin.server.dev_certificate import dev_certificate, folder_of
 from addin.server.logs import FORMATS
-from addin.server.settings import Limits, Network, Settings, SettingsError, flag_of, read_keys
+from addin.server.settings import (
+    Limits,
+    Network,
+    Settings,
+    SettingsError,
+    flag_of,
+    read_keys,
+    read_secret,
+)
 
 #: Before the names of settings and limits in the environment, and the table of limits in the file.
 PREFIX, LIMIT_PREFIX, LIMITS = "TORSIONBOOK_", "TORSIONBOOK_LIMIT_", "limits"
@@ -102,6 +110,9 @@ OPTIONS: dict[str, Callable[[Typed], Any]] = {
     "api_key_file": _path,
     "public_url": _text,
     "trusted_proxies": _networks,
+    "shared": _text,
+    "shared_key_file": _path,
+    "shared_time": _number,
     "workers": _whole,
     "drain": _number,
     "grace": _number,
@@ -109,7 +120,12 @@ OPTIONS: dict[str, Callable[[Typed], Any]] = {
     "log_requests": _flag,
 }
 #: Names of the settings that are called otherwise inside.
-_INSIDE = {"cert": "certificate", "key": "certificate_key", "api_key_file": "keys"}
+_INSIDE = {
+    "cert": "certificate",
+    "key": "certificate_key",
+    "api_key_file": "keys",
+    "shared_key_file": "shared_key",
+}
 _LIMITS = {field.name: type(field.default) for field in fields(Limits)}
 
 
@@ -157,6 +173,8 @@ def configured(
     values = {name: OPTIONS[name](given) for name, given in typed.items()}
     if "api_key_file" in values:
         values["api_key_file"] = read_keys(values["api_key_file"])
+    if "shared_key_file" in values:
+        values["shared_key_file"] = read_secret(values["shared_key_file"])
     if values.pop("dev_cert", False):
         if "cert" in values or "key" in values:
             raise SettingsError(

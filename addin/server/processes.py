@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import time
+from collections.abc import Callable
 from concurrent.futures import CancelledError, Future
 from functools import partial
 from typing import Any
@@ -63,12 +64,20 @@ class Work(Pool):
         Longest time of one task, waiting not counted. [s]
     metrics : Metrics, optional
         Counts them.
+    answer_of : callable
+        What becomes of a task, asked in a process.
     """
 
     def __init__(
-        self, processes: int, waiting: int, time_limit: float, metrics: Metrics | None = None
+        self,
+        processes: int,
+        waiting: int,
+        time_limit: float,
+        metrics: Metrics | None = None,
+        answer_of: Callable[[tuple[str, Any], tasks.Tell], tuple[str, Any]] = tasks.answer_of,
     ) -> None:
         super().__init__(processes, tasks.load, MOST_MEMORY)
+        self._answer_of = answer_of
         self._metrics = metrics
         self._most = waiting
         self._time_limit = time_limit
@@ -97,7 +106,7 @@ class Work(Pool):
                 )
         job = self.begin(
             Task(
-                tasks.answer_of,
+                self._answer_of,
                 (name, payload),
                 has_stages=True,
                 time_limit=self._time_limit,

@@ -134,16 +134,22 @@ class Starts:
         return await waited_for(self._work.submit(name, payload), tell)
 
     def _begin(self, model: Model, what: str) -> _Shared:
-        job = self._work.submit(TASK[what], model.case)
+        # what another server may have takes a while to ask for
+        job = None if MODELS.store else self._work.submit(TASK[what], model.case)
         shared = _Shared(asyncio.create_task(self._calculate(model, what, job)), [])
         # whoever waited may be gone by the time it fails: that is no error of the server's
         shared.task.add_done_callback(lambda task: task.cancelled() or task.exception())
         self._shared[model.results, what] = shared
         return shared
 
-    async def _calculate(self, model: Model, what: str, job: Job) -> Any:
+    async def _calculate(self, model: Model, what: str, job: Job | None) -> Any:
         shared = self._shared[model.results, what]
         try:
+            if job is None:
+                result = await asyncio.to_thread(MODELS.result_of_others, model, what)
+                if result is not None:
+                    return result
+                job = self._work.submit(TASK[what], model.case)
             try:
                 result = await waited_for(job, shared.tell)
             except FunctionError as wrong:  # why the train has none is kept, too

@@ -21,6 +21,8 @@ LARGE = 1_000_000
 BODY_RATE = 50_000
 #: Shortest API key that is accepted: shorter ones can be guessed. [characters]
 SHORTEST_KEY = 16
+#: What the address of a shared memory begins with.
+SHARED_SCHEMES = ("redis", "rediss", "valkey", "valkeys", "unix")
 
 
 class SettingsError(Exception):
@@ -74,6 +76,10 @@ class Settings:
     #: How long all is answered once the server is told to end, so that a balancer sends no more to it. [s]
     drain: float = 0.0
     grace: float = 3.0  #: How long calls under way may go on after that. [s]
+    #: Redis or Valkey through which servers share models and results; empty = none. [URL]
+    shared: str = ""
+    shared_key: str = field(default="", repr=False)  #: The secret that they share.
+    shared_time: float = 86_400.0  #: How long what nobody uses stays there. [s]
     #: Processes for long calculations.
     workers: int = field(default_factory=lambda: max(1, min(4, (os.cpu_count() or 2) - 1)))
     limits: Limits = field(default_factory=Limits)  #: Limits.
@@ -109,6 +115,7 @@ class Settings:
                 f"{self.place('host')} {self.host}: other machines can reach it; without API keys anyone there can "
                 "use this machine. Give --api-key-file with one key per line."
             )
+        self._check_shared()
         if self.workers < 1:
             raise SettingsError(
                 f"{self.place('workers')} is {self.workers}; at least 1 process is needed."
@@ -124,6 +131,29 @@ class Settings:
             raise SettingsError(
                 f"{self.place('public_url')} is '{self.public_url}'; write an address such as "
                 "https://torsion.example.com."
+            )
+
+    def _check_shared(self) -> None:
+        """Refuse a shared memory that cannot be one, without its password in the sentence."""
+        if not self.shared:
+            if self.shared_key:
+                raise SettingsError(
+                    f"{self.place('shared_key')} is the secret of a shared memory, but none is given. Give --shared."
+                )
+            return
+        scheme, found, rest = self.shared.partition("://")
+        if not found or scheme not in SHARED_SCHEMES or not rest:
+            raise SettingsError(
+                f"{self.place('shared')} is no address of Redis or Valkey; write one such as redis://127.0.0.1:6379/0."
+            )
+        if not self.shared_key:
+            raise SettingsError(
+                f"{self.place('shared')}: whoever can write there could have this server run anything. Give all servers "
+                "one secret with --shared-key-file."
+            )
+        if self.shared_time < 1:
+            raise SettingsError(
+                f"{self.place('shared_time')} is {self.shared_time:g} s; it must be at least 1 s."
             )
 
     @property
@@ -156,7 +186,12 @@ class Settings:
 
 
 #: Flags of settings that are called otherwise here.
-_FLAGS = {"certificate": "cert", "certificate_key": "key", "keys": "api_key_file"}
+_FLAGS = {
+    "certificate": "cert",
+    "certificate_key": "key",
+    "keys": "api_key_file",
+    "shared_key": "shared_key_file",
+}
 
 
 def flag_of(name: str) -> str:
@@ -249,6 +284,20 @@ def read_keys(path: Path) -> frozenset[str]:
                 'and digits, such as: python -c "import secrets; print(secrets.token_urlsafe(24))"'
             )
     return frozenset(keys)
+
+
+def read_secret(path: Path) -> str:
+    """The one secret of a file, which all servers of a shared memory have.
+
+    Raises
+    ------
+    SettingsError
+        If the file cannot be read, holds none, several, or one that can be guessed.
+    """
+    found = read_keys(path)
+    if len(found) > 1:
+        raise SettingsError(f"{path} contains {len(found)} keys; all servers share one secret.")
+    return next(iter(found))
 
 
 #: The message on an error inside torsionbook; the rest is in the log.

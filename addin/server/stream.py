@@ -20,10 +20,19 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from addin.server.answers import Refused, encoded
 from addin.server.bodies import parsed
-from addin.server.calls import Asked, Calls, UnsentCells, error, is_large, read_call, refusal
+from addin.server.calls import (
+    NO_RESULT,
+    Asked,
+    Calls,
+    UnsentCells,
+    error,
+    is_large,
+    read_call,
+    without_result,
+)
 from addin.server.keys import Keys
 from addin.server.leaving import Leaving
-from addin.server.processes import STOPPING, Busy, TooLong
+from addin.server.processes import STOPPING
 from addin.server.requests import PendingSocket
 from addin.server.running_starts import Starts
 from addin.server.settings import LARGE, OURS, Settings
@@ -251,10 +260,8 @@ class Stream:
             answering.found = await work(answering)
         except Refused as wrong:
             answering.found = error(wrong.message, busy=wrong.status == 503)
-        except FunctionError as wrong:
-            answering.found = refusal(wrong)
-        except (Busy, TooLong, RuntimeError) as wrong:
-            answering.found = error(str(wrong), "#N/A", busy=isinstance(wrong, Busy))
+        except NO_RESULT as wrong:
+            answering.found = without_result(wrong)
         except Exception:
             LOG.exception("a stream failed")
             answering.found = error(OURS)
@@ -275,6 +282,7 @@ class Stream:
 
     async def _view(self, handle: str, answering: _Answering) -> dict[str, Any]:
         """The page's numbers: first without the start, then with it."""
+        await self._calls.fetch([handle])
         model = MODELS.of(handle)
         first = _Answering(answering.identity, self._calls.new_unsent_cells())
         await self._turn(first)

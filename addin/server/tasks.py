@@ -6,6 +6,7 @@ import pickle
 import time
 import traceback
 from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -57,20 +58,7 @@ class LazyTables(Mapping[str, Any]):
         return len(self._tables)
 
 
-def _workbook(paths: tuple[str, str], tell: Tell) -> Any:
-    """Recalculate a workbook; problems, warnings and the verdict."""
-    source, target = map(Path, paths)
-    tell("reading")
-    try:
-        with bounded_memory(WRITING):
-            prepared = PreparedInput(_bounded(source))
-            done = recalculate(source, destination=target, on_stage=tell, prepared=prepared)
-    except MemoryError:
-        return _too_large(source).problems, ()
-    return done.problems, done.warnings
-
-
-def _bounded(source: Path) -> CaseInput | Unreadable:
+def bounded_read(source: Path) -> CaseInput | Unreadable:
     """What is in an upload, which may take so much memory and no more."""
     try:
         with bounded_memory(READING):
@@ -84,19 +72,19 @@ def _too_large(source: Path) -> Unreadable:
     return Unreadable((file_problem(source, WorkbookRefused("too large", sentence)),))
 
 
-def _rectangles(paths: tuple[str, str], tell: Tell) -> Any:
-    """Recalculate a copy of an open workbook; problems, warnings, and what to write into the open one."""
+def _recalculation(paths: tuple[str, str], tell: Tell, *, is_open: bool) -> Any:
+    """Recalculate a workbook, or a copy of an open one; problems, warnings, and what to write into the open one."""
     source, target = map(Path, paths)
     tell("reading")
     try:
         with bounded_memory(WRITING):
-            read = _bounded(source)
-            before = {} if isinstance(read, Unreadable) else _table_sizes(read)
+            read = bounded_read(source)
+            before = _table_sizes(read)
             prepared = PreparedInput(read)
             done = recalculate(
-                source, destination=target, on_stage=tell, prepared=prepared, ignore_lock=True
+                source, destination=target, on_stage=tell, prepared=prepared, ignore_lock=is_open
             )
-            if done.problems:
+            if done.problems or not is_open:
                 return done.problems, done.warnings, {}
             assert isinstance(read, WorkbookInput), source
             written = rectangles(written_results(read.workbook), before)
@@ -110,7 +98,7 @@ def _rectangles(paths: tuple[str, str], tell: Tell) -> Any:
 _NO_HISTORY = "The full histories were not saved: run torsionbook recalc for them."
 
 
-def _table_sizes(read: CaseInput) -> dict[str, Rect]:
+def _table_sizes(read: CaseInput | Unreadable) -> dict[str, Rect]:
     """Size of each table of a workbook."""
     tables = read.workbook.tables.values() if isinstance(read, WorkbookInput) else ()
     return {table.name: table.ref for table in tables}
@@ -119,7 +107,7 @@ def _table_sizes(read: CaseInput) -> dict[str, Rect]:
 def _read(path: str, tell: Tell) -> Any:
     """Read a workbook or a case JSON; problems, warnings, the case and its units."""
     tell("reading")
-    read = _bounded(Path(path))
+    read = bounded_read(Path(path))
     if isinstance(read, Unreadable) or read.problems:
         return read.problems, read.warnings, None, ""
     return (), read.warnings, read.case(), system_of(read)
@@ -149,8 +137,8 @@ def _wait(seconds: float, tell: Tell) -> float:
 #: What the processes can do, by name.
 TASKS: dict[str, Callable[[Any, Tell], Any]] = {
     "start": lambda case, tell: calculate(case, on_stage=tell),
-    "workbook": _workbook,
-    "rectangles": _rectangles,
+    "workbook": partial(_recalculation, is_open=False),
+    "rectangles": partial(_recalculation, is_open=True),
     "read": _read,
     "speed": _speed,
     "view": _view,
@@ -163,8 +151,19 @@ def load() -> None:
     """Nothing: what every task needs is loaded with this module."""
 
 
-def answer_of(task: tuple[str, Any], tell: Tell) -> tuple[str, Any]:
+def answer_of(
+    task: tuple[str, Any], tell: Tell, known: Mapping[str, Callable[[Any, Tell], Any]] = TASKS
+) -> tuple[str, Any]:
     """What becomes of a task, by its name and what it works on.
+
+    Parameters
+    ----------
+    task : tuple
+        Its name and what it works on.
+    tell : callable
+        Called with each stage. [words]
+    known : mapping
+        Tasks by name.
 
     Returns
     -------
@@ -175,7 +174,7 @@ def answer_of(task: tuple[str, Any], tell: Tell) -> tuple[str, Any]:
     """
     name, payload = task
     try:
-        return "done", TASKS[name](payload, tell)
+        return "done", known[name](payload, tell)
     except FunctionError as wrong:
         return "refused", (wrong.message, wrong.code)
     except (ModelError, InternalError) as wrong:

@@ -23,8 +23,8 @@ from addin.contract.version import product_version
 from addin.reading.one_file import WORKBOOK_ENDINGS
 from addin.server.answers import Refused, answer, encoded, input_errors
 from addin.server.bodies import read_body, while_connected
-from addin.server.calls import error
-from addin.server.processes import Busy, TooLong, Work
+from addin.server.calls import NO_RESULT, error, without_result
+from addin.server.processes import Work
 from addin.server.running_starts import Tell, waited_for
 from addin.server.settings import OURS, Limits
 from addin.worksheet.models import MODELS
@@ -48,7 +48,8 @@ async def recalculated(request: Request, work: Work, limits: Limits) -> Response
         inner = _inner(name)
         source, target = Path(folder, inner), Path(folder, f"out-{inner}")
         await asyncio.to_thread(source.write_bytes, body)
-        problems, warnings = await _done(request, work, "workbook", (str(source), str(target)))
+        paths = str(source), str(target)
+        problems, warnings, _ = await _done(request, work, "workbook", paths)
         if problems:
             return _wrong(problems, warnings, TemporaryPaths(folder, inner, name))
         content = await asyncio.to_thread(target.read_bytes)
@@ -109,10 +110,8 @@ async def _rectangles(work: Work, body: bytes, name: str, tell: Tell) -> dict[st
         try:
             job = work.submit("rectangles", (str(source), str(target)))
             problems, warnings, value = await waited_for(job, tell)
-        except FunctionError as wrong:
-            return error(wrong.message, wrong.code)
-        except (Busy, TooLong, RuntimeError) as wrong:
-            return error(str(wrong), "#N/A", busy=isinstance(wrong, Busy))
+        except NO_RESULT as wrong:
+            return without_result(wrong)
     hidden = TemporaryPaths(folder, inner, name)
     if problems:
         return _problems(problems, warnings, hidden)
@@ -154,15 +153,14 @@ def _inner(name: str) -> str:
 
 
 async def _done(request: Request, work: Work, task: str, payload: Any) -> Any:
-    """The result of a task for a client that waits; 503 where there is none."""
+    """The result of a task for a client that waits; 503 or 422 where there is none."""
     try:
         return await while_connected(request, waited_for(work.submit(task, payload)))
-    except Busy as wrong:
-        raise Refused(503, str(wrong), {"Retry-After": "30"}) from None
-    except (TooLong, RuntimeError) as wrong:
-        raise Refused(503, str(wrong)) from None
-    except FunctionError as wrong:
-        raise Refused(422, wrong.message) from None
+    except NO_RESULT as wrong:
+        found = without_result(wrong)["error"]
+        status = 422 if isinstance(wrong, FunctionError) else 503
+        retry = {"Retry-After": "30"} if found.get("busy") else None
+        raise Refused(status, found["message"], retry) from None
 
 
 async def _sent(request: Request, limits: Limits) -> tuple[bytes, str]:

@@ -5,7 +5,7 @@ equal inputs have one handle in every front and every session, and nobody is sho
 somebody else. Results belong to the numbers alone: a title that is corrected costs no second start.
 
 Cases are small and many are kept, for each client its share; results are large, so the least used are
-dropped and calculated again when asked for.
+dropped and calculated again when asked for. Several servers may share both through a `Store`.
 """
 
 from __future__ import annotations
@@ -15,12 +15,12 @@ import json
 import sys
 import threading
 from collections import OrderedDict
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, field
 from types import ModuleType
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -62,6 +62,19 @@ def handed(model: Model, what: str, value: Any) -> Iterator[None]:
         yield
     finally:
         _HANDED.reset(token)
+
+
+class Store(Protocol):
+    """Where several processes keep models and results; one that is away keeps and finds nothing."""
+
+    def get(self, name: str) -> Any:
+        """What is kept under a name, for whoever asks; None if there is nothing."""
+
+    def put(self, name: str, value: Any) -> None:
+        """Keep a value under a name."""
+
+    def is_due(self, name: str) -> bool:
+        """Whether what is used here ought to be put again, so that the others find it."""
 
 
 @dataclass(eq=False)
@@ -109,6 +122,8 @@ class Models:
         self._most_cases = most_cases
         self._most_memory = most_memory
         self._most_case_memory = most_case_memory
+        #: Where other servers find what is made here, and the other way round; None = nowhere.
+        self.store: Store | None = None
 
     def add(self, found: CaseInput) -> Model:
         """Remember a case.
@@ -140,6 +155,11 @@ class Models:
         Model
             With its handle.
         """
+        model = self._remember(case, system)
+        self._share(model)
+        return model
+
+    def _remember(self, case: Case, system: str) -> Model:
         own, results, size = _digests(case)
         shown = "" if system == "SI" else f"-{system}"
         handle = f"{PREFIX}{case_digest(case)[:DIGITS]}.{own[:OWN_DIGITS]}{shown}"
@@ -177,6 +197,50 @@ class Models:
                 del self._used[owner]
             if oldest in self._models and not any(oldest in used for used in self._used.values()):
                 total -= self._models.pop(oldest).size
+
+    def _share(self, model: Model) -> None:
+        name = f"model:{model.handle}"
+        if self.store is not None and self.store.is_due(name):
+            self.store.put(name, (model.case, model.system))
+
+    def fetch(self, handles: Iterable[str]) -> None:
+        """Take models that other servers have made from the store, and share those in use; both take time.
+
+        Parameters
+        ----------
+        handles : iterable of str
+            What is asked about; unknown ones are left alone. [names]
+        """
+        for handle in set(handles):
+            if self.store is None or not handle.startswith(PREFIX):
+                continue
+            model = self._models.get(handle)
+            if model is not None:
+                self._share(model)
+            elif (found := self.store.get(f"model:{handle}")) is not None:
+                self._remember(*found)
+
+    def result_of_others(self, model: Model, what: str) -> Any:
+        """A result from memory or else from the store, which takes time; None if neither has it.
+
+        Parameters
+        ----------
+        model : Model
+            The model.
+        what : str
+            Name of the result. [name]
+
+        Returns
+        -------
+        object
+            The result, or the `FunctionError` that says why there is none. [SI]
+        """
+        value = model.kept.get(what)
+        if value is None and self.store is not None:
+            value = self.store.get(f"result:{model.results}:{what}")
+            if value is not None:
+                self._hold(model, what, value)
+        return value
 
     def of(self, handle: str) -> Model:
         """The model of a handle.
@@ -242,11 +306,11 @@ class Models:
                     value = calculate(model.case)
                 except (ModelError, InternalError) as wrong:
                     value = FunctionError(str(wrong), "#NUM!")
-                self.keep(model, what, value)
+                self._hold(model, what, value)
         return value
 
     def keep(self, model: Model, what: str, value: Any) -> None:
-        """Keep a result, whoever calculated it, and what there is of others within bounds.
+        """Keep a result that took long, for other servers too, and what there is of others within bounds.
 
         Parameters
         ----------
@@ -257,6 +321,11 @@ class Models:
         value : object
             The result, or the `FunctionError` that says why there is none. [SI]
         """
+        self._hold(model, what, value)
+        if self.store is not None:
+            self.store.put(f"result:{model.results}:{what}", value)
+
+    def _hold(self, model: Model, what: str, value: Any) -> None:
         with model.lock:
             model.kept[what] = value
             model.sizes[what] = _size(value)

@@ -71,6 +71,10 @@ def test_paths_of_a_file_begin_in_its_folder(tmp_path):
         ("", {"TORSIONBOOK_CERT": "none.pem", "TORSIONBOOK_KEY": "none.pem"}, {}, (), "TORSIONBOOK_CERT: file none.pem not found"),
         ("", {"TORSIONBOOK_HOST": "0.0.0.0"}, {}, (), "TORSIONBOOK_HOST 0.0.0.0: other machines"),
         ("", {"TORSIONBOOK_PORT": "1"}, {"port": -1}, (), "--port is -1"),
+        ("", {"TORSIONBOOK_SHARED": "http://u:p@x"}, {}, (), "TORSIONBOOK_SHARED is no address of Redis or Valkey"),
+        ("shared = 'redis://u:p@x'", {}, {}, (), "shared in {file}: whoever can write there could"),
+        ("", {}, {"shared_key_file": "none"}, (), "none cannot be read"),
+        ("", {}, {"shared": "redis://x", "shared_time": 0.5}, (), "whoever can write there"),
         ("", {}, {}, ("body",), "--limit body has no value"),
         ("", {}, {}, ("bdy=1",), "--limit bdy: unknown limit. Is body meant?"),
         ("", {}, {}, ("body=x",), "--limit body is 'x'; write a whole number"),
@@ -83,6 +87,22 @@ def test_a_refusal_names_where_a_setting_was_typed(
     with pytest.raises(SettingsError) as wrong:
         configured({**given, **flags}, environment, limits)
     assert words.format(file=given["config"]) in str(wrong.value)
+
+
+def test_servers_that_share_have_one_secret(tmp_path):
+    place = tmp_path / "secret"
+    place.write_text(KEYS)
+    flags = {"shared": "redis://x", "shared_key_file": str(place)}
+    assert configured(flags, {}).shared_key == KEYS.strip()
+    with pytest.raises(SettingsError, match="--shared-time is 0.5 s; it must be at least 1 s"):
+        configured(flags | {"shared_time": 0.5}, {})
+    with pytest.raises(
+        SettingsError, match="--shared-key-file is the secret of a shared memory, but none"
+    ):
+        configured({"shared_key_file": str(place)}, {})
+    place.write_text(KEYS + "another-key-of-ours\n")
+    with pytest.raises(SettingsError, match="contains 2 keys; all servers share one secret"):
+        configured(flags, {})
 
 
 def test_a_file_that_is_not_there_is_told_and_variables_of_others_are_left_alone(tmp_path):

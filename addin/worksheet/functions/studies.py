@@ -94,7 +94,7 @@ def _in_time(
 
 def _kept(model: Model, key: str, calculate: Callable[[], Any]) -> Any:
     """A study of a model, once; what else is asked of the model meanwhile does not wait for it."""
-    found = model.kept.get(key)
+    found = MODELS.result_of_others(model, key)
     if found is None:
         try:
             found = calculate()
