@@ -32,12 +32,12 @@ from addin.server.stream import Stream
 from addin.workers.processes import most_resident
 from addin.worksheet.models import MODELS
 
+#: Scripts of the page; functions.js is filled in.
+MODULES = ("taskpane", "page", "results", "curves", "plot", "charts", "open_workbook")
 #: Files of the page: name → media type.
 FILES = {
     "taskpane.css": "text/css",
-    "taskpane.js": "text/javascript",
-    "charts.js": "text/javascript",
-    "open_workbook.js": "text/javascript",
+    **{f"{name}.js": "text/javascript" for name in MODULES},
     **{f"icon-{size}.png": "image/png" for size in (16, 32, 64, 80)},
 }
 #: The script of the Office host: the one file that does not come from this server.
