@@ -308,9 +308,7 @@ class Stream:
         if isinstance(calculation, FunctionError):
             raise calculation
         await self._turn(answering)
-        return {
-            "value": await self._calls.in_thread(histories_view, model, calculation, wanted)
-        }
+        return {"value": await self._calls.in_thread(histories_view, model, calculation, wanted)}
 
     async def _study(self, asked: StudyRequest, answering: _Answering) -> dict[str, Any]:
         """The JSON of a study of a case."""

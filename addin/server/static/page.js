@@ -68,3 +68,13 @@ export function table(rows, missing, minor = () => false) {
   }
   return drawn;
 }
+
+/** What scrolls sideways can be reached by keys, and has a name; what does not is no stop on the way. */
+export function makeReachable() {
+  for (const room of document.querySelectorAll("#results .scroll:not([role])")) new ResizeObserver(() => {
+    const scrolls = room.scrollWidth > room.clientWidth + 1;
+    for (const [name, value] of [["tabindex", "0"], ["role", "region"], ["aria-label", `${room.closest("section").querySelector("h2").textContent}: ${room.id.replace("-", " ")}`]]) {
+      if (scrolls) room.setAttribute(name, value); else room.removeAttribute(name);
+    }
+  }).observe(room);
+}

@@ -1,6 +1,7 @@
 // What is known of a model, as tables and pictures: first without its start, then with it.
 import { schematic, train } from "./charts.js";
 import { showCurves } from "./curves.js";
+import { showMotion } from "./motion.js";
 import { at, made, table } from "./page.js";
 
 /** Margins shown at once. */
@@ -45,6 +46,7 @@ export function show(view, name) {
   at("train").replaceChildren(drawnTrain(charts.ChartTrain, labels));
   putTable("frequencies", "NaturalFrequencies", tables.NaturalFrequencies, "No modes.");
   putTable("shapes", "ModeShapes", (tables.ModeShapes || []).map(row => row.slice(0, SHAPES + 1)), "No modes.");
+  showMotion(tables.ModeShapes || [], charts.ChartTrain.Item, tables.NaturalFrequencies || []);
   showCurves(view, view.handle);
   putTable("peaks", "StartupPeaks", tables.StartupPeaks, wait);
   putTable("reversals", "TorqueReversals", tables.TorqueReversals, view.complete ? "No start, or no gear mesh and no geared coupling." : wait);

@@ -1,15 +1,18 @@
 // The page: open a model, show it, calculate its start with progress, give the workbook back.
 // Inside Office it can take the open workbook; in a browser it is a page like any other.
-import { redraw } from "./curves.js";
+import { chosen, redraw } from "./curves.js";
+import { edited, showInputs } from "./inputs.js";
+import { forget, recall, remember } from "./kept.js";
 import { fill, openName, openWorkbook, putBack, resultsOf } from "./open_workbook.js";
-import { ask, at, key, made, say, setKey, stream } from "./page.js";
+import { ask, at, key, made, makeReachable, say, setKey, stream } from "./page.js";
 import { show } from "./results.js";
-
+import { setUp } from "./tools.js";
 
 const ENDINGS = /\.(xlsx|xlsm|json)$/i;
 
-/** What is open: the file, its model, and the calculation under way. */
-const open = { name: "", bytes: null, model: null, running: null };
+/** What is open: the file as it is now and as it was opened, its model, and the calculation under way. */
+let isInExcel = false;
+const open = { name: "", bytes: null, original: null, model: null, running: null };
 
 // --- what the engineer does -----------------------------------------------------------------------
 
@@ -26,27 +29,106 @@ function busy(isBusy) {
   at("calculate").disabled = isBusy || !open.model;
   at("download").disabled = isBusy || !open.model || /\.json$/i.test(open.name);
   at("print").disabled = isBusy || !open.model;
+  at("close").disabled = isBusy || !open.bytes;
+  at("typed").hidden = !open.bytes;
+  at("as-opened").hidden = at("compare-opened").hidden = !open.bytes || open.bytes === open.original;
+  at("examples").hidden = Boolean(open.bytes) || isInExcel;
+  for (const button of at("tools").querySelectorAll("button, #earlier")) button.disabled = isBusy;
   at("here").disabled = at("fill").disabled = isBusy;
   at("put-back").disabled = isBusy || !earlier;
 }
 
-async function take(name, bytes, isAgain = false) {
+/** Open a file; what was open before is closed. */
+async function take(name, bytes) {
+  if (!ENDINGS.test(name)) { say(`${name} is not a workbook: choose an .xlsx or .xlsm file, or a case .json.`, "bad"); return; }
+  await load({ name, bytes, original: bytes });
+}
+
+/** Take a file as it is now; `isSame` where only numbers in it are others than before. */
+async function load({ name, bytes, original }, isSame = false, isAgain = false) {
   if (open.running) open.running.cancel();
-  Object.assign(open, { name, bytes, model: null });
-  at("results").hidden = true;
+  Object.assign(open, { name, bytes, original, model: null });
+  if (!isSame) {
+    at("results").hidden = true;
+    at("document").replaceChildren();
+    inputsOf = null;
+  }
   at("problems").hidden = true;
   busy(false);
-  if (!ENDINGS.test(name)) { say(`${name} is not a workbook: choose an .xlsx or .xlsm file, or a case .json.`, "bad"); return; }
+  keep();
+  if (at("inputs").open) typed();
   say(`reading ${name}`, "busy");
   try {
     const response = await ask(`/api/v1/model?name=${encodeURIComponent(name)}`, { body: bytes });
-    open.model = (await response.json()).model;
+    const { model } = await response.json();
+    if (open.bytes !== bytes) return; // another one by now
+    open.model = model;
   } catch (failed) {
+    if (open.bytes !== bytes) return;
+    at("results").hidden = true;
     showProblems(failed);
     return;
   }
   await calculate(isAgain);
 }
+
+/** Keep what is open over a reload. */
+function keep() {
+  const { name, bytes, original } = open;
+  if (bytes && !isInExcel) remember({ name, bytes, original, chosen: chosen.names });
+}
+chosen.changed = keep;
+
+async function close() {
+  if (open.running) open.running.cancel();
+  Object.assign(open, { name: "", bytes: null, original: null, model: null });
+  chosen.names = [];
+  at("results").hidden = at("problems").hidden = true;
+  at("handle").textContent = "";
+  busy(false);
+  await forget();
+  say("Closed; nothing of it is kept in this browser.");
+}
+
+// --- inputs that are changed here -----------------------------------------------------------------
+
+/** The file whose inputs are drawn, and the last change. */
+let inputsOf = null, lastChange = Promise.resolve();
+
+/** Draw the inputs, unless they are those that are drawn. */
+async function typed() {
+  if (!open.bytes || inputsOf === open.original) return;
+  inputsOf = open.original;
+  try { await showInputs(open.name, open.bytes, change); } catch (failed) { inputsOf = null; showProblems(failed); }
+}
+
+/** Type an input anew, one after another, and calculate; whether it was taken. */
+function change(name, value, wrong) {
+  if (wrong) { say(wrong, "bad"); return Promise.resolve(false); }
+  const done = lastChange.then(async () => {
+    const { name: file, bytes, original } = open;
+    say(`${name}: changing`, "busy");
+    try {
+      const now = await edited(file, bytes, { [name]: value });
+      if (open.bytes !== bytes) return false;
+      load({ name: file, bytes: now, original }, true);
+      return true;
+    } catch (failed) {
+      showProblems(failed);
+      return false;
+    }
+  });
+  lastChange = done;
+  return done;
+}
+
+function asOpened() {
+  const { name, original } = open;
+  inputsOf = null;
+  return load({ name, bytes: original, original }, true);
+}
+
+// --- calculating ----------------------------------------------------------------------------------
 
 async function calculate(isAgain = false) {
   const began = performance.now();
@@ -65,30 +147,38 @@ async function calculate(isAgain = false) {
   } finally {
     if (open.running === run) { open.running = null; busy(false); }
   }
-  if (isForgotten) await take(open.name, open.bytes, true);
+  if (isForgotten) await load(open, true, true);
 }
 
-async function download() {
-  const control = new AbortController();
+/** Something that can be cancelled; what is wrong with it is said. `over`: what is said when it was. */
+async function during(work, over = "Cancelled.", name = open.name) {
+  if (open.running) return;
+  const control = new AbortController(), began = performance.now();
   const run = { cancel: () => control.abort() };
   open.running = run;
+  at("problems").hidden = true;
   busy(true);
-  say("recalculating the workbook", "busy");
+  say("asking the server", "busy");
   try {
-    const response = await ask(`/api/v1/workbook?name=${encodeURIComponent(open.name)}`, { body: open.bytes, signal: control.signal });
-    const link = made("a");
-    link.href = URL.createObjectURL(await response.blob());
-    link.download = open.name.replace(/(\.xls[xm])$/i, ".out$1");
-    link.click();
-    setTimeout(() => URL.revokeObjectURL(link.href), 10000);
-    say(`${link.download} is in your downloads.`);
+    const done = await work({ signal: control.signal, stage: text => say(text, "busy") });
+    say(`${done.replace(/\.$/, "")} (${((performance.now() - began) / 1000).toFixed(1)} s).`);
   } catch (failed) {
-    if (failed.name === "AbortError") say("Cancelled."); else showProblems(failed);
+    if (failed.name === "AbortError" || failed.cancelled) say(over); else showProblems(failed, name);
   } finally {
-    open.running = null;
-    busy(false);
+    if (open.running === run) { open.running = null; busy(false); }
   }
 }
+
+const download = () => during(async ({ signal }) => {
+  say("recalculating the workbook", "busy");
+  const response = await ask(`/api/v1/workbook?name=${encodeURIComponent(open.name)}`, { body: open.bytes, signal });
+  const link = made("a");
+  link.href = URL.createObjectURL(await response.blob());
+  link.download = open.name.replace(/(\.xls[xm])$/i, ".out$1");
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+  return `${link.download} is in your downloads.`;
+});
 
 async function takeFile(file) {
   if (file) await take(file.name, await file.arrayBuffer());
@@ -99,10 +189,14 @@ at("calculate").addEventListener("click", () => calculate());
 at("cancel").addEventListener("click", () => open.running && open.running.cancel());
 at("download").addEventListener("click", download);
 at("print").addEventListener("click", () => window.print());
+at("close").addEventListener("click", close);
+at("as-opened").addEventListener("click", asOpened);
+at("inputs").addEventListener("toggle", () => { if (at("inputs").open) typed(); });
+setUp(() => open, during);
 for (const kind of ["dragover", "dragleave", "drop"]) {
-  at("drop").addEventListener(kind, event => {
+  addEventListener(kind, event => { // anywhere: a file beside the box would be opened instead of the page
     event.preventDefault();
-    at("drop").classList.toggle("over", kind === "dragover");
+    document.body.classList.toggle("over", kind === "dragover");
     if (kind === "drop") takeFile(event.dataTransfer.files[0]);
   });
 }
@@ -152,38 +246,23 @@ async function takeOpen() {
   }
 }
 
-/** Something done with the open workbook that can be cancelled; what is wrong with it is said. */
-async function inExcel(work) {
-  if (open.running) return;
-  const control = new AbortController(), began = performance.now();
-  const run = { cancel: () => control.abort() };
-  open.running = run;
-  at("problems").hidden = true;
+const inExcel = work => {
   at("written").hidden = true;
-  busy(true);
-  try {
-    const done = await work(control.signal);
-    say(`${done} in ${((performance.now() - began) / 1000).toFixed(1)} s.`);
-  } catch (failed) {
-    if (failed.name === "AbortError" || failed.cancelled) say("Cancelled. The workbook is as it was.");
-    else showProblems(failed, openName());
-  } finally {
-    if (open.running === run) { open.running = null; busy(false); }
-  }
-}
+  return during(work, "Cancelled. The workbook is as it was.", openName());
+};
 
 const percent = share => `${Math.round(100 * share)} %`;
 
-const fillOpen = () => inExcel(async signal => {
+const fillOpen = () => inExcel(async ({ signal, stage }) => {
   const isOver = () => signal.aborted;
   say("reading the open workbook", "busy");
   const bytes = await openWorkbook();
-  const { value, warnings } = await resultsOf(ask, openName(), bytes, { signal, stage: text => say(text, "busy") });
+  const { value, warnings } = await resultsOf(ask, openName(), bytes, { signal, stage });
   say("writing results", "busy");
   earlier = await fill(value, share => say(`writing results, ${percent(share)}`, "busy"), isOver);
   at("written").replaceChildren(...warnings.map(text => made("li", text)));
   at("written").hidden = !warnings.length;
-  return `${value.cells.toLocaleString("en-US")} result cells on ${value.sheets.length} sheets written`;
+  return `${value.cells.toLocaleString("en-US")} result cells on ${value.sheets.length} sheets were written`;
 });
 
 const putBackOpen = () => inExcel(async () => {
@@ -196,6 +275,8 @@ const putBackOpen = () => inExcel(async () => {
 if (window.Office) {
   Office.onReady(info => {
     if (info && info.host === "Excel") {
+      isInExcel = true;
+      busy(false);
       at("in-excel").hidden = false;
       at("here").hidden = false;
       at("here").addEventListener("click", takeOpen);
@@ -205,4 +286,33 @@ if (window.Office) {
   });
 }
 
+// --- what is there at the beginning ---------------------------------------------------------------
+
+async function examples() {
+  const described = await (await fetch("/examples.json")).json();
+  at("examples").querySelector("ul").replaceChildren(...Object.entries(described).map(([name, words]) => {
+    const item = made("li"), button = made("button", words);
+    button.type = "button";
+    button.addEventListener("click", async () => take(`${name}.xlsx`, await (await fetch(`/examples/${name}.xlsx`)).arrayBuffer()));
+    item.append(button);
+    return item;
+  }));
+}
+
+/** What was open before a reload is open again; in Office the workbook is there anyway. */
+async function begin() {
+  busy(false);
+  if (window.Office) return;
+  examples().catch(() => {});
+  const kept = await recall();
+  if (!kept || open.bytes) return;
+  chosen.names = kept.chosen || [];
+  const isEdited = kept.bytes.byteLength !== kept.original.byteLength || !isEqual(kept.bytes, kept.original);
+  await load({ name: kept.name, bytes: isEdited ? kept.bytes : kept.original, original: kept.original });
+}
+
+const isEqual = (a, b) => { const other = new Uint8Array(b); return new Uint8Array(a).every((byte, i) => byte === other[i]); };
+
+makeReachable();
+begin();
 fetch("/version").then(response => response.json()).then(about => { at("version").textContent = `${about.name} ${about.version}`; }, () => {});
