@@ -505,6 +505,61 @@ def history_limits(
     return [None if name is None else _shown_limit(case, run, units, name) for name in names]
 
 
+def history_names(case: CaseData, run: RunView) -> list[str]:
+    """Elements with a history, those first that are drawn unless others are chosen.
+
+    Parameters
+    ----------
+    case : CaseData
+        The inputs. [SI]
+    run : RunView
+        The results. [SI]
+
+    Returns
+    -------
+    list of str
+        All of them. [names]
+    """
+    histories = run.histories or {}
+    drawn = [name for name in _drawn_elements(case, histories, ()) if name is not None]
+    return [*drawn, *(name for name in histories if name not in drawn)]
+
+
+def history_between(
+    case: CaseData, units: ShownUnits, run: RunView, name: str, window: tuple[float, float]
+) -> tuple[Drawn, Limit | None]:
+    """A history as it is drawn in a window of time: as few points, and no peak lost, as in the whole.
+
+    Parameters
+    ----------
+    case : CaseData
+        The inputs. [SI]
+    units : ShownUnits
+        Units shown. [units]
+    run : RunView
+        The results. [SI]
+    name : str
+        One of `history_names`. [name]
+    window : tuple of float
+        Begin and end; cut to the history. [s]
+
+    Returns
+    -------
+    drawn : Drawn
+        With one point before the window and one behind it. [shown unit]
+    limit : Limit or None
+        What it may reach. [shown unit]
+    """
+    time, torque = (run.histories or {})[name]
+    first = max(0, int(np.searchsorted(time, window[0], side="right")) - 1)
+    last = min(time.size, int(np.searchsorted(time, window[1])) + 1)
+    inside = slice(min(first, last - 1), last)
+    value, words, axis = _drawn_quantity(case, name, torque[inside], units)
+    keep = decimate(time[inside], value)
+    drawn = Drawn(name, time[inside][keep], value[keep], words, axis)
+    return drawn, _shown_limit(case, run, units, name)
+
+
 def _shown_limit(case: CaseData, run: RunView, units: ShownUnits, name: str) -> Limit | None:
     limit = limit_of_torque(case, run, name)
     if limit is None:

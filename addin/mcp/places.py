@@ -7,7 +7,7 @@ import stat
 from collections.abc import Sequence
 from pathlib import Path
 
-from addin.server.tasks import LIMITS
+from addin.server.bounded_reading import LIMITS
 from addin.xlsx.places import real_path
 
 #: Files that are read.

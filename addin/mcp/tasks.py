@@ -10,7 +10,8 @@ from addin.reading.case_json import case_to_json
 from addin.reading.one_file import Unreadable
 from addin.reading.workbook import WorkbookInput
 from addin.server import tasks
-from addin.server.tasks import Tell, bounded_read
+from addin.server.bounded_reading import bounded_read
+from addin.server.tasks import Tell
 from addin.studies.check_input import check_input
 from addin.verify.file import verify_file
 from addin.verify.trace import traced

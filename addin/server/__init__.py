@@ -23,6 +23,10 @@ module             responsibility
 `requests`         the guard in front of every route: names, origins, keys, and how much at a time
 `studies`          a study of a case that is sent as JSON
 `view`             what the page draws of a model
+`bounded_reading`  reading an upload with bounds on size and memory
+`file_tasks`       what the page does with a file beside its results: the task, inputs and edits
+`documents`        verify, compare, study
+`reports`          the report
 `tasks`            what the processes do: starts, workbooks, tables, studies
 `processes`        long calculations in a pool of processes: a bounded queue, and what is said of
                    its ends
@@ -31,6 +35,7 @@ module             responsibility
 `stream`           long calls over a WebSocket: stages, results as they come, cancel
 `uploads`          a workbook in, the same workbook recalculated out; or what to write into it; or a
                    model of it
+`document_routes`  the same over HTTP
 `app`              routes, put together for one set of settings
 `serving`          serving until the process is told to end, and ending without losing a call
 =================  ================================================================================

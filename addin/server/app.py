@@ -16,14 +16,14 @@ from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket
 
 from addin.contract.version import product_version
-from addin.server import office, uploads
+from addin.server import document_routes, office, uploads
 from addin.server.answers import Refused, answer, encoded
 from addin.server.bodies import read_json, while_connected
 from addin.server.calls import Asked, Calls, read_calls
 from addin.server.keys import Keys
 from addin.server.leaving import Leaving
 from addin.server.metrics import MEDIA, Metrics
-from addin.server.openapi import document
+from addin.server.openapi import document as description
 from addin.server.policies import ADD_IN_PAGE, NO_PAGE, PAGE, headers_with
 from addin.server.processes import Work
 from addin.server.requests import RequestGuard
@@ -31,15 +31,19 @@ from addin.server.running_starts import Starts
 from addin.server.settings import Settings
 from addin.server.shared import SharedMemory
 from addin.server.stream import Stream
+from addin.server.uploads import MEDIA as WORKBOOK_MEDIA
 from addin.workers.processes import most_resident
 from addin.worksheet.models import MODELS
 
+#: Scripts of the page; functions.js is filled in.
+MODULES = (
+    "taskpane", "page", "results", "curves", "plot", "charts", "motion", "inputs", "tools", "kept", "lines", "theme",
+    "open_workbook",
+)  # fmt: skip
 #: Files of the page: name → media type.
 FILES = {
     "taskpane.css": "text/css",
-    "taskpane.js": "text/javascript",
-    "charts.js": "text/javascript",
-    "open_workbook.js": "text/javascript",
+    **{f"{name}.js": "text/javascript" for name in MODULES},
     **{f"icon-{size}.png": "image/png" for size in (16, 32, 64, 80)},
 }
 #: The script of the Office host: the one file that does not come from this server.
@@ -92,6 +96,12 @@ def create_app(settings: Settings) -> Starlette:
     async def model(request: Request) -> Response:
         return await uploads.model_of(request, reading, limits)
 
+    def document(answered: Callable[..., Awaitable[Response]], pool: Work) -> Answer:
+        async def respond(request: Request) -> Response:
+            return await answered(request, pool, limits)
+
+        return respond
+
     async def stream(socket: WebSocket) -> None:
         await Stream(socket, settings, calls, starts).serve()
 
@@ -126,10 +136,23 @@ def create_app(settings: Settings) -> Starlette:
         "taskpane.html": (_page(OFFICE_JS), "text/html"),
         "functions.js": (office.functions_script(), "text/javascript"),
         "functions.json": (encoded(office.functions_json()), "application/json"),
-        "openapi.json": (encoded(document()), "application/json"),
+        "openapi.json": (encoded(description()), "application/json"),
         "healthz": (encoded({"ok": True}), "application/json"),
         "version": (encoded(about), "application/json"),
+        "examples.json": (encoded(document_routes.EXAMPLES), "application/json"),
+        **{
+            path: (content, WORKBOOK_MEDIA[".xlsx"])
+            for path, content in document_routes.examples().items()
+        },
         **{name: (office.static(name), kind) for name, kind in FILES.items()},
+    }
+    documents = {
+        "inputs": (document_routes.inputs, reading),
+        "edited": (document_routes.edited, reading),
+        "report": (document_routes.report, work),
+        "verify": (document_routes.verify, work),
+        "diff": (document_routes.diff, work),
+        "study": (document_routes.study, work),
     }
     app = Starlette(
         routes=[
@@ -137,6 +160,10 @@ def create_app(settings: Settings) -> Starlette:
             Route("/api/v1/model", model, methods=["POST"]),
             Route("/api/v1/workbook", workbook, methods=["POST"]),
             Route("/api/v1/open-workbook", open_workbook, methods=["POST"]),
+            *(
+                Route(f"/api/v1/{path}", document(answered, pool), methods=["POST"])
+                for path, (answered, pool) in documents.items()
+            ),
             WebSocketRoute("/api/v1/stream", stream),
             Route("/manifest.xml", manifest),
             Route("/metrics", counted),

@@ -67,11 +67,13 @@ def document() -> dict[str, Any]:
                     wrong_inside=True,
                 )
             },
+            **_documents(),
             "/functions.json": {"get": _get("Custom functions of Office.", JSON)},
             "/functions.js": {"get": _get("Script of the custom functions.", "text/javascript")},
             "/manifest.xml": {"get": _get("Manifest of the Office add-in.", "application/xml")},
             "/taskpane.html": {"get": _get("Page of the Office add-in.", "text/html")},
             "/": {"get": _get("Page for the browser.", "text/html")},
+            "/examples.json": {"get": _get("Shipped examples, at /examples/NAME.xlsx.", JSON)},
             "/openapi.json": {"get": _get("This description.", JSON)},
             "/metrics": {
                 "get": {
@@ -91,6 +93,45 @@ def document() -> dict[str, Any]:
             "schemas": _schemas(),
         },
     }
+
+
+def _documents() -> dict[str, Any]:
+    """What is asked of a file beside its model."""
+    body: Shape = {kind: {"schema": {}} for kind in (*WORKBOOKS, JSON)}
+    typed = {"description": "Scalars and tables as typed.", "content": {JSON: {}}}
+    file = {"description": "The file.", "content": body}
+    lines = {
+        "description": "A JSON object a line: stages, at the end a document, or errors.",
+        "content": {LINES: {"schema": _ref("DocumentLine")}},
+    }
+    streamed = {
+        "report": ("The calc sheet as a document.", _query("form", "pdf or docx.")),
+        "verify": ("Whether the results in a workbook follow from its inputs.", ()),
+        "diff": (
+            "What differs between two files, sent one behind the other.",
+            _query("split", "Size of the first."),
+        ),
+        "study": ("A study of a file.", _query("study", "Its command.")),
+    }
+    edit = _query("changes", "JSON object: values by the names of inputs.")
+    return {
+        "/api/v1/inputs": {"post": _post("Inputs as typed.", body, typed, is_file=True)},
+        "/api/v1/edited": {
+            "post": _post("The file with other inputs.", body, file, is_file=True, more=edit)
+        },
+        **{
+            f"/api/v1/{path}": {
+                "post": _post(words, body, lines, is_file=True, wrong_inside=True, more=more)
+            }
+            for path, (words, more) in streamed.items()
+        },
+    }
+
+
+def _query(name: str, description: str) -> tuple[dict[str, Any], ...]:
+    return (
+        {"name": name, "in": "query", "required": True, "description": description, "schema": TEXT},
+    )
 
 
 def _ref(name: str) -> dict[str, str]:
@@ -129,14 +170,15 @@ def _get(summary: str, media: str, schema: str | None = None) -> dict[str, Any]:
 
 
 def _post(
-    summary: str, body: Shape, answer: Shape, *, is_file: bool, wrong_inside: bool = False
-) -> dict[str, Any]:
+    summary: str, body: Shape, answer: Shape, *, is_file: bool, wrong_inside: bool = False,
+    more: tuple[dict[str, Any], ...] = (),
+) -> dict[str, Any]:  # fmt: skip
     """A request with a body; that of a file may be wrong in itself, and may have a name."""
     has_status = is_file and not wrong_inside
     wrong = {"422": _answer("All errors of the input.", "Problems")} if has_status else {}
     responses = {"200": answer, **wrong, **_errors(400, 401, 403, 408, 413, 415, 421, 503)}
     content = {"required": True, "content": body}
-    parameters = {"parameters": [_NAME]} if is_file else {}
+    parameters = {"parameters": [_NAME, *more]} if is_file else {}
     return {"summary": summary, **parameters, "requestBody": content, "responses": responses}
 
 
@@ -207,6 +249,14 @@ def _schemas() -> dict[str, Any]:
             "anyOf": [
                 _object({"stage": TEXT}),
                 _object({"value": _ref("Rectangles"), "warnings": list_of(TEXT)}),
+                _ref("Problems"),
+                _ref("Error"),
+            ]
+        },
+        "DocumentLine": {
+            "anyOf": [
+                _object({"stage": TEXT}),
+                _object({"value": {"type": "object"}, "warnings": list_of(TEXT)}),
                 _ref("Problems"),
                 _ref("Error"),
             ]

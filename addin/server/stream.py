@@ -2,7 +2,7 @@
 
 A message is one JSON object. From the client: ``{"key": ...}`` first where keys are asked for, then
 ``{"id", "name", "arguments"}`` for a function, ``{"id", "view": handle}`` for what the page draws,
-``{"id", "study", "case", "settings"}`` for a study, ``{"id", "cancel": true}``. To the client, always with the ``id``: ``stage``, ``partial``, and at the
+``{"id", "histories": handle, "elements", "from", "to"}`` for histories in a window of time, ``{"id", "study", "case", "settings"}`` for a study, ``{"id", "cancel": true}``. To the client, always with the ``id``: ``stage``, ``partial``, and at the
 end one of ``value``, ``error`` or ``cancelled``.
 """
 
@@ -14,6 +14,7 @@ from collections.abc import Awaitable, Callable
 from contextlib import nullcontext
 from dataclasses import dataclass
 from functools import partial
+from math import inf
 from typing import Any
 
 from starlette.websockets import WebSocket, WebSocketDisconnect
@@ -37,7 +38,7 @@ from addin.server.requests import PendingSocket
 from addin.server.running_starts import Starts
 from addin.server.settings import LARGE, OURS, Settings
 from addin.server.studies import StudyRequest, read_study
-from addin.server.view import speed_view, start_view
+from addin.server.view import HistoriesWanted, histories_view, speed_view, start_view
 from addin.worksheet.models import MODELS
 from addin.worksheet.registry import FunctionError
 
@@ -48,6 +49,8 @@ NO_KEY, TRY_AGAIN = 4401, 1013
 KEY_TIME, LONGEST_KEY = 10.0, 4096
 #: Values of one WebSocket that are made but not sent, and messages of any kind. [count]
 MOST_VALUES, MOST_MESSAGES = 4, 1000
+#: Histories of one message. [count]
+MOST_HISTORIES = 24
 #: Longest time a client may take to read a message. [s]
 READ_TIME = 60.0
 
@@ -237,6 +240,8 @@ class Stream:
             if not isinstance(message["view"], str):
                 raise Refused(400, "view is not text. Give the handle of a model.")
             work = partial(self._view, message["view"])
+        elif "histories" in message:
+            work = partial(self._histories, *_read_histories(message))
         elif "study" in message:
             work = partial(self._study, read_study(message))
         else:
@@ -302,6 +307,17 @@ class Stream:
         await self._turn(answering)
         return {"value": await self._calls.in_thread(start_view, model, calculation)}
 
+    async def _histories(
+        self, handle: str, wanted: HistoriesWanted, answering: _Answering
+    ) -> dict[str, Any]:
+        """Histories of a start, which is calculated if it is not kept."""
+        model = MODELS.of(handle)
+        calculation = await self._starts.ready(model, self._teller(answering.identity))
+        if isinstance(calculation, FunctionError):
+            raise calculation
+        await self._turn(answering)
+        return {"value": await self._calls.in_thread(histories_view, model, calculation, wanted)}
+
     async def _study(self, asked: StudyRequest, answering: _Answering) -> dict[str, Any]:
         """The JSON of a study of a case."""
         answer = await self._starts.task("study", asked, self._teller(answering.identity))
@@ -310,3 +326,21 @@ class Stream:
 
     def _teller(self, identity: Identity) -> Any:
         return lambda stage: self._out.put_nowait(({"id": identity, "stage": stage}, None))
+
+
+def _read_histories(message: dict[str, Any]) -> tuple[str, HistoriesWanted]:
+    """The model and the histories that a message asks for."""
+    handle, elements = message["histories"], message.get("elements")
+    if not isinstance(handle, str):
+        raise Refused(400, "histories is not text. Give the handle of a model.")
+    if not isinstance(elements, list) or not all(isinstance(name, str) for name in elements):
+        raise Refused(400, "elements is not a list of names.")
+    if len(elements) > MOST_HISTORIES:
+        raise Refused(400, f"{len(elements)} elements; at most {MOST_HISTORIES} at a time.")
+    window = [message.get("from", -inf), message.get("to", inf)]
+    if any(isinstance(end, bool) or not isinstance(end, int | float) for end in window):
+        raise Refused(400, "from and to must be numbers, in seconds.")
+    begin, end = map(float, window)
+    if begin > end:
+        raise Refused(400, f"from is {begin:g} s, behind to, {end:g} s.")
+    return handle, HistoriesWanted(tuple(elements), (begin, end))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import pickle
 import time
 import traceback
@@ -11,9 +12,11 @@ from pathlib import Path
 from typing import Any
 
 from addin.calculation.calculation import calculate
-from addin.reading.one_file import Unreadable, file_problem, read_checked
+from addin.reading.one_file import Unreadable
 from addin.reading.typed_case import CaseInput
 from addin.reading.workbook import WorkbookInput
+from addin.server.bounded_reading import WRITING, bounded_read, too_large
+from addin.server.file_tasks import edited, inputs
 from addin.server.studies import study_of
 from addin.server.view import speed_view
 from addin.workers.processes import bounded_memory
@@ -22,18 +25,10 @@ from addin.worksheet.models import Model, system_of
 from addin.worksheet.registry import FunctionError
 from addin.writing.open_workbook import rectangles, written_results
 from addin.writing.recalculate import PreparedInput, recalculate
-from addin.xlsx.container import Limits
-from addin.xlsx.errors import WorkbookRefused
 from addin.xlsx.references import Rect
 from engine.errors import InternalError, ModelError
 
 Tell = Callable[[str], None]
-#: What is taken for a workbook here: less than on a machine of one's own.
-LIMITS = Limits(file_size=25 * 2**20, total_size=100 * 2**20, part_size=60 * 2**20, entries=2_000)
-
-
-#: Memory that reading an upload may take, and reading, calculating and writing it together. [B]
-READING, WRITING = 600 * 2**20, 2 * 2**30
 
 
 class LazyTables(Mapping[str, Any]):
@@ -58,20 +53,6 @@ class LazyTables(Mapping[str, Any]):
         return len(self._tables)
 
 
-def bounded_read(source: Path) -> CaseInput | Unreadable:
-    """What is in an upload, which may take so much memory and no more."""
-    try:
-        with bounded_memory(READING):
-            return read_checked(source, LIMITS)
-    except MemoryError:
-        return _too_large(source)
-
-
-def _too_large(source: Path) -> Unreadable:
-    sentence = f"{source.name} takes more memory than this server allows. Calculate it on your own computer."
-    return Unreadable((file_problem(source, WorkbookRefused("too large", sentence)),))
-
-
 def _recalculation(paths: tuple[str, str], tell: Tell, *, is_open: bool) -> Any:
     """Recalculate a workbook, or a copy of an open one; problems, warnings, and what to write into the open one."""
     source, target = map(Path, paths)
@@ -89,7 +70,7 @@ def _recalculation(paths: tuple[str, str], tell: Tell, *, is_open: bool) -> Any:
             assert isinstance(read, WorkbookInput), source
             written = rectangles(written_results(read.workbook), before)
     except MemoryError:
-        return _too_large(source).problems, (), {}
+        return too_large(source).problems, (), {}
     histories = [path.suffix for path in done.written if path != target]
     return (), (*done.warnings, *([_NO_HISTORY] if histories else [])), written
 
@@ -143,12 +124,21 @@ TASKS: dict[str, Callable[[Any, Tell], Any]] = {
     "speed": _speed,
     "view": _view,
     "study": study_of,
+    "inputs": inputs,
+    "edited": edited,
     "wait": _wait,
+}
+#: Tasks whose module is loaded by the process that does the first of them: what draws and typesets is much.
+LATER = {
+    "report": "addin.server.reports",
+    "verified": "addin.server.documents",
+    "compared": "addin.server.documents",
+    "studied": "addin.server.documents",
 }
 
 
 def load() -> None:
-    """Nothing: what every task needs is loaded with this module."""
+    """Nothing: what most tasks need is loaded with this module."""
 
 
 def answer_of(
@@ -174,7 +164,8 @@ def answer_of(
     """
     name, payload = task
     try:
-        return "done", known[name](payload, tell)
+        do = known.get(name) or getattr(importlib.import_module(LATER[name]), name)
+        return "done", do(payload, tell)
     except FunctionError as wrong:
         return "refused", (wrong.message, wrong.code)
     except (ModelError, InternalError) as wrong:

@@ -9,7 +9,7 @@ import asyncio
 import logging
 import re
 import secrets
-from collections.abc import AsyncIterator, Iterable
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -42,16 +42,16 @@ MEDIA = {
 
 async def recalculated(request: Request, work: Work, limits: Limits) -> Response:
     """Answer with the workbook of a request, its result sheets filled."""
-    body, name = await _sent(request, limits)
+    body, name = await sent_file(request, limits)
     _refuse_no_workbook(name)
     with temporary_folder() as folder:
-        inner = _inner(name)
+        inner = inner_name(name)
         source, target = Path(folder, inner), Path(folder, f"out-{inner}")
         await asyncio.to_thread(source.write_bytes, body)
         paths = str(source), str(target)
-        problems, warnings, _ = await _done(request, work, "workbook", paths)
+        problems, warnings, _ = await done(request, work, "workbook", paths)
         if problems:
-            return _wrong(problems, warnings, TemporaryPaths(folder, inner, name))
+            return wrong_file(problems, warnings, TemporaryPaths(folder, inner, name))
         content = await asyncio.to_thread(target.read_bytes)
     stem, ending = Path(name).stem, Path(name).suffix
     disposition = f"attachment; filename*=UTF-8''{quote(f'{stem}.out{ending}')}"
@@ -66,20 +66,25 @@ async def open_workbook(request: Request, work: Work, limits: Limits) -> Respons
     Each line is one JSON object: ``{"stage": ...}`` as it goes on, at the end ``{"value": ..., "warnings": [...]}``
     with what `addin.writing.open_workbook.rectangles` gives, or ``{"error": ..., "errors": [...]}``.
     """
-    body, name = await _sent(request, limits)
+    body, name = await sent_file(request, limits)
     _refuse_no_workbook(name)
+    return streamed(request, lambda tell: _rectangles(work, body, name, tell))
+
+
+def streamed(request: Request, work: Callable[[Tell], Awaitable[dict[str, Any]]]) -> Response:
+    """Answer with the stages of some work and its end, a JSON object a line."""
     # what a proxy in front collects would come at the end
     headers = {"X-Accel-Buffering": "no", "Cache-Control": "no-store"}
-    lines = _lines(request, work, body, name)
+    lines = _lines(request, work)
     return StreamingResponse(lines, media_type="application/x-ndjson", headers=headers)
 
 
-async def _lines(request: Request, work: Work, body: bytes, name: str) -> AsyncIterator[bytes]:
-    """Stages and the end; whoever closes the connection gives the recalculation up."""
+async def _lines(
+    request: Request, work: Callable[[Tell], Awaitable[dict[str, Any]]]
+) -> AsyncIterator[bytes]:
+    """Stages and the end; whoever closes the connection gives the work up."""
     stages: asyncio.Queue[str] = asyncio.Queue()
-    ended = asyncio.create_task(
-        while_connected(request, _rectangles(work, body, name, stages.put_nowait))
-    )
+    ended = asyncio.create_task(while_connected(request, work(stages.put_nowait)))
     stage = asyncio.create_task(stages.get())
     try:
         while True:
@@ -93,7 +98,7 @@ async def _lines(request: Request, work: Work, body: bytes, name: str) -> AsyncI
         except Refused:
             return  # nobody reads it
         except Exception:
-            LOG.exception("an open workbook failed")
+            LOG.exception("a stream of lines failed")
             yield encoded(error(OURS)) + b"\n"
     finally:
         for task in (ended, stage):
@@ -104,7 +109,7 @@ async def _lines(request: Request, work: Work, body: bytes, name: str) -> AsyncI
 async def _rectangles(work: Work, body: bytes, name: str, tell: Tell) -> dict[str, Any]:
     """The last line."""
     with temporary_folder() as folder:
-        inner = _inner(name)
+        inner = inner_name(name)
         source, target = Path(folder, inner), Path(folder, f"out-{inner}")
         await asyncio.to_thread(source.write_bytes, body)
         try:
@@ -114,23 +119,23 @@ async def _rectangles(work: Work, body: bytes, name: str, tell: Tell) -> dict[st
             return without_result(wrong)
     hidden = TemporaryPaths(folder, inner, name)
     if problems:
-        return _problems(problems, warnings, hidden)
-    return {"value": value, "warnings": _clean(warnings, hidden)}
+        return problems_as_json(problems, warnings, hidden)
+    return {"value": value, "warnings": cleaned(warnings, hidden)}
 
 
 async def model_of(request: Request, work: Work, limits: Limits) -> Response:
     """Answer with the handle of the model that a workbook or a case JSON holds."""
-    body, name = await _sent(request, limits)
+    body, name = await sent_file(request, limits)
     if name.endswith(".json"):
         _refuse_no_case(body)
     with temporary_folder() as folder:
-        inner = _inner(name)
+        inner = inner_name(name)
         source = Path(folder, inner)
         await asyncio.to_thread(source.write_bytes, body)
-        problems, warnings, case, system = await _done(request, work, "read", str(source))
+        problems, warnings, case, system = await done(request, work, "read", str(source))
     hidden = TemporaryPaths(folder, inner, name)
     if problems:
-        return _wrong(problems, warnings, hidden)
+        return wrong_file(problems, warnings, hidden)
     try:
         model = await asyncio.to_thread(MODELS.add_case, case, system)
     except UnicodeEncodeError:
@@ -140,11 +145,11 @@ async def model_of(request: Request, work: Work, limits: Limits) -> Response:
             "as \\ud800). Correct it.",
         ) from None
     return answer(
-        {"model": model.handle, "units": model.system, "warnings": _clean(warnings, hidden)}
+        {"model": model.handle, "units": model.system, "warnings": cleaned(warnings, hidden)}
     )
 
 
-def _inner(name: str) -> str:
+def inner_name(name: str) -> str:
     """What a file is called here: the name given may be one that no file can have.
 
     Nobody has typed this one, so that sentences about the file get the name it has outside.
@@ -152,7 +157,7 @@ def _inner(name: str) -> str:
     return f"{secrets.token_hex(8)}{Path(name).suffix}"
 
 
-async def _done(request: Request, work: Work, task: str, payload: Any) -> Any:
+async def done(request: Request, work: Work, task: str, payload: Any) -> Any:
     """The result of a task for a client that waits; 503 or 422 where there is none."""
     try:
         return await while_connected(request, waited_for(work.submit(task, payload)))
@@ -163,7 +168,7 @@ async def _done(request: Request, work: Work, task: str, payload: Any) -> Any:
         raise Refused(status, found["message"], retry) from None
 
 
-async def _sent(request: Request, limits: Limits) -> tuple[bytes, str]:
+async def sent_file(request: Request, limits: Limits) -> tuple[bytes, str]:
     """The file and the name it is worked on under: harmless, with the ending of what it is."""
     kind = request.headers.get("content-type", "").partition(";")[0].strip().casefold()
     if kind.startswith("multipart/"):
@@ -215,30 +220,30 @@ class TemporaryPaths:
     name: str
 
 
-def _wrong(
+def wrong_file(
     problems: Iterable[CellProblem], warnings: Iterable[str], folder: TemporaryPaths
 ) -> Response:
     """422 with every error."""
-    return answer(_problems(problems, warnings, folder), 422)
+    return answer(problems_as_json(problems, warnings, folder), 422)
 
 
-def _problems(
+def problems_as_json(
     problems: Iterable[CellProblem], warnings: Iterable[str], folder: TemporaryPaths
 ) -> dict[str, Any]:
     """Every error, in the form of a result JSON, and one sentence over them."""
     shown = [
-        replace(p, message=_without(p.message, folder), found=_without(p.found, folder))
+        replace(p, message=without_folder(p.message, folder), found=without_folder(p.found, folder))
         for p in problems
     ]
-    content: dict[str, Any] = errors_to_json(shown, product_version(), _clean(warnings, folder))
+    content: dict[str, Any] = errors_to_json(shown, product_version(), cleaned(warnings, folder))
     return content | {"error": {"message": input_errors(shown)}}
 
 
-def _clean(sentences: Iterable[str], folder: TemporaryPaths) -> list[str]:
-    return [_without(sentence, folder) for sentence in sentences]
+def cleaned(sentences: Iterable[str], folder: TemporaryPaths) -> list[str]:
+    return [without_folder(sentence, folder) for sentence in sentences]
 
 
-def _without(text: Any, hidden: TemporaryPaths) -> Any:
+def without_folder(text: Any, hidden: TemporaryPaths) -> Any:
     """A sentence with the name of the file outside, without the folder it was worked on in."""
     if not isinstance(text, str):
         return text

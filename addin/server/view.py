@@ -6,12 +6,13 @@ The page gets the same numbers as the sheets, in the units shown there, and know
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, replace
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from addin.calculation.calculation import Calculation, RunView
-from addin.charts.data import chart_blocks
-from addin.contract.chart_tables import CHART_TABLES, HISTORIES
+from addin.charts.data import chart_blocks, history_between, history_names
+from addin.charts.rows import plain
+from addin.contract.chart_tables import CHART_TABLES
 from addin.contract.charts import CHARTS, ChartSpec, Label, Words
 from addin.contract.field import Pane
 from addin.contract.palette import PALETTE
@@ -30,7 +31,8 @@ PAGE_CHARTS = (
     "torque",
     "speed-time",
     "interference",
-    *(f"history {k + 1}" for k in range(HISTORIES)),
+    "air-gap",
+    "clearing",
 )
 #: Width of the schematic; the page shows it larger or smaller. [pixel]
 _SCHEMATIC_WIDTH = 920.0
@@ -39,6 +41,14 @@ SPEED_TABLES = ("NaturalFrequencies", "SeparationMargins", "SteadyState", "ModeS
 START_TABLES = (
     "Verdicts", "StartupPeaks", "AllowableStarts", "TorqueReversals", "EventPeaks", "AirGapTorque", "Effects",
 )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class HistoriesWanted:
+    """Which histories a client asks for, and of which time."""
+
+    elements: tuple[str, ...]  #: Names, in the order wanted.
+    window: tuple[float, float]  #: Begin and end. [s]
 
 
 def speed_view(model: Model) -> dict[str, Any]:
@@ -90,7 +100,43 @@ def start_view(model: Model, calculation: Calculation) -> dict[str, Any]:
         "outcome": calculation.outcome,
         "sentence": str(startup.get("sentence") or ""),
         "warnings": list(calculation.warnings),
+        "histories": history_names(model.case, view),
     }
+
+
+def histories_view(model: Model, calculation: Calculation, wanted: HistoriesWanted) -> list[Any]:
+    """Histories in a window of time, with their limits.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    calculation : Calculation
+        What was calculated of it. [SI]
+    wanted : HistoriesWanted
+        Elements and window.
+
+    Returns
+    -------
+    list of dict
+        Plain values; elements without a history are left out. [shown units]
+    """
+    view, units = calculation.view, units_of(model.system)
+    there = [name for name in wanted.elements if name in (view.histories or {})]
+    shown = []
+    for name in there:
+        drawn, limit = history_between(model.case, units, view, name, wanted.window)
+        shown.append(
+            {
+                "element": name,
+                "title": f"{name}: {drawn.words}",
+                "axis": drawn.axis,
+                "time": plain(drawn.time),
+                "value": plain(drawn.value),
+                "limit": None if limit is None else asdict(limit),
+            }
+        )
+    return shown
 
 
 def _shown(model: Model, view: RunView, tables: tuple[str, ...]) -> dict[str, Any]:
@@ -134,6 +180,7 @@ def _spec(spec: ChartSpec, labels: Mapping[str, Any]) -> dict[str, Any]:
                 "y": series.y,
                 "name": words(series.name),
                 "colour": PALETTE.get(series.colour, series.colour),
+                "ink": series.colour,
                 "width": series.width,
                 "dashed": series.dash == "dash",
                 "row": series.row,

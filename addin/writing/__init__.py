@@ -5,6 +5,7 @@ module          responsibility
 ==============  ==================================================================================
 `history_file`  the full torque histories of a start in a file beside the workbook: Parquet or NPZ
 `results_json`  results to JSON, and the errors of an input that could not be calculated
+`edited_inputs`  inputs as they are typed, and the same file with some of them typed anew
 `input_copy`    the copy of the inputs that a calculation leaves on a hidden sheet, with the
                 formulas that compare
 `printed_rows`  rows of long result tables that decide something: these are printed

@@ -18,7 +18,7 @@ from addin.cli.app import app
 from addin.mcp.front import Tools, server_of
 from addin.mcp.places import PlaceRefused, Places
 from addin.reading.one_file import read_checked
-from addin.server.tasks import LIMITS
+from addin.server.bounded_reading import LIMITS
 from addin.verify.trace import traced
 from addin.worksheet.models import MODELS
 from addin.worksheet.registry import FUNCTIONS, call

@@ -2,11 +2,10 @@
 
 import base64
 import os
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from office_page import cell, launched, load_in_office
+from office_page import cell, load_in_office
 from playwright import sync_api
 from servers import SLOW_CASE, outside, slow_case
 from sheet_ranges import (
@@ -31,31 +30,6 @@ HERE = Path(__file__).parent
 #: Where to leave pictures of the page, if anywhere.
 PICTURES = os.environ.get("TORSIONBOOK_PICTURES")
 KEY = "a-key-nobody-guesses"
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[sync_api.Browser]:
-    with sync_api.sync_playwright() as playwright:
-        browser = launched(playwright)
-        yield browser
-        browser.close()
-
-
-@pytest.fixture
-def tab(browser, served):
-    """An empty page of a fresh browser profile; whatever it complains of fails the test."""
-    context = browser.new_context(base_url=served, viewport={"width": 1280, "height": 900})
-    context.set_default_timeout(20_000)
-    page = context.new_page()
-    complaints = []
-    page.on("pageerror", lambda failed: complaints.append(str(failed)))
-    page.on(
-        "console",
-        lambda said: "Content Security Policy" in said.text and complaints.append(said.text),
-    )
-    yield page
-    context.close()
-    assert complaints == []
 
 
 @pytest.fixture

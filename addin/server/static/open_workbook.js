@@ -3,6 +3,8 @@
 //
 // Of Office.js it uses what ExcelApi 1.13 has, as the manifest asks for; tests hold it to that.
 
+import { lastLine } from "./lines.js";
+
 /** Cells that Excel is handed at once: one sheet, unless it has more; 5 MB is what Excel on the web takes. [count] */
 const PORTION = 50000;
 
@@ -40,22 +42,7 @@ export function openName() {
 /** What to write into a workbook, from the server, which tells its stages. */
 export async function resultsOf(ask, name, bytes, { signal, stage }) {
   const response = await ask(`/api/v1/open-workbook?name=${encodeURIComponent(name)}`, { body: bytes, signal });
-  const reader = response.body.getReader(), decoder = new TextDecoder();
-  let text = "", last = null;
-  for (;;) {
-    const { done, value } = await reader.read();
-    text += done ? "" : decoder.decode(value, { stream: true });
-    const lines = text.split("\n");
-    text = lines.pop();
-    for (const line of lines) {
-      last = JSON.parse(line);
-      if (last.stage) stage(last.stage);
-    }
-    if (done) break;
-  }
-  if (last && last.value) return last;
-  const message = ((last || {}).error || {}).message || "The connection to the calculation server was lost. Nothing was written; try again.";
-  throw Object.assign(wrong(message), { content: last || {} });
+  return lastLine(response, stage, "Nothing was written");
 }
 
 // --- rectangles -----------------------------------------------------------------------------------

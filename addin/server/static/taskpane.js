@@ -1,261 +1,18 @@
 // The page: open a model, show it, calculate its start with progress, give the workbook back.
 // Inside Office it can take the open workbook; in a browser it is a page like any other.
-import { chart, fromRecord, schematic, train } from "./charts.js";
+import { chosen, redraw } from "./curves.js";
+import { edited, showInputs } from "./inputs.js";
+import { forget, recall, remember } from "./kept.js";
 import { fill, openName, openWorkbook, putBack, resultsOf } from "./open_workbook.js";
+import { ask, at, key, made, makeReachable, say, setKey, stream } from "./page.js";
+import { show } from "./results.js";
+import { setUp } from "./tools.js";
 
-const { ask, stream, key, setKey } = window.torsionbook;
-const at = id => document.getElementById(id);
 const ENDINGS = /\.(xlsx|xlsm|json)$/i;
 
-/** Margins shown at once. */
-const FEW = 12;
-/** Modes whose shapes are shown, and in the narrow pane of Office. */
-const SHAPES = 6, FEW_SHAPES = 4;
-/** Widths of charts on paper: across the page and half of it. [px] */
-const PAPER = { whole: 660, half: 345 };
-/** What is open: the file, its model, what is shown of it, and the calculation under way. */
-const open = { name: "", bytes: null, model: null, running: null, view: null };
-
-// --- small things ---------------------------------------------------------------------------------
-
-function made(tag, text = null, className = "") {
-  const node = document.createElement(tag);
-  if (text !== null) node.textContent = text;
-  if (className) node.className = className;
-  return node;
-}
-
-function say(text, kind = "") {
-  at("progress").textContent = text;
-  at("progress").className = kind;
-}
-
-function number(value) {
-  if (value === 0) return "0"; // and not -0
-  if (Number.isInteger(value) && Math.abs(value) < 1e9) return value.toLocaleString("en-US");
-  const size = Math.abs(value);
-  if (size >= 1e9 || (size < 1e-4 && size > 0)) return value.toExponential(3);
-  if (size >= 1e5) return Math.round(value).toLocaleString("en-US");
-  return Number(value.toPrecision(5)).toLocaleString("en-US", { maximumFractionDigits: 10 });
-}
-
-function verdictClass(text) {
-  if (/^(fail|check|no$)/i.test(text)) return "fail";
-  if (/^(accepted|pass within)/i.test(text)) return "accepted";
-  return /^pass/i.test(text) ? "pass" : "";
-}
-
-/** How a value is shown; starts are whole ones, as in the verdict. */
-function shown(value, header) {
-  if (value === null) return "";
-  if (typeof value === "boolean") return value ? "yes" : "no";
-  if (typeof value !== "number") return value;
-  if (/^(Allowable starts|Paper count)/.test(header)) return number(Math.floor(value * (1 + 1e-9)));
-  if (/^Mode \d/.test(header)) return (value + 0).toFixed(3).replace(/^-(0\.0+)$/, "$1"); // a mode shape
-  return number(value);
-}
-
-/** Rows with a row of headers, whose units stand in brackets; columns for which `minor` holds are marked. */
-function table(rows, missing, minor = () => false) {
-  if (!rows || rows.length < 2) return made("p", missing, "missing");
-  const [head, ...body] = rows;
-  const columns = head.map((_, j) => j).filter(j => body.some(row => row[j] !== null));
-  const isNumber = j => body.every(row => row[j] === null || typeof row[j] === "number" || row[j] === "unlimited" || row[j] === "unbounded");
-  const drawn = made("table"), top = drawn.createTHead().insertRow(), rest = drawn.createTBody();
-  const kind = j => `${isNumber(j) ? "number" : ""} ${minor(head[j].replace(/ \[.*/, "")) ? "minor" : ""}`.trim();
-  for (const j of columns) {
-    const [, name, unit] = /^(.*?)(?: \[(.*)\])?$/.exec(head[j]);
-    const cell = made("th", name, kind(j));
-    cell.scope = "col";
-    if (unit) cell.append(made("span", unit, "unit"));
-    top.append(cell);
-  }
-  for (const row of body) {
-    const line = rest.insertRow();
-    for (const j of columns) {
-      const text = shown(row[j], head[j]);
-      const cell = made("td", text, kind(j));
-      if (/^Verdict/.test(head[j])) cell.className = `${kind(j)} ${verdictClass(String(text))}`.trim();
-      line.append(cell);
-    }
-  }
-  return drawn;
-}
-
-/** A table in its place, under its name in the view; where columns are left out in a narrow pane, a button shows them. */
-function putTable(id, name, rows, missing) {
-  const { minor, workbook } = open.view.left_out[name];
-  const isFurtherShape = header => Number((/^Mode (\d+)$/.exec(header) || [])[1]) > FEW_SHAPES;
-  const drawn = table(without(rows, workbook), missing, header => minor.includes(header) || isFurtherShape(header));
-  at(id).classList.remove("all");
-  at(id).replaceChildren(drawn);
-  if (!drawn.querySelector(".minor")) return;
-  const more = made("button", "All columns", "more noprint");
-  more.type = "button";
-  more.addEventListener("click", () => { more.textContent = at(id).classList.toggle("all") ? "Fewer columns" : "All columns"; });
-  at(id).append(more);
-}
-
-/** A table without some of its columns. */
-function without(rows, names) {
-  if (!rows || !rows.length) return rows;
-  const kept = rows[0].map((name, j) => (names.includes(name.replace(/ \[.*/, "")) ? -1 : j)).filter(j => j >= 0);
-  return rows.map(row => kept.map(j => row[j]));
-}
-
-function figure(id, svg, caption = "") {
-  const drawn = made("figure");
-  if (caption) {
-    const words = made("figcaption");
-    words.append(made("b", caption));
-    drawn.append(words);
-  }
-  drawn.append(svg);
-  at(id).append(drawn);
-}
-
-// --- drawing a model ------------------------------------------------------------------------------
-
-function show(view) {
-  open.view = view;
-  at("results").hidden = false;
-  at("results").classList.toggle("waiting", !view.complete);
-  at("title").textContent = view.about.title || open.name || "Model";
-  at("handle").textContent = view.handle;
-  showAbout(view);
-  const { charts, labels, tables } = view, wait = waiting(view);
-  at("verdicts").replaceChildren(view.complete ? table(tables.Verdicts, "No verdicts.") : "");
-  at("schematic").replaceChildren(schematic(view.schematic) || "");
-  at("train").replaceChildren(drawnTrain(charts.ChartTrain, labels));
-  putTable("frequencies", "NaturalFrequencies", tables.NaturalFrequencies, "No modes.");
-  putTable("shapes", "ModeShapes", (tables.ModeShapes || []).map(row => row.slice(0, SHAPES + 1)), "No modes.");
-  showCharts(view);
-  putTable("peaks", "StartupPeaks", tables.StartupPeaks, wait);
-  putTable("reversals", "TorqueReversals", tables.TorqueReversals, view.complete ? "No start, or no gear mesh and no geared coupling." : wait);
-  putTable("starts", "AllowableStarts", tables.AllowableStarts, view.complete ? "No start, or no shaft is judged for fatigue: give Material, Stress diameter and S-N points." : wait);
-  const { EventPeaks: peaks = [], AirGapTorque: airGap = [] } = tables;
-  at("events").hidden = peaks.length < 2 && airGap.length < 2;
-  putTable("event-peaks", "EventPeaks", peaks, "No events.");
-  putTable("air-gap", "AirGapTorque", airGap, "No motor in time.");
-  showMargins(tables.SeparationMargins);
-  showSteady(tables.SteadyState);
-  showNotes(view.warnings);
-}
-
-const waiting = view => (view.complete ? "None." : "Not calculated yet.");
-
-/** The charts, drawn for the width they are shown at: on the screen, or on paper. */
-function showCharts({ charts, drawn, complete }, onPaper = false) {
-  for (const id of ["interference", "torque", "speed", "histories"]) at(id).replaceChildren();
-  const wait = waiting({ complete }), inHalf = matchMedia("(min-width: 48rem)").matches;
-  const room = (id, parts) => Math.round(Math.max(270, Math.min(640, at(id).clientWidth / parts - (parts > 1 ? 16 : 0))));
-  const width = (id, parts = 1) => (onPaper ? PAPER[id === "interference" ? "whole" : "half"] : room(id, parts));
-  for (const record of drawn) {
-    const { id, missing, extras } = placeOf(record.name, charts, wait);
-    const parts = id === "histories" && inHalf ? 2 : 1;
-    const what = fromRecord(record, charts, extras);
-    if (what) figure(id, chart({ ...what, width: width(id, parts) }), id === "histories" ? record.title : undefined);
-    else if (missing) at(id).append(made("p", missing, "missing"));
-  }
-  if (!at("histories").children.length) at("histories").append(made("p", wait, "missing"));
-}
-
-function showAbout(view) {
-  at("about").replaceChildren();
-  const words = { tag: "Tag", client: "Client", document: "Document", revision: "Revision", prepared_by: "Prepared by", checked_by: "Checked by" };
-  for (const [name, word] of Object.entries(words)) {
-    if (!view.about[name]) continue;
-    const pair = made("div");
-    pair.append(made("dt", word), made("dd", view.about[name]));
-    at("about").append(pair);
-  }
-  at("outcome").textContent = view.complete ? view.sentence || `Outcome: ${view.outcome}.` : "";
-}
-
-/** Those that fail and the nearest others; a long train has hundreds. */
-function showMargins(rows, all = false) {
-  const [head, ...body] = rows, margin = head.findIndex(name => /^Margin/.test(name)), verdict = head.indexOf("Verdict");
-  const nearest = [...body].sort((a, b) => a[margin] - b[margin]);
-  const few = nearest.filter((row, i) => i < FEW || row[verdict] !== "pass");
-  const shown = all ? body : few;
-  putTable("margins", "SeparationMargins", [head, ...shown], "Nothing is judged: the case has no speed and no line frequency. Type LineFrequency and Poles, or SynchronousSpeed.");
-  at("all-margins").hidden = all || shown.length === body.length;
-  at("all-margins").textContent = `Show all ${body.length}, not only the ${few.length} nearest`;
-  at("all-margins").onclick = () => showMargins(rows, true);
-}
-
-/** Judged elements, those that fail first; most elements have no limit and are not judged. */
-function showSteady([head, ...body]) {
-  const verdict = head.indexOf("Verdict"), fails = row => (row[verdict] === "fail" ? 0 : 1);
-  const judged = body.filter(row => row[verdict] !== "not judged").sort((a, b) => fails(a) - fails(b));
-  putTable("steady", "SteadyState", [head, ...judged], body.length ? "No element is judged: none has a limit, or the loads are unknown." : "No forced response: no excitation has a known torque and frequency.");
-  const left = body.length - judged.length;
-  if (left && judged.length) at("steady").append(made("p", `${left} rows that are not judged are hidden here; a workbook with results lists them.`, "missing"));
-}
-
-function showNotes(sentences) {
-  const list = at("notes").querySelector("ul");
-  list.replaceChildren(...sentences.map(sentence => made("li", sentence)));
-  at("notes").hidden = !sentences.length;
-}
-
-function drawnTrain(columns, labels) {
-  const items = columns.Item.map((name, i) => {
-    for (let k = 1; k <= 4; k += 1) {
-      for (const [kind, word] of [["disc", "Disc"], ["shaft", "Shaft"]]) {
-        const height = columns[`${word} up ${k}`][i];
-        if (typeof height === "number") return { name, kind, height, group: k - 1 };
-      }
-    }
-    const mesh = columns["Mesh up"][i];
-    return typeof mesh === "number" ? { name, kind: "mesh", height: mesh, group: 0 } : { name: "", kind: "gap", height: 0, group: 0 };
-  });
-  const groups = [1, 2, 3, 4].map(k => String(labels[`Speed group ${k}`] ?? "").trim()).filter(Boolean);
-  return train(items, groups);
-}
-
-/** Where a curve passes a level: points for a chart. */
-function crossings(xs, ys, level) {
-  const points = [];
-  for (let i = 1; i < xs.length; i += 1) {
-    const [a, b] = [ys[i - 1] - level, ys[i] - level];
-    if (a * b < 0) points.push({ x: xs[i - 1] + (xs[i] - xs[i - 1]) * a / (a - b), y: level, text: "" });
-  }
-  return points;
-}
-
-/** How far each of some rising labels is moved up, so that neighbours can be read. */
-function apart(values, top) {
-  const near = 0.045 * top, step = 10;
-  const moved = [];
-  values.forEach((value, i) => {
-    const close = i > 0 && value - values[i - 1] < near;
-    moved.push(close ? moved[i - 1] + step * (1 - (value - values[i - 1]) / near) : 0);
-  });
-  return moved;
-}
-
-/** What the interference diagram shows besides its record: where 2 × slip meets the modes, words that do not touch. */
-function interferenceExtras(data) {
-  const top = Math.max(...data.Modes.filter(v => v !== null), ...data.Range.filter(v => v !== null), ...data["2 x slip"]);
-  const moved = apart(data.Label, top);
-  return {
-    height: 380, right: 62, rangeY: [0, top * 1.03], pointsName: "2 × slip crosses a mode",
-    points: data.Label.flatMap(level => crossings(data["Slip speed"], data["2 x slip"], level)),
-    values: (value, i) => ({ text: `${number(value)} Hz`, dx: 5, dy: 4 - moved[i] }),
-  };
-}
-
-/** Where each chart stands on the page, how high it is, and what is said where it has no curve. */
-function placeOf(name, charts, wait) {
-  if (name === "interference") {
-    const extras = charts.ChartInterference.Modes.length ? interferenceExtras(charts.ChartInterference) : {};
-    return { id: name, missing: "No diagram: the case has no speed or no line frequency.", extras };
-  }
-  if (name === "torque") return { id: name, missing: "No torque curves: the case has no RatedTorque, or no torque against speed.", extras: { height: 340 } };
-  if (name === "speed-time") return { id: "speed", missing: wait, extras: { height: 340 } };
-  return { id: "histories", missing: "", extras: { height: 250 } };
-}
+/** What is open: the file as it is now and as it was opened, its model, and the calculation under way. */
+let isInExcel = false;
+const open = { name: "", bytes: null, original: null, model: null, running: null };
 
 // --- what the engineer does -----------------------------------------------------------------------
 
@@ -272,37 +29,116 @@ function busy(isBusy) {
   at("calculate").disabled = isBusy || !open.model;
   at("download").disabled = isBusy || !open.model || /\.json$/i.test(open.name);
   at("print").disabled = isBusy || !open.model;
+  at("close").disabled = isBusy || !open.bytes;
+  at("typed").hidden = !open.bytes;
+  at("as-opened").hidden = at("compare-opened").hidden = !open.bytes || open.bytes === open.original;
+  at("examples").hidden = Boolean(open.bytes) || isInExcel;
+  for (const button of at("tools").querySelectorAll("button, #earlier")) button.disabled = isBusy;
   at("here").disabled = at("fill").disabled = isBusy;
   at("put-back").disabled = isBusy || !earlier;
 }
 
-async function take(name, bytes, isAgain = false) {
+/** Open a file; what was open before is closed. */
+async function take(name, bytes) {
+  if (!ENDINGS.test(name)) { say(`${name} is not a workbook: choose an .xlsx or .xlsm file, or a case .json.`, "bad"); return; }
+  await load({ name, bytes, original: bytes });
+}
+
+/** Take a file as it is now; `isSame` where only numbers in it are others than before. */
+async function load({ name, bytes, original }, isSame = false, isAgain = false) {
   if (open.running) open.running.cancel();
-  Object.assign(open, { name, bytes, model: null });
-  at("results").hidden = true;
+  Object.assign(open, { name, bytes, original, model: null });
+  if (!isSame) {
+    at("results").hidden = true;
+    at("document").replaceChildren();
+    inputsOf = null;
+  }
   at("problems").hidden = true;
   busy(false);
-  if (!ENDINGS.test(name)) { say(`${name} is not a workbook: choose an .xlsx or .xlsm file, or a case .json.`, "bad"); return; }
+  keep();
+  if (at("inputs").open) typed();
   say(`reading ${name}`, "busy");
   try {
     const response = await ask(`/api/v1/model?name=${encodeURIComponent(name)}`, { body: bytes });
-    open.model = (await response.json()).model;
+    const { model } = await response.json();
+    if (open.bytes !== bytes) return; // another one by now
+    open.model = model;
   } catch (failed) {
+    if (open.bytes !== bytes) return;
+    at("results").hidden = true;
     showProblems(failed);
     return;
   }
   await calculate(isAgain);
 }
 
+/** Keep what is open over a reload. */
+function keep() {
+  const { name, bytes, original } = open;
+  if (bytes && !isInExcel) remember({ name, bytes, original, chosen: chosen.names });
+}
+chosen.changed = keep;
+
+async function close() {
+  if (open.running) open.running.cancel();
+  Object.assign(open, { name: "", bytes: null, original: null, model: null });
+  chosen.names = [];
+  at("results").hidden = at("problems").hidden = true;
+  at("handle").textContent = "";
+  busy(false);
+  await forget();
+  say("Closed; nothing of it is kept in this browser.");
+}
+
+// --- inputs that are changed here -----------------------------------------------------------------
+
+/** The file whose inputs are drawn, and the last change. */
+let inputsOf = null, lastChange = Promise.resolve();
+
+/** Draw the inputs, unless they are those that are drawn. */
+async function typed() {
+  if (!open.bytes || inputsOf === open.original) return;
+  inputsOf = open.original;
+  try { await showInputs(open.name, open.bytes, change); } catch (failed) { inputsOf = null; showProblems(failed); }
+}
+
+/** Type an input anew, one after another, and calculate; whether it was taken. */
+function change(name, value, wrong) {
+  if (wrong) { say(wrong, "bad"); return Promise.resolve(false); }
+  const done = lastChange.then(async () => {
+    const { name: file, bytes, original } = open;
+    say(`${name}: changing`, "busy");
+    try {
+      const now = await edited(file, bytes, { [name]: value });
+      if (open.bytes !== bytes) return false;
+      load({ name: file, bytes: now, original }, true);
+      return true;
+    } catch (failed) {
+      showProblems(failed);
+      return false;
+    }
+  });
+  lastChange = done;
+  return done;
+}
+
+function asOpened() {
+  const { name, original } = open;
+  inputsOf = null;
+  return load({ name, bytes: original, original }, true);
+}
+
+// --- calculating ----------------------------------------------------------------------------------
+
 async function calculate(isAgain = false) {
   const began = performance.now();
   let isForgotten = false;
   say("calculating", "busy");
-  const run = stream({ view: open.model }, { stage: text => say(text, "busy"), partial: show });
+  const run = stream({ view: open.model }, { stage: text => say(text, "busy"), partial: view => show(view, open.name) });
   open.running = run;
   busy(true);
   try {
-    show(await run.done);
+    show(await run.done, open.name);
     say(`Calculated in ${((performance.now() - began) / 1000).toFixed(1)} s.`);
   } catch (failed) {
     if (failed.forgotten && !isAgain) isForgotten = true; // by a server that was started anew
@@ -311,30 +147,38 @@ async function calculate(isAgain = false) {
   } finally {
     if (open.running === run) { open.running = null; busy(false); }
   }
-  if (isForgotten) await take(open.name, open.bytes, true);
+  if (isForgotten) await load(open, true, true);
 }
 
-async function download() {
-  const control = new AbortController();
+/** Something that can be cancelled; what is wrong with it is said. `over`: what is said when it was. */
+async function during(work, over = "Cancelled.", name = open.name) {
+  if (open.running) return;
+  const control = new AbortController(), began = performance.now();
   const run = { cancel: () => control.abort() };
   open.running = run;
+  at("problems").hidden = true;
   busy(true);
-  say("recalculating the workbook", "busy");
+  say("asking the server", "busy");
   try {
-    const response = await ask(`/api/v1/workbook?name=${encodeURIComponent(open.name)}`, { body: open.bytes, signal: control.signal });
-    const link = made("a");
-    link.href = URL.createObjectURL(await response.blob());
-    link.download = open.name.replace(/(\.xls[xm])$/i, ".out$1");
-    link.click();
-    setTimeout(() => URL.revokeObjectURL(link.href), 10000);
-    say(`${link.download} is in your downloads.`);
+    const done = await work({ signal: control.signal, stage: text => say(text, "busy") });
+    say(`${done.replace(/\.$/, "")} (${((performance.now() - began) / 1000).toFixed(1)} s).`);
   } catch (failed) {
-    if (failed.name === "AbortError") say("Cancelled."); else showProblems(failed);
+    if (failed.name === "AbortError" || failed.cancelled) say(over); else showProblems(failed, name);
   } finally {
-    open.running = null;
-    busy(false);
+    if (open.running === run) { open.running = null; busy(false); }
   }
 }
+
+const download = () => during(async ({ signal }) => {
+  say("recalculating the workbook", "busy");
+  const response = await ask(`/api/v1/workbook?name=${encodeURIComponent(open.name)}`, { body: open.bytes, signal });
+  const link = made("a");
+  link.href = URL.createObjectURL(await response.blob());
+  link.download = open.name.replace(/(\.xls[xm])$/i, ".out$1");
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+  return `${link.download} is in your downloads.`;
+});
 
 async function takeFile(file) {
   if (file) await take(file.name, await file.arrayBuffer());
@@ -345,10 +189,14 @@ at("calculate").addEventListener("click", () => calculate());
 at("cancel").addEventListener("click", () => open.running && open.running.cancel());
 at("download").addEventListener("click", download);
 at("print").addEventListener("click", () => window.print());
+at("close").addEventListener("click", close);
+at("as-opened").addEventListener("click", asOpened);
+at("inputs").addEventListener("toggle", () => { if (at("inputs").open) typed(); });
+setUp(() => open, during);
 for (const kind of ["dragover", "dragleave", "drop"]) {
-  at("drop").addEventListener(kind, event => {
+  addEventListener(kind, event => { // anywhere: a file beside the box would be opened instead of the page
     event.preventDefault();
-    at("drop").classList.toggle("over", kind === "dragover");
+    document.body.classList.toggle("over", kind === "dragover");
     if (kind === "drop") takeFile(event.dataTransfer.files[0]);
   });
 }
@@ -378,11 +226,11 @@ let drawnAt = innerWidth, redrawing = null;
 addEventListener("resize", () => {
   clearTimeout(redrawing);
   redrawing = setTimeout(() => {
-    if (open.view && innerWidth !== drawnAt) { drawnAt = innerWidth; showCharts(open.view); }
+    if (innerWidth !== drawnAt) { drawnAt = innerWidth; redraw(); }
   }, 150);
 });
-addEventListener("beforeprint", () => { if (open.view) showCharts(open.view, true); });
-addEventListener("afterprint", () => { if (open.view) showCharts(open.view); });
+addEventListener("beforeprint", () => redraw(true));
+addEventListener("afterprint", () => redraw());
 
 // --- inside Office --------------------------------------------------------------------------------
 
@@ -398,38 +246,23 @@ async function takeOpen() {
   }
 }
 
-/** Something done with the open workbook that can be cancelled; what is wrong with it is said. */
-async function inExcel(work) {
-  if (open.running) return;
-  const control = new AbortController(), began = performance.now();
-  const run = { cancel: () => control.abort() };
-  open.running = run;
-  at("problems").hidden = true;
+const inExcel = work => {
   at("written").hidden = true;
-  busy(true);
-  try {
-    const done = await work(control.signal);
-    say(`${done} in ${((performance.now() - began) / 1000).toFixed(1)} s.`);
-  } catch (failed) {
-    if (failed.name === "AbortError" || failed.cancelled) say("Cancelled. The workbook is as it was.");
-    else showProblems(failed, openName());
-  } finally {
-    if (open.running === run) { open.running = null; busy(false); }
-  }
-}
+  return during(work, "Cancelled. The workbook is as it was.", openName());
+};
 
 const percent = share => `${Math.round(100 * share)} %`;
 
-const fillOpen = () => inExcel(async signal => {
+const fillOpen = () => inExcel(async ({ signal, stage }) => {
   const isOver = () => signal.aborted;
   say("reading the open workbook", "busy");
   const bytes = await openWorkbook();
-  const { value, warnings } = await resultsOf(ask, openName(), bytes, { signal, stage: text => say(text, "busy") });
+  const { value, warnings } = await resultsOf(ask, openName(), bytes, { signal, stage });
   say("writing results", "busy");
   earlier = await fill(value, share => say(`writing results, ${percent(share)}`, "busy"), isOver);
   at("written").replaceChildren(...warnings.map(text => made("li", text)));
   at("written").hidden = !warnings.length;
-  return `${value.cells.toLocaleString("en-US")} result cells on ${value.sheets.length} sheets written`;
+  return `${value.cells.toLocaleString("en-US")} result cells on ${value.sheets.length} sheets were written`;
 });
 
 const putBackOpen = () => inExcel(async () => {
@@ -442,6 +275,8 @@ const putBackOpen = () => inExcel(async () => {
 if (window.Office) {
   Office.onReady(info => {
     if (info && info.host === "Excel") {
+      isInExcel = true;
+      busy(false);
       at("in-excel").hidden = false;
       at("here").hidden = false;
       at("here").addEventListener("click", takeOpen);
@@ -451,4 +286,33 @@ if (window.Office) {
   });
 }
 
+// --- what is there at the beginning ---------------------------------------------------------------
+
+async function examples() {
+  const described = await (await fetch("/examples.json")).json();
+  at("examples").querySelector("ul").replaceChildren(...Object.entries(described).map(([name, words]) => {
+    const item = made("li"), button = made("button", words);
+    button.type = "button";
+    button.addEventListener("click", async () => take(`${name}.xlsx`, await (await fetch(`/examples/${name}.xlsx`)).arrayBuffer()));
+    item.append(button);
+    return item;
+  }));
+}
+
+/** What was open before a reload is open again; in Office the workbook is there anyway. */
+async function begin() {
+  busy(false);
+  if (window.Office) return;
+  examples().catch(() => {});
+  const kept = await recall();
+  if (!kept || open.bytes) return;
+  chosen.names = kept.chosen || [];
+  const isEdited = kept.bytes.byteLength !== kept.original.byteLength || !isEqual(kept.bytes, kept.original);
+  await load({ name: kept.name, bytes: isEdited ? kept.bytes : kept.original, original: kept.original });
+}
+
+const isEqual = (a, b) => { const other = new Uint8Array(b); return new Uint8Array(a).every((byte, i) => byte === other[i]); };
+
+makeReachable();
+begin();
 fetch("/version").then(response => response.json()).then(about => { at("version").textContent = `${about.name} ${about.version}`; }, () => {});
