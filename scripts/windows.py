@@ -22,9 +22,10 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT), str(ROOT / "scripts")]
 
-import hatch_build  # noqa: E402
 from locked import install  # noqa: E402
 from pe_files import PeFile  # noqa: E402
+
+import hatch_build  # noqa: E402
 
 PLACE = ROOT / "build" / "windows"
 PYTHON, CHECKOUT, PREFIX = PLACE / "python", PLACE / "checkout", PLACE / "prefix"
