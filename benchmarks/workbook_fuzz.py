@@ -18,7 +18,6 @@ import json
 import multiprocessing
 import random
 import re
-import resource
 import signal
 import struct
 import sys
@@ -792,9 +791,12 @@ def _openpyxl_says(path: Path) -> str:
 
 
 def _open_with_openpyxl(path: Path, answer: Connection) -> None:
-    pages = int(Path("/proc/self/statm").read_text().split()[0])
-    most = pages * resource.getpagesize() + OPENPYXL_MEMORY
-    resource.setrlimit(resource.RLIMIT_AS, (most, most))
+    if sys.platform == "linux":
+        import resource  # of POSIX
+
+        pages = int(Path("/proc/self/statm").read_text().split()[0])
+        most = pages * resource.getpagesize() + OPENPYXL_MEMORY
+        resource.setrlimit(resource.RLIMIT_AS, (most, most))
     answer.send(_stumbles(path))
 
 

@@ -22,7 +22,7 @@ from pathlib import Path
 from addin.batch.inputs import OWN
 from addin.batch.journal import read_journal
 from addin.batch.records import Output, Record, Stamp
-from addin.xlsx.places import real_path
+from addin.xlsx.places import real_path, replace_file
 from addin.xlsx.whole_files import flush_folder, write_whole
 
 
@@ -236,7 +236,7 @@ def _is_below(place: Path, folder: Path) -> bool:
 def _move(staged: Path, target: Path) -> None:
     """Put a file in its place in one step, also on another disk."""
     try:
-        os.replace(staged, target)
+        replace_file(staged, target)
     except OSError as wrong:
         if wrong.errno != errno.EXDEV:
             raise

@@ -20,7 +20,7 @@ from addin.batch.own_files import SUMMARY_SHEETS
 from addin.batch.records import DONE, Record
 from addin.contract.number_formats import WHOLE
 from addin.contract.sheet import text_height
-from addin.xlsx.whole_files import write_whole
+from addin.xlsx.whole_files import IN_MEMORY, write_whole
 from engine.case.result_words import NoNumber
 
 Rows = Sequence[Sequence[Any]]
@@ -163,7 +163,7 @@ def _write_workbook(
 ) -> None:
     import xlsxwriter
 
-    book = xlsxwriter.Workbook(str(path))
+    book = xlsxwriter.Workbook(str(path), IN_MEMORY)
     styles = _Styles(book)
     _write_files(book, styles, files, heading)
     _write_errors(book, styles, errors)

@@ -38,6 +38,7 @@ from addin.reading.one_file import Unreadable, read_checked
 from addin.reading.typed_case import TypedCase
 from addin.workers.pool import Crashed, Task, Workers
 from addin.workers.stop import Stop, Stopped
+from addin.xlsx.places import replace_file
 
 #: Chunks given to the workers before answers come back, a worker. [count]
 AHEAD = 3
@@ -303,7 +304,7 @@ class _Parts:
             json.dump(values, file)
             file.flush()
             os.fsync(file.fileno())
-        os.replace(new, self._part(number))
+        replace_file(new, self._part(number))
 
     def join(self, programme: Programme) -> dict[str, int]:
         """Make one file of the chunks that are there, a few at a time; rows by outcome."""
@@ -324,7 +325,7 @@ class _Parts:
                 counts.update(row[outcome] for row in rows)
         for new, place in ((parquet, programme.result), (text, programme.csv)):
             if place is not None:
-                os.replace(new, place)
+                replace_file(new, place)
         return dict(counts)
 
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import gc
 import importlib
+import io
 import keyword
 import os
 import sys
@@ -168,12 +169,26 @@ def _tell_interrupted() -> None:
     )
 
 
+def _write_utf8() -> None:
+    """Where output goes to a file or another program, write UTF-8 unless PYTHONIOENCODING names something else.
+
+    Windows would take the code page of the machine, other systems that of the locale, which may lack half the words.
+    """
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            if stream.isatty() or "PYTHONIOENCODING" in os.environ:
+                stream.reconfigure(errors="replace")
+            else:
+                stream.reconfigure(encoding="utf-8", errors="replace")
+
+
 def main() -> None:
     """Entry point: run the command line and turn what goes wrong into its exit status."""
     # Matrices here have at most some hundred rows: more threads of the linear algebra would only wait for each other,
     # most of all on a busy machine. It is read when numpy is imported, hence before any command.
     for name in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
         os.environ.setdefault(name, "1")
+    _write_utf8()
     try:
         app(standalone_mode=True)
     except SystemExit as ended:

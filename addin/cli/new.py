@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import shutil
 from pathlib import Path
 from typing import Annotated
@@ -19,6 +18,7 @@ from addin.template.build import build_template
 from addin.template.examples import EXAMPLES, Example
 from addin.template.filled import MixedUnits, example_of
 from addin.template.variants import VARIANTS, Variant
+from addin.xlsx.places import replace_file
 from addin.xlsx.temporary import temporary_folder
 from addin.xlsx.whole_files import flush_file, flush_folder
 
@@ -143,5 +143,5 @@ def make_workbook(
             install(made, made.with_suffix(".xlsm"))
             made = made.with_suffix(".xlsm")
         flush_file(made)
-        os.replace(made, path)
+        replace_file(made, path)
         flush_folder(path.parent)

@@ -14,7 +14,7 @@ from addin.diff.changes import Change, Differences
 from addin.diff.files import ComparedFile
 from addin.diff.wording import in_words
 from addin.verify.compare import is_number
-from addin.xlsx.whole_files import write_whole
+from addin.xlsx.whole_files import IN_MEMORY, write_whole
 
 #: Sheets of a comparison; where studies differ, Studies is the fourth.
 DIFF_SHEETS = ("Diff", "Inputs", "Results")
@@ -88,7 +88,11 @@ def write_book(differences: Differences, target: Path) -> None:
 
 
 def _write(differences: Differences, path: Path) -> None:
-    options = {"strings_to_formulas": False, "strings_to_urls": False, "strings_to_numbers": False}
+    options = IN_MEMORY | {
+        "strings_to_formulas": False,
+        "strings_to_urls": False,
+        "strings_to_numbers": False,
+    }
     with xlsxwriter.Workbook(path, options) as book:
         book.set_properties(
             {"title": "Differences of two torsional analyses", "author": "torsionbook"}

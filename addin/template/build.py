@@ -34,6 +34,7 @@ from addin.template.variants import VARIANTS, Variant
 from addin.writing.drawn_schematic import draw_schematic
 from addin.writing.print_areas import hide_empty_charts
 from addin.xlsx import open_workbook
+from addin.xlsx.whole_files import IN_MEMORY
 
 _CREATED = dt.datetime(2026, 1, 1)
 
@@ -95,7 +96,7 @@ def _build(
 ) -> None:
     blocks = _chart_rows(filled, system)
     with xlsxwriter.Workbook(
-        path, {"default_format_properties": {"font_name": "Arial", "font_size": 10}}
+        path, IN_MEMORY | {"default_format_properties": {"font_name": "Arial", "font_size": 10}}
     ) as workbook:
         workbook.set_properties(
             {

