@@ -1,15 +1,23 @@
-"""Each function through every front: plain Python, classic xlwings, HTTP, browser, Calc, batch.
+"""Each function through every front: the registry, classic xlwings, HTTP, browser, Calc, batch, Python, MCP.
 
 All fronts calculate for themselves: the model is made in each from the ranges of one workbook. What
 they show must be the same doubles, bit for bit. xlwings runs with its Windows layer stubbed
 (tests/excel), the browser drives the real script against a server in a process of its own, Calc is
-LibreOffice with the extension added, and batch is the workbook recalculated as a file.
+LibreOffice with the extension added, batch is the workbook recalculated as a file, Python is `import torsionbook`,
+and MCP is asked by the client of its SDK.
+
+TORSIONBOOK_FRONTS=path   the fronts that each function was equal through are written there, as JSON
 """
 
+import asyncio
+import json
+import os
 import struct
+from pathlib import Path
 
 import openpyxl
 import pytest
+from mcp_client import client, said
 from office_page import cell, launched, load_in_office
 from servers import inside, outside
 from sheet_ranges import (
@@ -24,6 +32,8 @@ from sheet_ranges import (
 from test_calc_workbook import calculated, every_call, expected  # noqa: F401  (fixtures)
 from windows_layer import machinery
 
+import torsionbook as tb
+from addin.contract.tables import result_table
 from addin.server.settings import Settings
 from addin.worksheet.registry import FUNCTIONS, call
 from addin.writing.recalculate import recalculate
@@ -81,6 +91,44 @@ def through_browser(calls):
     return found
 
 
+def through_mcp(calls):
+    async def ask():
+        async with client("--read", TEMPLATES) as server:
+            given = with_conditions(with_event(model_arguments()))
+            made = await said(server, "call", function="TV_MODEL", arguments=given)
+            answers = [await said(server, "call", function=n, arguments=raw) for n, raw in calls]
+            return made["value"][0][0], [one["value"] for one in answers]
+
+    return asyncio.run(ask())
+
+
+def of_the_workbook(path):
+    """Table → titles and rows in the workbook, as batch writes them."""
+    recalculate(TEMPLATES / "example_proposed.xlsx", destination=path)
+    book = openpyxl.load_workbook(path, data_only=True)
+
+    def rows_of(where):
+        _, titles, *rows = table(book, where)
+        return titles, [row for row in rows if any(one is not None for one in row)]
+
+    return rows_of
+
+
+def of_python():
+    """Table → titles and rows in the frames of `import torsionbook`, in the units of the workbook."""
+    done = tb.run(tb.read(TEMPLATES / "example_proposed.xlsx"))
+
+    def rows_of(where):
+        frame = done.table(where, units="us")
+        names = {field.key: field.name for field in result_table(where).every_column}
+        rows = [
+            [None if v != v else v for v in row] for row in frame.astype(object).values.tolist()
+        ]
+        return [names.get(key, key) for key in frame.columns], rows
+
+    return rows_of
+
+
 @pytest.mark.slow
 def test_every_function_shows_the_same_bits_through_every_front(
     expected,  # noqa: F811
@@ -91,23 +139,48 @@ def test_every_function_shows_the_same_bits_through_every_front(
     calls = [(name, raw) for name, _, raw in every_call(handle)]
     assert {name for name, _ in calls} | {"TV_MODEL"} == set(FUNCTIONS)
     plain = [call(name, raw) for name, raw in calls]
-    for front in (through_classic, through_http, through_browser):
-        made, answers = front(calls)
-        assert made == handle, front.__name__
+    equal = {name: [] for name in FUNCTIONS}
+    every = {
+        "xlwings": through_classic,
+        "HTTP": through_http,
+        "Office": through_browser,
+        "MCP": through_mcp,
+    }
+    for front, through in every.items():
+        made, answers = through(calls)
+        assert made == handle, front
         for (name, raw), mine, theirs in zip(calls, plain, answers, strict=True):
-            assert comparable(name, theirs) == comparable(name, mine), (front.__name__, name, raw)
+            assert comparable(name, theirs) == comparable(name, mine), (front, name, raw)
+        for name in FUNCTIONS:
+            equal[name].append(front)
     sheet = calculated["Results"]
     assert sheet[0, 0] == handle
     for (top, left), (name, _), mine in zip(blocks, calls, plain, strict=True):
         theirs = [[sheet[top + i, left + j] for j in range(len(r))] for i, r in enumerate(mine)]
         assert comparable(name, theirs) == comparable(name, mine), ("Calc", name)
-    recalculate(TEMPLATES / "example_proposed.xlsx", destination=tmp_path / "done.xlsx")
-    book = openpyxl.load_workbook(tmp_path / "done.xlsx", data_only=True)
+    for name in FUNCTIONS:
+        equal[name].append("Calc")
     as_shipped = call("TV_MODEL", model_arguments())[0][0]
-    for name, where in SAME_CELLS.items():
-        head, *rows = call(name, [as_shipped])
-        there = table(book, where)
-        at = [there[1].index(title.split(" [")[0]) for title in head]
-        written = [row for row in there[2:] if any(one is not None for one in row)]
-        for mine, row in zip(rows, in_order(name, head, rows, there[1], written), strict=False):
-            assert cells([mine]) == cells([[row[j] for j in at]]), ("batch", name)
+    fronts = {"batch": of_the_workbook(tmp_path / "done.xlsx"), "Python": of_python()}
+    for front, rows_of in fronts.items():
+        for name, where in SAME_CELLS.items():
+            if (front, name) == ("Python", "TV_CYCLES"):
+                continue  # histories and cycles have no frame of this form
+            head, *rows = call(name, [as_shipped])
+            titles, there = rows_of(where)
+            at = [titles.index(title.split(" [")[0]) for title in head]
+            assert len(there) >= len(rows) > 0, (front, name)
+            compared = 0
+            for mine, row in zip(rows, in_order(name, head, rows, titles, there), strict=False):
+                theirs = [row[j] for j in at]
+                if front == "Python":  # words are True, or a column of their own
+                    mine, theirs = zip(
+                        *((m, t) for m, t in zip(mine, theirs, strict=True) if type(m) is float),
+                        strict=True,
+                    )
+                assert cells([list(mine)]) == cells([list(theirs)]), (front, name)
+                compared += len(mine)
+            assert compared > 0, (front, name)
+            equal[name].append(front)
+    if path := os.environ.get("TORSIONBOOK_FRONTS"):
+        Path(path).write_text(json.dumps(equal), encoding="utf-8")

@@ -5,12 +5,12 @@ import json
 import os
 import shutil
 import sys
-from contextlib import asynccontextmanager
 from pathlib import Path
 
 import pytest
-from mcp import Client, StdioServerParameters
+from mcp import Client
 from mcp.server.mcpserver.exceptions import ToolError
+from mcp_client import client, said
 from sheet_ranges import SAME_CELLS, TEMPLATES
 from typer.testing import CliRunner
 
@@ -24,27 +24,7 @@ from addin.worksheet.models import MODELS
 from addin.worksheet.registry import FUNCTIONS, call
 from addin.writing.recalculate import recalculate
 
-ROOT = Path(__file__).resolve().parents[2]
 READING = {"check", "run", "explain", "verify", "model", "functions", "call"}
-
-
-@asynccontextmanager
-async def client(*words):
-    command = StdioServerParameters(
-        command=sys.executable,
-        args=["-m", "addin.cli", "mcp", *map(str, words)],
-        env=dict(os.environ),
-        cwd=ROOT,
-    )
-    async with Client(command) as found:
-        yield found
-
-
-async def said(server, tool, **arguments):
-    """What a tool gives, or its refusal as text."""
-    answer = await server.call_tool(tool, arguments)
-    (content,) = answer.content
-    return content.text if answer.is_error else json.loads(content.text)
 
 
 def test_a_workbook_is_read_calculated_explained_and_written_as_on_the_command_line(tmp_path):
