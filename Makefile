@@ -34,7 +34,7 @@ TRIALS :=
 
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help demo test test-long test-machines explore check format docs bench goals calibration-study sensitivity-study mutations generated templates wheel wheels same-bits sanitize smoke lock clean distclean moved
+.PHONY: help demo test test-long test-machines explore check format docs bench goals calibration-study sensitivity-study mutations generated templates wheel wheels same-bits sanitize smoke windows zips lock clean distclean moved
 
 help:
 	@echo "make demo           recalculate two example workbooks into build/demo"
@@ -56,6 +56,8 @@ help:
 	@echo "make same-bits      calculate with every compiler here and as other processors would: equal to the bit"
 	@echo "make sanitize       the tests of the loops with memory and arithmetic watched (needs gcc)"
 	@echo "make smoke          install that wheel outside the checkout and use it"
+	@echo "make windows        tests in a Windows Python under Wine (ARGS=\"tests/xlsx\"; default: a sample)"
+	@echo "make zips           zips for Windows and Linux with their own Python, into build/zips"
 	@echo "make lock           lock the dependencies anew (LOCK=--upgrade for newer versions)"
 	@echo "make clean          remove what was built; make distclean removes .venv as well"
 
@@ -132,6 +134,14 @@ sanitize: $(DEV_READY) $(LOOPS)
 
 smoke: wheel
 	scripts/smoke_wheel.sh $(PY) build/dist/*.whl
+
+windows: $(DEV_READY) $(LOOPS)
+	$(PY) -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements/build.txt
+	$(PY) scripts/windows.py $(ARGS)
+
+zips: $(DEV_READY) $(LOOPS)
+	$(PY) -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements/build.txt
+	$(PY) scripts/zips.py build/zips
 
 lock: $(RUN_READY) $(LOOPS)
 	$(PY) -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements/lock.txt

@@ -34,7 +34,7 @@ WINDOWS = frozenset(
     for name in (
         "kernel32 ntdll user32 gdi32 advapi32 shell32 ole32 oleaut32 ws2_32 crypt32 bcrypt bcryptprimitives version "
         "shlwapi rpcrt4 winmm iphlpapi dbghelp psapi setupapi cfgmgr32 mswsock secur32 userenv wldp propsys pathcch dwrite "
-        "comctl32 comdlg32 imm32 ncrypt netapi32 powrprof msvcrt ucrtbase d2d1 windowscodecs usp10 msimg32"
+        "combase comctl32 comdlg32 imm32 ncrypt netapi32 powrprof msvcrt ucrtbase d2d1 windowscodecs usp10 msimg32"
     ).split()
 )
 API_SETS = ("api-ms-win-", "ext-ms-")

@@ -46,7 +46,7 @@ def _marks(name: str) -> list[pytest.MarkDecorator]:
 
 def _marks_of_truth(name: str) -> list[pytest.MarkDecorator]:
     """The truth of a thousand stations, and of long starts, takes minutes."""
-    return [pytest.mark.long] if name in (THOUSAND, *LONG) else []
+    return [pytest.mark.long] if name in LONG else []
 
 
 @pytest.mark.first_ones(4)
