@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 from addin.contract.charts import CHARTS
-from addin.contract.sheet import ALWAYS, NEVER, ROW_HEIGHT, Sheet, column_letters, column_number
+from addin.contract.sheet import ALWAYS, NEVER, Sheet, column_letters, column_number
 from addin.contract.tables import EVERY_INPUT, table
 
 #: First and last row, first and last column of an area, counted from 1.
@@ -60,7 +60,8 @@ def printed_areas(part: Sheet, standing: Standing) -> list[Area] | None:
         if at is not None and (name in filled or table(name) in EVERY_INPUT):
             ends.append(at[1])
     ends += [
-        _row(at.cell) + math.ceil(at.height / (ROW_HEIGHT * 4.0 / 3.0)) + inserted for at in charts
+        _row(at.cell) + math.ceil(at.height / (part.row_height * 4.0 / 3.0)) + inserted
+        for at in charts
     ]
     if not max(ends):
         return []

@@ -872,7 +872,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 "Governing element", "Element with the largest stress or torque.",
                 "The element with the largest nominal stress range in the window of the crossing; without "
                 "stress diameters the largest torque range",
-                "docs/method.md, Crossings", kind="element", of_case=(*START, *SECTION),
+                "docs/method.md, Crossings", kind="element", width=12.0, of_case=(*START, *SECTION),
             ),
             number(
                 "Peak-to-peak torque", "torque", "Its torque range at the crossing.",

@@ -10,8 +10,12 @@ from functools import reduce
 
 #: Width of the texts of sheet `Notes`. [characters]
 NOTES_WIDTH = 140.0
-#: Usual height of a row: that of its text and a little more. [point]
-ROW_HEIGHT = 12.75
+#: Usual height of a row: that of its text and a little more; and where its letters are narrow ones. [point]
+ROW_HEIGHT, _TALL_ROW = 12.75, 13.5
+#: Height of letters that are 8 pt high where a sheet is printed at 70 %. [pt]
+READABLE = 11.5
+#: Width of a letter of Arial Narrow over that of one of Arial. [1]
+NARROW = 0.82
 #: Which parts are printed whatever they hold, and which are not.
 ALWAYS, NEVER = ("always",), ("never",)
 
@@ -72,11 +76,13 @@ class Sheet:
     letters: float = (
         9.0  #: Height of its letters; the small ones are as high where that is more. [pt]
     )
+    narrow: bool = False  #: Whether its letters are narrow ones, see `NARROW`.
     joins: bool = False  #: Whether it is printed on the page of the part left of it.
     print_from: int = 1  #: First row that is printed; the repeated ones stand above it in any case.
     print_to: int = 0  #: Last row that is printed in any case.
     on: str = ""  #: Of a part: the sheet on which it stands.
     shift: int = 0  #: Columns of the parts left of it, see `side_by_side`. [count]
+    row_height: float = ROW_HEIGHT  #: Of the rows of its sheet, see `side_by_side`. [point]
 
     @property
     def worksheet(self) -> str:
@@ -130,25 +136,34 @@ def column_letters(number: int) -> str:
 def side_by_side(parts: Sequence[Sheet]) -> tuple[Sheet, ...]:
     """Parts of the same sheet beside each other, in their order."""
     placed, used = [], dict[str, int]()
+    tall = {part.worksheet for part in parts if part.narrow}
     for part in parts:
         shift = used.get(part.worksheet, 0)
-        placed.append(replace(part, shift=shift))
+        height = _TALL_ROW if part.worksheet in tall else ROW_HEIGHT
+        placed.append(replace(part, shift=shift, row_height=height))
         widest = list(part.widths)[-1].split(":")[-1]
         used[part.worksheet] = shift + column_number(widest)
     return tuple(placed)
 
 
-def text_height(text: str, width: float, letters: float = 9.0) -> float:
+def readable(part: Sheet) -> Sheet:
+    """A part with letters that are 8 pt high on paper, narrow ones, so that its columns hold what they held."""
+    return replace(part, letters=READABLE, narrow=True, largest=min(part.largest, 70))
+
+
+def text_height(text: str, width: float, letters: float = 9.0, narrow: bool = False) -> float:
     """Height of a row in which a text wraps.
 
     Parameters
     ----------
     text : str
-        The text, in Arial.
+        The text, in Arial or Arial Narrow.
     width : float
         Width of its column. [characters of the standard font]
     letters : float
         Height of the letters. [pt]
+    narrow : bool
+        Whether they are narrow.
 
     Returns
     -------
@@ -156,8 +171,10 @@ def text_height(text: str, width: float, letters: float = 9.0) -> float:
         Height. [point]
     """
     # A letter of Arial 9 takes 5.3 of the 7 pixels a standard character takes, on average.
-    each = 5.3 * letters / (9.0 * 7.0 * width)
+    each = 5.3 * letters * (NARROW if narrow else 1.0) / (9.0 * 7.0 * width)
     lines = sum(max(1, math.ceil(len(part) * each)) for part in text.split("\n"))
+    if narrow:
+        return _TALL_ROW * lines
     return (3.0 if letters <= 9.0 else 2.0) + max(12.0, 1.2 * letters) * lines
 
 

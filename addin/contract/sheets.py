@@ -14,6 +14,7 @@ from addin.contract.sheet import (
     Sheet,
     column_letters,
     column_number,
+    readable,
     side_by_side,
 )
 from addin.contract.tables import table
@@ -44,7 +45,10 @@ CHOICES_BEGIN = 7
 _REVERSAL_CHARTS = _HISTORY_ROWS[-1] + 9
 _BEARINGS = _REVERSAL_CHARTS + 9
 #: Row of the captions of the tables with a row an element, whose rows are thus the same; nothing stands below them.
-_OF_ELEMENTS = 9 + CROSSING_ROWS
+OF_ELEMENTS = (
+    9 + CROSSING_ROWS
+)  #: Rows between the crossings and reversals and the tables below them, which close where no table needs them.
+SPARE_ROWS = range(CHOICES_BEGIN + HISTORIES, OF_ELEMENTS)
 #: First row below the room of `Effects`.
 _BELOW_EFFECTS = 8 + table("Effects").room + 1
 EFFECT_NOTES_AT = f"B{_BELOW_EFFECTS}"
@@ -100,7 +104,7 @@ FACT_LINES: tuple[tuple[str, str, str, str, str, float], ...] = (
             '"   No crossings: no pulsating torque of the motor crosses a mode.",""))'
         ),
         "fact",
-        18.0,
+        13.5,
     ),
     (
         "Reversals",
@@ -114,7 +118,7 @@ FACT_LINES: tuple[tuple[str, str, str, str, str, float], ...] = (
             'start. Type bearing data on sheet Train; see the plan on sheet Effects and accuracy.","")))'
         ),
         "note",
-        15.0,
+        13.5,
     ),
     (
         "Events",
@@ -151,7 +155,7 @@ FACT_LINES: tuple[tuple[str, str, str, str, str, float], ...] = (
 )
 
 #: Sheets, and the parts of those that have several, from left to right.
-SHEETS: tuple[Sheet, ...] = side_by_side((
+_SHEETS = (
     Sheet(
         "Summary",
         "summary",
@@ -202,7 +206,7 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
     Sheet(
         "Train",
         "input",
-        {"A": 1.5, "B": 17, "C": 15, "D:E": 11, "F": 10, "G:V": 7},
+        {"A": 1.5, "B": 17, "C": 14, "D:E": 11, "F": 11.5, "G:V": 6.95},
         {"Stations": "B5", "ModeDamping": "I5", "Elements": "B24", "Meshes": "B43"},
         (ChartAt("train", "L5", 520, 300),),
         intro="The mass-elastic table. Units are above the headers; the prompt of a cell says what "
@@ -222,8 +226,8 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
     Sheet(
         "Sections",
         "input",
-        {"A": 1.5, "B": 18, "C": 10, "D:G": 9, "H": 14, "I:L": 9, "M": 1.5, "N": 18, "O:R": 10},
-        {"Sections": "B22", "SectionMaterials": "B57", "SectionResults": "N22"},
+        {"A": 1.5, "B": 18, "C": 10, "D:G": 9, "H": 14, "I:L": 9, "M": 1.5, "N": 18, "O": 12, "P:R": 10},
+        {"Sections": "B24", "SectionMaterials": "B59", "SectionResults": "N24"},
         (ChartAt("profile", "B5", 1180, 280),),
         on="Train",
         intro="Optional: stepped shafts and rotors from their sections, which give Stiffness and inertia of their "
@@ -256,7 +260,7 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
     Sheet(
         "Motor",
         "input",
-        {"A": 1.5, "B": 14, "C": 11, "D:Z": 8.5, "AA:AG": 7},
+        {"A": 1.5, "B": 14, "C": 11, "D:Z": 8.5, "AA:AB": 7, "AC": 14, "AD:AG": 7.4},
         {"MotorData": "B5", "MotorCircuit": "B15", "MotorCurves": "B49", "SupplyVoltage": "N49",
          "Supply": "R49", "MotorTimeConstants": "AB49"},
         (ChartAt("motor-curves", "B24", 640, 400),),
@@ -268,7 +272,8 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
     Sheet(
         "Events",
         "result",
-        {"A": 1.5, "B": 13, "C": 12, "D:E": 8.5, "F:H": 6.5, "I:K": 7, "L": 7.5, "M": 9.5, "N:R": 6, "S": 8.3, "T:V": 6.2, "W": 8.3, "X": 6},
+        {"A": 1.5, "B": 15.4, "C": 18.6, "D:E": 9, "F:H": 6, "I:J": 8.4, "K": 6.2, "L": 7, "M": 8.2, "N:R": 6, "S": 6.2,
+         "T:V": 6.2, "W": 6.2, "X": 5.4},
         {"EventPeaks": "B5"},
         on="Torque and motor",
         intro="Faults in operation: events of tables EventTorque and MotorEvents upon the train that "
@@ -287,7 +292,7 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
         "Fatigue",
         "input",
         {"A": 1.5, "B": 19, "C:M": 8.8, "N": 1, "O:U": 8},
-        {"Materials": "B5", "SNPoints": "I5", "AllowableStarts": "B26", "StartCycles": "O37"},
+        {"Materials": "B5", "SNPoints": "I5", "AllowableStarts": "B22", "StartCycles": "O33"},
         (ChartAt("sn", "O5", 427, 300),),
         intro="Strength and S-N lines of the shaft materials (zero-to-peak; nominal stress times SCF or Kf is compared "
         "with them), and the fatigue damage of one start by rainflow count and Miner's rule.",
@@ -299,7 +304,7 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
         "Strength",
         "input",
         {"A": 1.5, "B": 19, "C:L": 9, "M": 64},
-        {"FatigueFactors": "B5", "FatigueLimits": "B18"},
+        {"FatigueFactors": "B5", "FatigueLimits": "B22"},
         on="Fatigue",
         intro="Optional: stress concentration from geometry and the factors that lower the strength of a shaft. Below, the "
         "endurance limit beside the largest stress amplitude of each judged shaft.",
@@ -308,7 +313,7 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
     Sheet(
         "Frequencies",
         "result",
-        {"A": 1.5, "B": 6, "C:D": 9, "E:F": 8, "G": 18, "H:I": 7, "J": 8},
+        {"A": 1.5, "B": 6, "C:D": 9, "E:F": 8, "G": 20, "H:I": 7, "J": 8},
         {"NaturalFrequencies": "B5"},
         on="Results",
         intro="Undamped torsional natural frequencies; rigid-body modes come first with frequency 0.",
@@ -316,7 +321,7 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
     Sheet(
         "Margins",
         "result",
-        {"A": 1.5, "B": 6, "C": 20, "D": 8, "E": 10, "F:G": 8, "H": 13, "I": 13.5, "J": 7.5},
+        {"A": 1.5, "B": 6, "C": 16, "D": 8, "E": 9.5, "F:G": 8, "H": 11, "I": 20, "J": 7.5},
         {"SeparationMargins": "B5"},
         on="Results",
         joins=True,
@@ -327,7 +332,7 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
         "Steady state",
         "result",
         {"A": 1.5, "B": 20, "C": 20, "D": 6, "E": 9, "F": 16, "G:K": 11, "L": 24, "M:O": 10},
-        {"SteadyState": "B26"},
+        {"SteadyState": "B23"},
         (ChartAt("shapes", "B5", 596, 336), ChartAt("interference", "H5", 640, 336)),
         on="Results",
         intro="Response to continuous excitation, by default 1 % zero-to-peak of the "
@@ -363,10 +368,10 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
     Sheet(
         "Start-up",
         "result",
-        {"A": 1.5, "B": 16, "C:D": 9.6, "E": 8, "F": 9.6, "G": 8, "H": 9.6, "I:J": 7.5, "K": 13, "L": 8.5,
-         "M:N": 9.6, "O:P": 7.5, "Q": 38},
-        {"StartupCrossings": "B5", "StartupPeaks": f"B{_OF_ELEMENTS}"},
-        (ChartAt("speed-time", f"Q{_OF_ELEMENTS + 1}", 268, 230),),
+        {"A": 1.5, "B": 19, "C:D": 9.6, "E": 7.2, "F": 9.4, "G": 7.7, "H": 9, "I:J": 7.2, "K": 12.6, "L": 8.5,
+         "M:N": 9.3, "O:P": 7.1, "Q": 38.7},
+        {"StartupCrossings": "B5", "StartupPeaks": f"B{OF_ELEMENTS}"},
+        (ChartAt("speed-time", f"Q{OF_ELEMENTS + 1}", 266, 188),),
         on="Start",
         intro="The start from rest to EndSpeed, or to the end of pull-in or coast-down. Torques "
         "are at each element's own speed; a mesh's on its From side. Stresses here are nominal, without "
@@ -394,8 +399,8 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
     Sheet(
         "Reversals",
         "result",
-        {"A": 1.5, "B": 15, "C": 9.6, "D:K": 7.3, "L": 9, "M:N": 7.5, "O": 8, "P:R": 7.5, "S": 15, "T:V": 7.8},
-        {"TorqueReversals": "B5", "MakerSheet": f"B{_OF_ELEMENTS}"},
+        {"A": 1.5, "B": 19, "C": 9.4, "D:K": 7.3, "L": 8.8, "M:N": 7.3, "O": 7, "P:Q": 6.6, "R": 7.6, "S": 17, "T:V": 6.8},
+        {"TorqueReversals": "B5", "MakerSheet": f"B{OF_ELEMENTS}"},
         on="Start",
         intro="Gear teeth that unload or separate during the start. A reversal is one passage of "
               "the torque below zero. Torques are those of the From side, at its own speed. More on sheet Notes. Below: "
@@ -444,7 +449,17 @@ SHEETS: tuple[Sheet, ...] = side_by_side((
         "comes from.",
         printed_for=NEVER,
     ),
-))  # fmt: skip
+)  # fmt: skip
+#: Sheets with letters of their own, as are results that are never printed.
+_OWN_LETTERS = ("Summary", "Audit", "Notes")
+SHEETS: tuple[Sheet, ...] = side_by_side(
+    [
+        part
+        if part.name in _OWN_LETTERS or (part.kind, part.printed_for) == ("result", NEVER)
+        else readable(part)
+        for part in _SHEETS
+    ]
+)
 
 
 #: Sheets of earlier releases that are none now: their tables stand on others.
@@ -506,7 +521,7 @@ def _of_shaft(column: str) -> str:
 
 
 #: Cell of the caption above the facts of the governing shaft on sheet `Fatigue`.
-CYCLE_FACTS_AT = "O24"
+CYCLE_FACTS_AT = "O21"
 
 #: What leads from the cycles of one start to 1/q.
 CYCLE_FACTS = (

@@ -29,7 +29,6 @@ from addin.reading.workbook import read_workbook
 from addin.template.charts import Places, make_chart
 from addin.template.examples import EXAMPLES, Example, example_case, study_rows
 from addin.template.live_sheet import LIVE_SHEET, NO_ANSWERS, LiveAnswers, LiveSheets, live_answers
-from addin.template.styles import USUAL
 from addin.template.variants import VARIANTS, Variant
 from addin.writing.drawn_schematic import draw_schematic
 from addin.writing.print_areas import hide_empty_charts
@@ -158,9 +157,9 @@ class _Builder(LiveSheets):
             for table, cell in sheet.tables.items():
                 row, left = xl_cell_to_rowcol(sheet.at(cell))
                 row += self._rows_pushed_in(sheet, row)
-                self.style.letters = sheet.letters
+                self.style.of(sheet)
                 self._table(sheet, fields.table(table), row, left)
-        self.style.letters = USUAL
+        self.style.usual()
         self._case()
         self._trace(self._notes())
         self._lists()

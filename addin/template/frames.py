@@ -15,12 +15,12 @@ from addin.contract import tables as fields
 from addin.contract.banner import CHANGED_WORDS, DOCUMENT_AT, OVERALL_AT
 from addin.contract.chart_tables import CHART_TABLES
 from addin.contract.print_areas import Standing, areas_of_parts, holds_data, print_area_text
-from addin.contract.sheet import NEVER, ROW_HEIGHT, Sheet
+from addin.contract.sheet import NARROW, NEVER, Sheet
 from addin.contract.sheets import KIND_WORDS, STRIP, TAB_COLOURS
 from addin.contract.studies.registry import EVERY_CHART
 from addin.template.charts import Place
 from addin.template.examples import Example
-from addin.template.styles import Styles
+from addin.template.styles import USUAL, Styles
 from addin.template.variants import Variant
 
 _LETTER, _A4 = 1, 9
@@ -66,11 +66,12 @@ class Frames:
         self.studies = studies
         self.scalar_cells: list[tuple[int, int]] = []
         self.fact_cells: dict[str, str] = {}
+        self.header_heights: dict[tuple[str, int], float] = {}  #: Of headers side by side. [point]
 
     def _frame(self, sheet: Sheet) -> None:
         """Column widths, banner, strip, freezing and print set-up of a sheet."""
         page = self.page(sheet)
-        self.style.letters = sheet.letters
+        self.style.of(sheet)
         for columns, width in sheet.widths.items():
             columns = sheet.at(columns)
             page.set_column(columns if ":" in columns else f"{columns}:{columns}", width)
@@ -85,10 +86,10 @@ class Frames:
         page.set_tab_color(TAB_COLOURS[sheet.kind])
         if self.has_parts(sheet):
             page.set_default_row(
-                ROW_HEIGHT
-            )  # charts of studies are placed among rows of the usual height
-        page.set_row(0, 28)
-        page.set_row(1, 18)
+                sheet.row_height
+            )  # charts of studies stand among rows of the usual height
+        page.set_row(0, 24)
+        page.set_row(1, 16.5)
         if sheet.freeze:
             page.freeze_panes(*xl_cell_to_rowcol(sheet.freeze))
         self._print_set_up(page, sheet)
@@ -113,7 +114,9 @@ class Frames:
             return
         page.write_string(0, begin, sheet.name, self.style("banner"))
         page.write_string(0, last, KIND_WORDS[sheet.kind], self.style("banner_right"))
-        end = sheet.shift + end_of_first(sheet, _VERDICT_WIDTH)
+        end = sheet.shift + end_of_first(
+            sheet, _VERDICT_WIDTH * sheet.letters * (NARROW if sheet.narrow else 1.0) / USUAL
+        )
         page_end = column_number(sheet.at(sheet.breaks[0])) - 1 if sheet.breaks else last
         for first, final, at, style, shown in (
             (begin, end, OVERALL_AT, "strip_verdict", "NOT CALCULATED"),

@@ -27,7 +27,6 @@ from addin.contract.sheets import (
 from addin.contract.tables import Field
 from addin.template.cell_rules import hint, input_rule, unit_list
 from addin.template.frames import column_number
-from addin.template.styles import USUAL
 from addin.template.table_cells import Tables
 from addin.xlsx.references import quoted_sheet
 
@@ -51,12 +50,14 @@ class FrontSheets(Tables):
     def _case(self) -> None:
         """Scalars in two halves, each with its name, unit and what a blank means."""
         page = self.sheets["Case"]
+        self.style.of(part_named("Case"))
         page.ignore_errors({"number_stored_as_text": "C6:C13"})
         for letter, groups in CASE_HALVES:
             row, left = 4, column_number(letter)
             for group in groups:
                 members = [f for f in fields.SCALARS if f.group == group]
                 row = self._scalars(page, group, members, row, left)
+        self.style.usual()
 
     def _scalars(self, page: Any, group: str, members: list[Field], row: int, left: int) -> int:
         """A group of scalars under its heading; the row where the next one begins."""
@@ -94,7 +95,8 @@ class FrontSheets(Tables):
         page.write_string(row, left + 3, hint(field), self.style("hint"))
 
     def _summary(self) -> None:
-        page, self.style.letters = self.sheets["Summary"], part_named("Summary").letters
+        page = self.sheets["Summary"]
+        self.style.of(part_named("Summary"))
         for row, height in _SUMMARY_ROWS:
             page.set_row(row - 1, height)
         for label, begin, end, words, name in TITLE_BLOCK:
@@ -116,7 +118,7 @@ class FrontSheets(Tables):
             },
         )  # fmt: skip
         self._key_numbers(page, KEY_NUMBERS_ROW - 1)
-        self.style.letters = USUAL
+        self.style.usual()
 
     def _scalar_text(self, name: str) -> Any:
         """Cached value of a title block cell."""

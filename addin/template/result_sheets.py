@@ -23,7 +23,6 @@ from addin.contract.tables import TableSpec
 from addin.contract.texts import EFFECT_NOTES
 from addin.template.frames import column_number
 from addin.template.front_sheets import FrontSheets
-from addin.template.styles import USUAL
 from addin.xlsx.references import quoted_sheet
 from engine.case.effects import EFFECTS
 
@@ -44,6 +43,7 @@ class ResultSheets(FrontSheets):
         """Data of the governing shaft and the sum over its cycles, above table `StartCycles`."""
         part = part_named("Fatigue")
         page = self.page(part)
+        self.style.of(part)
         row, left = xl_cell_to_rowcol(part.at(CYCLE_FACTS_AT))
         page.write_string(
             row, left, "From stress cycles to allowable starts 1 / q", self.style("caption")
@@ -57,22 +57,24 @@ class ResultSheets(FrontSheets):
                 self._unit_of_column(page, k, left + 5, fact.unit)
             else:
                 page.write_blank(k, left + 5, None, self.style("key_unit"))
+        self.style.usual()
 
     def _fact_lines(self) -> None:
         """Lines of words that the calculation writes into `RunFacts`."""
         for name, first, last, formula, style, height in FACT_LINES:
             part = part_named(name)
-            self.style.letters = part.letters
+            self.style.of(part)
             shown = self.style(style)
             page = self.page(part)
             page.merge_range(part.at(f"{first}:{last}"), "", shown)
             page.write_formula(part.at(first), formula, shown, "")
             page.set_row(xl_cell_to_rowcol(first)[0], height)
-        self.style.letters = USUAL
+        self.style.usual()
 
     def _sheet_notes(self) -> None:
         """How to read the effects, and what those on `Case` are."""
         part = part_named("Effects")
+        self.style.of(part)
         row, left = xl_cell_to_rowcol(part.at(EFFECT_NOTES_AT))
         for k, text in enumerate(EFFECT_NOTES, row + 1):
             self.page(part).write_string(k, left, text, self.style("note"))
@@ -81,6 +83,7 @@ class ResultSheets(FrontSheets):
             self.sheets[choices.sheet].write_string(
                 k, choices.columns["Choice"] + 1, effect.sentence, self.style("note_beside")
             )
+        self.style.usual()
 
     def _study_lines(self) -> None:
         """On each result sheet of a study what it found, and which inputs it belongs to."""

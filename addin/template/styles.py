@@ -9,9 +9,10 @@ from collections.abc import Mapping
 from typing import Any
 
 from addin.contract.palette import PALETTE
+from addin.contract.sheet import Sheet
 
 #: Metric-compatible fonts exist on every system, so that nothing is clipped on another computer.
-FONT = "Arial"
+FONT, NARROW_FONT = "Arial", "Arial Narrow"
 
 #: Usual height of letters. [pt]
 USUAL = 9.0
@@ -63,6 +64,7 @@ _FORMATS: Mapping[str, Mapping[str, Any]] = {
     "strip": _format("navy", "mist", **_LEFT),
     "strip_verdict": _format("navy", "mist", bold=True, **_LEFT),
     "note": {"italic": True, "font_color": PALETTE["grey"]},
+    "note_wrap": {"italic": True, "font_color": PALETTE["grey"], "text_wrap": True},
     "note_beside": {"italic": True, "font_color": PALETTE["grey"], "indent": 1},
     "fact": _format("navy", bold=True, align="left"),
     "sentence": _boxed("navy", "paper", bold=True, font_size=11, text_wrap=True, **_LEFT),
@@ -119,19 +121,31 @@ class Styles:
 
     def __init__(self, workbook: Any) -> None:
         self._workbook = workbook
-        self._made: dict[tuple[str, str, float], Any] = {}
+        self._made: dict[tuple[str, str, float, bool], Any] = {}
         self.letters = USUAL  #: Height of the letters of what is made next. [pt]
+        self.narrow = False  #: Whether they are narrow.
+
+    def of(self, part: Sheet) -> None:
+        """What is made next has the letters of a part of a sheet."""
+        self.letters, self.narrow = part.letters, part.narrow
+
+    def usual(self) -> None:
+        """What is made next has the usual letters."""
+        self.letters, self.narrow = USUAL, False
 
     def __call__(self, name: str, number: str = "") -> Any:
         """A format of the table above."""
-        key = (name, number, self.letters)
+        key = (name, number, self.letters, self.narrow)
         if key not in self._made:
             properties = dict(_FORMATS[name])
             if not name.startswith("cf_"):
                 size = max(properties.get("font_size", USUAL), self.letters)
-                properties |= {"font_name": FONT, "font_size": size}
+                properties |= {"font_name": NARROW_FONT if self.narrow else FONT, "font_size": size}
                 if self.letters > USUAL and properties.pop("shrink", False):
-                    properties["text_wrap"] = name == "verdict"  # letters stay as high as they are
+                    properties["text_wrap"] = name in (
+                        "verdict",
+                        "result_text",
+                    )  # letters stay as high as they are
             if number:
                 properties["num_format"] = number
             self._made[key] = self._workbook.add_format(properties)

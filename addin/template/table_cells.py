@@ -23,6 +23,32 @@ _SHORT_HEADER = 8
 _FIRST_ROW = 4
 
 
+def _header_height(sheet: Sheet, columns: Sequence[Field], left: int, has_units: bool) -> float:
+    """Height of three lines of a header over columns with units, of two over others; more where words need it. [point]"""
+    if not sheet.narrow:
+        return 38 if has_units else 24 if sheet.letters == USUAL else 30
+    widths = sheet.column_widths
+    lines = max(
+        _lines(field.name, widths.get(left + 1 + k - sheet.shift, 9.0))
+        for k, field in enumerate(columns)
+    )
+    return max(41.25 if has_units else 27.0, 13.5 * lines)
+
+
+def _lines(words: str, width: float) -> int:
+    """Lines of a header of bold narrow letters in a column so many characters wide. [count]"""
+    room, lines, used = _LETTERS_A_CHARACTER * width, 1, 0
+    for word in words.split():
+        if used and used + 1 + len(word) > room:
+            lines, used = lines + 1, 0
+        used += len(word) + bool(used)
+    return lines
+
+
+#: Bold narrow letters that a column takes for each character of its width. [1]
+_LETTERS_A_CHARACTER = 1.1
+
+
 class Tables(Frames):
     """Frames with the tables of the contract on them."""
 
@@ -42,7 +68,10 @@ class Tables(Frames):
         # A row among those of a table beside it stays low where its words allow that.
         long = max(len(field.name) for field in columns) > _SHORT_HEADER
         if row == _FIRST_ROW or long or not self.has_parts(sheet):
-            page.set_row(header, 38 if has_units else 24 if sheet.letters == USUAL else 30)
+            own = _header_height(sheet, columns, left, has_units)
+            at = sheet.worksheet, header
+            self.header_heights[at] = max(own, self.header_heights.get(at, 0.0))
+            page.set_row(header, self.header_heights[at])
         page.add_table(
             header,
             left,

@@ -32,8 +32,10 @@ from addin.contract.run_facts import RUN_FACTS
 from addin.contract.sheet import column_number, plot_name, text_height
 from addin.contract.sheets import (
     FOOT_ROW,
+    OF_ELEMENTS,
+    SHEETS,
+    SPARE_ROWS,
     VERDICTS_ROW,
-    part_named,
 )
 from addin.contract.shown_cell import shown_cell
 from addin.contract.shown_units import ShownUnits, shown_units
@@ -165,6 +167,7 @@ def write_results(
     _renew_banner(workbook)
     _fit_rows(workbook, present)
     _fit_summary(workbook)
+    _close_spare_rows(workbook)
     renew_print_areas(workbook, printed_rows(run.tables).counts)
     hide_empty_charts(workbook, CHARTS)
     draw_schematic(workbook, run.case)
@@ -627,20 +630,20 @@ def _fit_rows(workbook: Workbook, written: Sequence[TableData]) -> None:
     needed: dict[tuple[str, int], float] = {}  # tables side by side share their rows
     for data in written:
         spec, columns = fields.find_table(data.name), list(data.columns or ())
-        room, letters = _room_of(workbook, data.name)
+        room, letters, narrow = _room_of(workbook, data.name)
         wrapped = [
             (columns.index(field.name), room.get(field.name, field.width))
             for field in (spec.columns if spec else ())
-            if (field.width or (field.kind == "verdict" and room)) and field.name in columns
+            if (field.width or (room and not field.is_number)) and field.name in columns
         ]
         if spec is None or not wrapped:
             continue
         table = workbook.table(data.name)
         heights = [
-            max(text_height(str(row[at] or ""), width, letters) for at, width in wrapped)
+            max(text_height(str(row[at] or ""), width, letters, narrow) for at, width in wrapped)
             for row in data.rows
         ]
-        heights += [text_height("", 1.0, letters)] * (spec.room - len(heights))
+        heights += [text_height("", 1.0, letters, narrow)] * (spec.room - len(heights))
         for row_number, height in enumerate(heights, table.data.top):
             at = table.sheet, row_number
             needed[at] = max(height, needed.get(at, 0.0))
@@ -651,26 +654,35 @@ def _fit_rows(workbook: Workbook, written: Sequence[TableData]) -> None:
         workbook.set_row_height(sheet, row_number, height)
 
 
-def _room_of(workbook: Workbook, name: str) -> tuple[Mapping[str, float], float]:
-    """Widths of columns that are wider than their texts need at the least, and height of the letters of a table.
+def _room_of(workbook: Workbook, name: str) -> tuple[Mapping[str, float], float, bool]:
+    """Widths of columns that are wider than their texts need at the least, height of the letters, whether they are narrow.
 
-    Of a table of sheet Summary where it is shipped today; elsewhere nothing is known of the columns.
+    Of a table whose letters are large, where it is shipped today; elsewhere nothing is known of the columns.
     """
-    table, summary = workbook.tables.get(name), part_named("Summary")
-    place = summary.tables.get(name)
-    if table is None or place is None:
-        return {}, _USUAL
-    column, row = place[0], int(place[1:])
-    if (table.ref.top, table.ref.left) != (row + 1, column_number(column)):
-        return {}, _USUAL
-    widths = summary.column_widths
-    return {
-        header: widths[table.ref.left + k] - _INDENT for k, header in enumerate(table.columns)
-    }, summary.letters
+    table, part = workbook.tables.get(name), _READABLE_PARTS.get(name)
+    if table is None or part is None:
+        return {}, _USUAL, False
+    place, units = part.tables[name], any(c.has_unit for c in fields.table(name).workbook_columns)
+    column, row = place.rstrip("0123456789"), int(place.lstrip("ABCDEFGHIJKLMNOPQRSTUVWXYZ"))
+    left = column_number(column)
+    if (table.ref.top, table.ref.left) != (row + 1 + units, part.shift + left):
+        return {}, _USUAL, False
+    widths = part.column_widths
+    return (
+        {
+            header: widths[left + k] - _INDENT
+            for k, header in enumerate(table.columns)
+            if left + k in widths
+        },
+        part.letters,
+        part.narrow,
+    )
 
 
 #: Usual height of letters. [pt]
 _USUAL = 9.0
+#: The parts with larger ones, by their tables.
+_READABLE_PARTS = {name: part for part in SHEETS if part.letters > _USUAL for name in part.tables}
 #: What the frame and the indent of a cell take of its width. [characters]
 _INDENT = 2.0
 
@@ -684,6 +696,27 @@ def _fit_summary(workbook: Workbook) -> None:
     taken = {row for row, _ in part.filled_cells(Rect(1, _BESIDE_SUMMARY, FOOT_ROW, MAX_COLUMN))}
     for row in range(verdicts.data.bottom + 1, FOOT_ROW):
         if row not in taken:
+            part.set_row_height(row, _CLOSED, create=True)
+
+
+def _close_spare_rows(workbook: Workbook) -> None:
+    """Rows of sheet Start between two tables take no room on the page where nothing stands there."""
+    above = [workbook.tables.get(name) for name in ("StartupCrossings", "TorqueReversals")]
+    below = [workbook.tables.get(name) for name in ("StartupPeaks", "MakerSheet")]
+    tables = [table for table in (*above, *below) if table is not None]
+    if len({table.sheet for table in tables}) != 1 or len(tables) < len(above) + len(below):
+        return  # a workbook of an earlier version, or one whose sheet was rearranged
+    if any(table is not None and table.ref.top != OF_ELEMENTS + 2 for table in below):
+        return
+    sheet = tables[0].sheet
+    part = workbook.sheet_part(sheet)
+    used = max(table.data.bottom for table in tables[: len(above)])
+    taken = {
+        row
+        for row, _ in part.filled_cells(Rect(SPARE_ROWS.start, 1, SPARE_ROWS.stop - 1, MAX_COLUMN))
+    }
+    for row in SPARE_ROWS:
+        if row > used and row not in taken:
             part.set_row_height(row, _CLOSED, create=True)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import shutil
 import subprocess
@@ -54,6 +55,16 @@ def printed_at_a_readable_size(path: Path) -> None:
             assert SCALE <= sheet.page_setup.scale <= 100, sheet.title
             sizes = {cell.font.size for row in sheet.iter_rows() for cell in row if cell.value}
             assert min(sizes) >= LETTERS, sheet.title
+            if sheet.print_area:
+                printed = [
+                    row
+                    for area in sheet.print_area.split(",")
+                    if ":" in area  # one cell is a sheet of which nothing is printed
+                    for row in sheet[area.split("!")[-1]]
+                ]
+                cells = [cell for row in printed for cell in row if cell.value]
+                low = min((cell.font.size for cell in cells), default=math.inf)
+                assert low * sheet.page_setup.scale / 100 >= LETTERS, sheet.title
 
 
 @pytest.mark.parametrize("design", ["proposed", "backlash"])
