@@ -29,6 +29,7 @@ module         responsibility
 `diff`         two revisions of a train side by side: what changed in the inputs, and what it did
 `report`       the calc sheet as a document: one model, built once from the results, and two thin
                writers
+`mcp`          workbooks read, calculated and explained for an assistant that speaks MCP
 `exchange`     trains in the files of others: tables of text, openTorsion and ROSS
 `cli`          the command line, one module a command; the only room that prints
 =============  ===================================================================================

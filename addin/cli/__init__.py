@@ -14,6 +14,7 @@ module            responsibility
 `excel`           ``torsionbook excel``: the worksheet functions into a workbook, and help where
                   they do not work
 `serve`           `torsionbook serve`
+`mcp`             `torsionbook mcp`
 `study_commands`  commands of the studies and their lines of help; written by `make generated`
 `app`             the command line: the same path on files as in Excel, without Excel
 `check`           `torsionbook check`: errors of inputs with their cells, and answers that cannot

@@ -42,8 +42,8 @@ def dependencies(*lists: list[str]) -> list[Requirement]:
 
 def test_the_lock_files_are_there():
     assert [p.name for p in LOCKS] == [
-        "build.txt", "cluster.txt", "dev.txt", "excel.txt", "lock.txt", "parquet.txt", "python.txt",
-        "report.txt", "run.txt", "server.txt",
+        "build.txt", "cluster.txt", "dev.txt", "excel.txt", "lock.txt", "mcp.txt", "parquet.txt", "python.txt",
+        "report.txt", "run.txt", "server.txt", "shared.txt",
     ]  # fmt: skip
 
 
@@ -78,6 +78,8 @@ def test_compiled_packages_are_hashed_for_every_python_and_system():
         ("parquet.txt", dependencies(PROJECT["project"]["optional-dependencies"]["parquet"])),
         ("excel.txt", dependencies(PROJECT["project"]["optional-dependencies"]["excel"])),
         ("server.txt", dependencies(PROJECT["project"]["optional-dependencies"]["server"])),
+        ("shared.txt", dependencies(PROJECT["project"]["optional-dependencies"]["shared"])),
+        ("mcp.txt", dependencies(PROJECT["project"]["optional-dependencies"]["mcp"])),
         ("report.txt", dependencies(PROJECT["project"]["optional-dependencies"]["report"])),
         ("python.txt", dependencies(PROJECT["project"]["optional-dependencies"]["python"])),
         (
@@ -88,6 +90,8 @@ def test_compiled_packages_are_hashed_for_every_python_and_system():
                 PROJECT["project"]["optional-dependencies"]["parquet"],
                 PROJECT["project"]["optional-dependencies"]["excel"],
                 PROJECT["project"]["optional-dependencies"]["server"],
+                PROJECT["project"]["optional-dependencies"]["shared"],
+                PROJECT["project"]["optional-dependencies"]["mcp"],
                 PROJECT["project"]["optional-dependencies"]["report"],
                 PROJECT["project"]["optional-dependencies"]["python"],
                 PROJECT["dependency-groups"]["dev"],

@@ -86,3 +86,8 @@ def test_the_cell_that_calc_md_takes_is_the_first_elastic_mode(handle):
         int, re.search(r"=INDEX\(TV_FREQUENCIES\(A1\); (\d+); (\d+)\)", text).groups()
     )
     assert call("TV_FREQUENCIES", [handle])[row - 1][column - 1] == pytest.approx(30.0, abs=0.02)
+
+
+def test_every_function_has_a_row_on_the_page_of_fronts():
+    page = (DOCS / "fronts.md").read_text(encoding="utf-8")
+    assert re.findall(r"^\| `(TV_\w+)` \|", page, re.MULTILINE) == list(FUNCTIONS)
