@@ -11,7 +11,8 @@ from sheet_ranges import TEMPLATES, model_arguments
 from addin.worksheet import registry
 
 pytestmark = pytest.mark.needs_browser
-sync_api.expect.set_options(timeout=30_000)
+#: Starts share the machine with other tests, and the first one waits for its process. [ms]
+sync_api.expect.set_options(timeout=120_000)
 
 AXE = Path(__file__).parent / "office_tools" / "node_modules" / "axe-core" / "axe.min.js"
 #: What a chart of the page shows: range of its axis, and what is said of the cursor.
