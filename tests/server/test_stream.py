@@ -71,7 +71,8 @@ def test_a_view_comes_in_two_parts(served):
         first, *_, last = until_the_end(line, "a")
         head, *rows = last["value"]["tables"]["StartupPeaks"]
         name, at, most = (
-            head.index(h) for h in head if h.startswith(("Element", "Time", "Maximum torque"))
+            next(j for j, header in enumerate(head) if header.startswith(word))
+            for word in ("Element", "Time", "Maximum torque")
         )
         row = next(row for row in rows if row[name] == "LS coupling")
         window = {"from": row[at] - 0.05, "to": row[at] + 0.05}
