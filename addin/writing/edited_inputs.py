@@ -160,7 +160,7 @@ def _named(name: str, read: CaseInput) -> NamedInput:
     try:
         return named_input(name, read.typed)
     except WrongName as wrong:
-        raise WrongEdit(f"'{name[:80]}': {wrong}") from None
+        raise WrongEdit(f"'{name[:80]}': {wrong} Nothing was changed.") from None
 
 
 def _edit_workbook(

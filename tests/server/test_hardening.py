@@ -23,9 +23,9 @@ from websockets.sync.client import connect
 
 from addin.reading.case_json import case_to_json
 from addin.reading.workbook import read_workbook
+from addin.server import bounded_reading, tasks
 from addin.server import calls as server_calls
 from addin.server import stream as server_stream
-from addin.server import tasks
 from addin.server.answers import Refused
 from addin.server.bodies import parsed, read_body
 from addin.server.calls import Asked, Call, Calls
@@ -467,8 +467,8 @@ def test_files_are_read_in_the_pool_within_limits(client, monkeypatch):
 @pytest.mark.skipif(sys.platform != "linux", reason="other systems have no such limit")
 def test_memory_of_what_reads_uploads_is_bounded(monkeypatch):
     """Whatever got past the limits of the file: the process refuses, and has its memory back."""
-    monkeypatch.setattr(tasks, "READING", 2**20)
-    monkeypatch.setattr(tasks, "read_checked", lambda source, limits: bytearray(2**28))
+    monkeypatch.setattr(bounded_reading, "READING", 2**20)
+    monkeypatch.setattr(bounded_reading, "read_checked", lambda source, limits: bytearray(2**28))
     (problem,), *_ = tasks._read("train.xlsx", lambda stage: None)
     assert "train.xlsx takes more memory than this server allows" in problem.message
     (again,), _ = tasks._workbook(("train.xlsx", "nowhere"), lambda stage: None)

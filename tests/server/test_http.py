@@ -24,6 +24,8 @@ from sheet_ranges import (
 )
 
 from addin.server import calls as server_calls
+from addin.server.app import MODULES
+from addin.server.office import STATIC
 from addin.server.processes import Work
 from addin.server.settings import Limits, Settings
 from addin.worksheet import registry
@@ -445,6 +447,11 @@ def test_wrong_cells_come_back_as_the_contract_says(client, tmp_path):
 
 @pytest.mark.parametrize("body", [b"PK\x03\x04nonsense", b"nonsense", b"{}", b"\x00" * 1000])
 def test_what_is_no_workbook_is_refused_without_our_folders(client, body):
+    edit = {"name": "Our pump.xlsx", "changes": '{"Poles": 4}'}
+    for path in ("/api/v1/inputs", "/api/v1/edited"):
+        said = client.post(path, params=edit, content=body)
+        assert "errors" in said.json() or said.status_code == 200, said.text
+        assert tempfile.gettempdir() not in said.text
     for path in ("/api/v1/workbook", "/api/v1/model"):
         said = client.post(path, params={"name": "Our pump.xlsx"}, content=body)
         assert said.status_code in (415, 422)
@@ -496,16 +503,36 @@ def test_a_case_json_gives_the_handle_of_the_same_case(client):
     assert one["model"] == registry.call("TV_MODEL", model_arguments())[0][0]
 
 
+def test_what_cannot_be_changed_is_refused_by_its_name(client):
+    body = (TEMPLATES / "example_proposed.xlsx").read_bytes()
+    for changes, status, words in (
+        ("", 400, "JSON object of 1 to 200"),
+        ("{}", 400, "JSON object of 1 to 200"),
+        ('{"Poels": 4}', 422, "Did you mean 'Poles'"),
+        ('{"Elements[LS coupling].Stiffness": "soft"}', 422, "type a number"),
+        ('{"Poles": true}', 422, "type a number"),
+        ('{"Title": 5}', 422, "type a text"),
+    ):
+        said = client.post("/api/v1/edited", params={"changes": changes}, content=body)
+        assert words in told(said, status)
+    for path, words in (
+        ("report?form=xls", "form must be one of pdf, docx."),
+        ("study?study=guess", "study must be one of tune"),
+        ("diff?split=x", "split must be the size"),
+    ):
+        assert words in told(client.post(f"/api/v1/{path}", content=body), 400)
+
+
 # --- descriptions ---------------------------------------------------------------------------------
 
 
 def test_the_description_names_every_route_and_no_other(client):
     described = client.get("/openapi.json").json()
-    pictures = {"/taskpane.css", "/taskpane.js", "/charts.js", "/open_workbook.js"}
+    parts = {"/taskpane.css", *(f"/{name}.js" for name in MODULES)}
     routes = {
         route.path
         for route in client.app.routes
-        if not route.path.endswith(".png") and route.path not in pictures
+        if not route.path.endswith((".png", ".xlsx")) and route.path not in parts
     }
     assert routes - {"/api/v1/stream"} == set(described["paths"])
     methods = {p: {m.upper() for m in about} for p, about in described["paths"].items()}
@@ -556,6 +583,9 @@ def test_pages_and_pictures_are_there(client):
         assert said.status_code == 200
         assert len(said.content) > 100
         assert said.headers["X-Content-Type-Options"] == "nosniff"
+    assert {path.stem for path in STATIC.glob("*.js")} == {*MODULES, "functions"}
+    for name, words in client.get("/examples.json").json().items():
+        assert client.get(f"/examples/{name}.xlsx").content[:2] == b"PK", words
     assert "office.js" in client.get("/taskpane.html").text
     assert "office.js" not in client.get("/").text
     assert Path(__file__).parent.name not in client.get("/").text

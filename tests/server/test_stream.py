@@ -69,6 +69,24 @@ def test_a_view_comes_in_two_parts(served):
     with stream_of(served) as line:
         line.send(json.dumps({"id": "a", "view": handle}))
         first, *_, last = until_the_end(line, "a")
+        head, *rows = last["value"]["tables"]["StartupPeaks"]
+        name, at, most = (
+            next(j for j, header in enumerate(head) if header.startswith(word))
+            for word in ("Element", "Time", "Maximum torque")
+        )
+        row = next(row for row in rows if row[name] == "LS coupling")
+        window = {"from": row[at] - 0.05, "to": row[at] + 0.05}
+        line.send(
+            json.dumps({"id": 2, "histories": handle, "elements": ["LS coupling", "?"], **window})
+        )
+        *_, seen = until_the_end(line, 2)
+    (history,) = seen["value"]
+    time, value = history["time"], history["value"]
+    # a point before the window and one behind it
+    assert time[1] >= window["from"] > time[0]
+    assert time[-2] <= window["to"] < time[-1]
+    assert max(value) == pytest.approx(row[most], rel=1e-3)  # a drawn point has fewer digits
+    assert history["limit"]["upper"] > 0
     partial, whole = first["partial"], last["value"]
     assert not partial["complete"]
     assert partial["charts"]["ChartSpeedTime"]["Time"] == []
@@ -96,6 +114,7 @@ def test_several_requests_share_a_socket_and_wrong_ones_end_nothing(served):
     handle = model_at(served)
     wrong = [
         "{", "[]", "{}", '{"id": true}', '{"id": 1.5, "name": "TV_PEAKS"}', '{"id": 5, "view": 3}',
+        '{"id": 7, "histories": 3}', '{"id": 7, "histories": "tv:", "elements": "LS"}',
         '{"id": 6, "name": 3}', '{"id": 8, "name": "TV_PEAKS", "arguments": 3}',
     ]  # fmt: skip
     with stream_of(served) as line:

@@ -129,7 +129,10 @@ class Histories {
       if (plot) plot.set(what);
       else this.plots.set(one.element, put("histories", what, { group: time, isHalf: true }));
     }
-    at("histories").append(...shown.map(one => this.plots.get(one.element).node));
+    shown.forEach((one, i) => { // what is in its place stays there: moved, it would lose the focus
+      const { node } = this.plots.get(one.element), there = at("histories").children[i] || null;
+      if (there !== node) at("histories").insertBefore(node, there);
+    });
   }
 
   drawn({ title, axis, time: x, value: y, limit }, whole) {
