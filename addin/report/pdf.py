@@ -1,4 +1,4 @@
-"""The document as a PDF, set by typst.
+"""The document as a PDF, set by typst, tagged and of PDF/A-2a where its texts and pictures allow it.
 
 The template `report.typ` is fixed; all content reaches it as data, so that nothing a user typed is ever
 read as markup. Fonts are those inside typst; a script that they lack is taken from the system.
@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import itertools
 import json
+import time
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -30,6 +31,8 @@ from addin.report.numbers import clean
 from addin.report.pages import FEW_FACTS, Place, nodes, page_ends, pieces, whole_tables
 
 TEMPLATE = Path(__file__).with_name("report.typ")
+#: What the PDF keeps to: PDF/A-2a for archives, PDF/UA-1 for readers that speak it.
+STANDARDS = ["a-2a", "ua-1"]
 #: Width and height of the papers. [mm]
 _PAPERS = {"a4": (210.0, 297.0), "us-letter": (215.9, 279.4)}
 #: Margins above and below the text. [mm]
@@ -57,9 +60,16 @@ def pdf_of(document: Document) -> bytes:
     sections = document.sections
     ends = page_ends(pieces(sections, heights, page), page - _DOUBT, every=True)
     content = _document(document, ends, whole_tables(sections, heights, page))
-    made = typst.Compiler(
-        TEMPLATE.read_bytes(), sys_inputs={"data": json.dumps(content, ensure_ascii=False)}
-    ).compile(format="pdf", timestamp=document.date)
+    words = {"data": json.dumps(content, ensure_ascii=False)}
+
+    def compiled(standards: list[str]) -> Any:
+        compiler = typst.Compiler(TEMPLATE.read_bytes(), sys_inputs=words)
+        return compiler.compile(format="pdf", timestamp=document.date, pdf_standards=standards)
+
+    try:
+        made = compiled(STANDARDS)
+    except typst.TypstError:  # a typed sign that no font shows, or a picture that no archive takes
+        made = compiled([])
     assert isinstance(made, bytes)
     return made
 
@@ -128,6 +138,7 @@ def _document(
         "above": ABOVE,
         "below": BELOW,
         "author": document.author,
+        "made": list(time.gmtime(document.date)[:6]),
         "head": document.head,
         "short_title": document.short_title,
         "foot": document.foot,

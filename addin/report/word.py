@@ -124,6 +124,8 @@ class _Writer:
         self.whole: frozenset[int] = frozenset()
         if template is not None:
             self._empty()
+        for zoom in self.file.settings.element.iterfind(qn("w:zoom")):
+            zoom.set(qn("w:percent"), "100")  # demanded by the schema; Word adds it
         self._properties(document)
         self._styles()
         self._page(document)
