@@ -27,6 +27,7 @@ from addin.writing.recalculate import recalculate
 READING = {"check", "run", "explain", "verify", "model", "functions", "call"}
 
 
+@pytest.mark.slow
 def test_a_workbook_is_read_calculated_explained_and_written_as_on_the_command_line(tmp_path):
     trains, results = tmp_path / "trains", tmp_path / "results"
     results.mkdir()
