@@ -20,7 +20,7 @@ from addin.xlsx.places import refuse_strange_name, replace_file
         "Com1.xlsx",
         "lpt³.json",
         "aux .x",
-        "a:b.json",
+        "ab:c.json",
         "a?.json",
         "a.",
         "a ",
