@@ -34,7 +34,7 @@ TRIALS :=
 
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help demo test test-long test-machines explore check format docs bench goals calibration-study sensitivity-study mutations generated templates wheel wheels same-bits sanitize smoke windows zips lock clean distclean moved
+.PHONY: help demo test test-long test-machines explore validate check format docs bench goals calibration-study sensitivity-study mutations generated templates wheel wheels same-bits sanitize smoke windows zips lock clean distclean moved
 
 help:
 	@echo "make demo           recalculate two example workbooks into build/demo"
@@ -42,6 +42,7 @@ help:
 	@echo "make test-long      run the tests over hundreds of trains, of which CI runs a sample"
 	@echo "make test-machines  repeat the numerical tests as other processors would calculate"
 	@echo "make explore        run the properties with fresh examples (MINUTES=30)"
+	@echo "make validate       write every kind of file and have programs of others judge them (needs Java, Maven, npm)"
 	@echo "make check          style, formatting and types"
 	@echo "make format         put the formatting right"
 	@echo "make docs           the pages of docs/ as a site with search, in build/site"
@@ -80,6 +81,9 @@ test-machines: $(DEV_READY) $(LOOPS)
 
 explore: $(DEV_READY) $(LOOPS)
 	$(PYTEST_PY) scripts/explore.py $(MINUTES) $(PROCESSES) $(ARGS)
+
+validate: $(DEV_READY) $(LOOPS)
+	$(PY) scripts/validate.py $(ARGS)
 
 check: $(DEV_READY) $(LOOPS)
 	$(PY) -m ruff check .

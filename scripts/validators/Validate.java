@@ -170,7 +170,7 @@ public final class Validate {
                             kind = cell.getCachedFormulaResultType();
                         }
                         String value = switch (kind) {
-                            case NUMERIC -> cell.getCTCell().isSetV() ? Double.toString(cell.getNumericCellValue()) : "";
+                            case NUMERIC -> cell.getCTCell().isSetV() && !cell.getCTCell().getV().isEmpty() ? Double.toString(cell.getNumericCellValue()) : "";
                             case STRING -> cell.getRichStringCellValue().getString();
                             case BOOLEAN -> cell.getBooleanCellValue() ? "TRUE" : "FALSE";
                             case ERROR -> cell.getErrorCellString();

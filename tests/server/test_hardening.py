@@ -456,11 +456,11 @@ def test_files_are_read_in_the_pool_within_limits(client, monkeypatch):
     source = TEMPLATES / "example_proposed.xlsx"
     assert client.post("/api/v1/model", content=source.read_bytes()).status_code == 200
     assert sent == ["read"]
-    monkeypatch.setattr(tasks, "LIMITS", FileLimits(total_size=10_000))
+    monkeypatch.setattr(bounded_reading, "LIMITS", FileLimits(total_size=10_000))
     problems, *_, case, _ = tasks._read(str(source), lambda stage: None)
     assert case is None
     assert "too large" in problems[0].message or "MB" in problems[0].message
-    (again,), _ = tasks._workbook((str(source), "nowhere"), lambda stage: None)
+    (again,), *_ = tasks.TASKS["workbook"]((str(source), "nowhere"), lambda stage: None)
     assert again.message == problems[0].message
 
 
@@ -471,7 +471,7 @@ def test_memory_of_what_reads_uploads_is_bounded(monkeypatch):
     monkeypatch.setattr(bounded_reading, "read_checked", lambda source, limits: bytearray(2**28))
     (problem,), *_ = tasks._read("train.xlsx", lambda stage: None)
     assert "train.xlsx takes more memory than this server allows" in problem.message
-    (again,), _ = tasks._workbook(("train.xlsx", "nowhere"), lambda stage: None)
+    (again,), *_ = tasks.TASKS["workbook"](("train.xlsx", "nowhere"), lambda stage: None)
     assert again.message == problem.message
     assert len(bytearray(2**28)) == 2**28
 
