@@ -22,13 +22,13 @@ module         responsibility
 `studies`      one input through a study: check, calculate, write
 `reference`    generated reference: JSON Schemas, the pages of results and of functions; written
                by ``make generated``
-`excel`        desktop Excel on Windows: the worksheet functions through xlwings, without a
-               licence
 `verify`       whether the results in a file follow from the inputs in it
 `diff`         two revisions of a train side by side: what changed in the inputs, and what it did
 `report`       the calc sheet as a document: one model, built once from the results, and two thin
                writers
 `server`       the calculation server: the worksheet functions and the recalculation over HTTP
+`excel`        desktop Excel on Windows: the worksheet functions through xlwings, without a
+               licence
 `mcp`          workbooks read, calculated and explained for an assistant that speaks MCP
 `exchange`     trains in the files of others: tables of text, openTorsion and ROSS
 `cli`          the command line, one module a command; the only room that prints
