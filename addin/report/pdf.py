@@ -12,7 +12,7 @@ import time
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from addin.report.document import (
     Block,
@@ -32,7 +32,7 @@ from addin.report.pages import FEW_FACTS, Place, nodes, page_ends, pieces, whole
 
 TEMPLATE = Path(__file__).with_name("report.typ")
 #: What the PDF keeps to: PDF/A-2a for archives, PDF/UA-1 for readers that speak it.
-STANDARDS = ["a-2a", "ua-1"]
+STANDARDS: list[Literal["a-2a", "ua-1"]] = ["a-2a", "ua-1"]
 #: Width and height of the papers. [mm]
 _PAPERS = {"a4": (210.0, 297.0), "us-letter": (215.9, 279.4)}
 #: Margins above and below the text. [mm]
@@ -62,7 +62,7 @@ def pdf_of(document: Document) -> bytes:
     content = _document(document, ends, whole_tables(sections, heights, page))
     words = {"data": json.dumps(content, ensure_ascii=False)}
 
-    def compiled(standards: list[str]) -> Any:
+    def compiled(standards: list[Any]) -> Any:
         compiler = typst.Compiler(TEMPLATE.read_bytes(), sys_inputs=words)
         return compiler.compile(format="pdf", timestamp=document.date, pdf_standards=standards)
 
