@@ -78,7 +78,7 @@ SCHEMATIC = "schematic"
 
 
 #: Height of a row of the key numbers. [pt]
-_KEY_ROW = 13.9
+KEY_ROW = 13.9
 
 
 def _note_line(number: int) -> str:
@@ -144,7 +144,7 @@ FACT_LINES: tuple[tuple[str, str, str, str, str, float], ...] = (
         15.0,
     ),
     *(
-        ("Summary", f"F{row}", f"I{row + 1}", _note_line(number), "prose", _KEY_ROW)
+        ("Summary", f"F{row}", f"I{row + 1}", _note_line(number), "prose", KEY_ROW)
         for number, row in enumerate(range(NOTES_BEGIN, NOTES_END, 2), 1)
     ),
     ("Margins", "B4", "J4", BLANK_TEXT.format("run_PrintedModes"), "note", 15.0),

@@ -32,9 +32,13 @@ from addin.contract.run_facts import RUN_FACTS
 from addin.contract.sheet import column_number, plot_name, text_height
 from addin.contract.sheets import (
     FOOT_ROW,
+    KEY_ROW,
+    NOTES_BEGIN,
+    NOTES_END,
     OF_ELEMENTS,
     SHEETS,
     SPARE_ROWS,
+    SUMMARY_NOTES,
     VERDICTS_ROW,
 )
 from addin.contract.shown_cell import shown_cell
@@ -166,7 +170,7 @@ def write_results(
     workbook.link_chart_titles(_title_links(workbook))
     _renew_banner(workbook)
     _fit_rows(workbook, present)
-    _fit_summary(workbook)
+    _fit_summary(workbook, present)
     _close_spare_rows(workbook)
     renew_print_areas(workbook, printed_rows(run.tables).counts)
     hide_empty_charts(workbook, CHARTS)
@@ -687,8 +691,8 @@ _READABLE_PARTS = {name: part for part in SHEETS if part.letters > _USUAL for na
 _INDENT = 2.0
 
 
-def _fit_summary(workbook: Workbook) -> None:
-    """Rows without a verdict take no room on the page."""
+def _fit_summary(workbook: Workbook, written: Sequence[TableData]) -> None:
+    """Rows without a verdict take no room on the page; notes have the lines that they need."""
     verdicts = workbook.tables.get("Verdicts")
     if verdicts is None or (verdicts.ref.top, verdicts.ref.left) != (VERDICTS_ROW + 1, 2):
         return  # a workbook of an earlier version, or one whose sheet was rearranged
@@ -697,6 +701,15 @@ def _fit_summary(workbook: Workbook) -> None:
     for row in range(verdicts.data.bottom + 1, FOOT_ROW):
         if row not in taken:
             part.set_row_height(row, _CLOSED, create=True)
+    facts = [row for data in written if data.name == "Audit" for row in data.rows]
+    notes = [str(text) for item, text, *_ in facts if str(item).startswith("Warning ")]
+    if len(notes) > SUMMARY_NOTES:
+        notes[SUMMARY_NOTES - 1 :] = [""]  # how many more there are
+    notes += [""] * (SUMMARY_NOTES - len(notes))
+    for row, note in zip(range(NOTES_BEGIN, NOTES_END, 2), notes, strict=True):
+        height = max(KEY_ROW, 0.5 * text_height(note, _NOTES_WIDTH, _SUMMARY.letters) - 1.0)
+        for each in (row, row + 1):
+            part.set_row_height(each, height)
 
 
 def _close_spare_rows(workbook: Workbook) -> None:
@@ -724,6 +737,9 @@ def _close_spare_rows(workbook: Workbook) -> None:
 _CLOSED = 1.5
 #: First column right of sheet Summary, where the engineer may have written something.
 _BESIDE_SUMMARY = 9
+_SUMMARY = SHEETS[0]
+#: Columns F to I of sheet Summary, where the notes stand. [characters]
+_NOTES_WIDTH = sum(_SUMMARY.column_widths[column] for column in range(6, 10)) - _INDENT
 
 
 def _with_columns(workbook: Workbook, data: TableData, there: Sequence[str]) -> TableData:

@@ -97,9 +97,8 @@ def _motor_data(case: CaseData) -> Iterator[str]:
             and max(len(motor.circuit.dampers_d), len(motor.circuit.dampers_q)) < 2
         ):
             yield (
-                f"The torques of '{name}' are calculated with at most one damper winding in each axis, which "
-                "does not represent solid poles. Ask the maker for measured curves, or for a circuit with "
-                "two dampers in each axis (table MotorCircuit)."
+                f"The torques of '{name}' come from one damper winding in each axis at most, which is no model of "
+                "solid poles: ask the maker for measured curves, or for two dampers in each axis (MotorCircuit)."
             )
 
 
@@ -147,9 +146,9 @@ def _time_constants(case: CaseData) -> Iterator[str]:
     for name, row in worst.items():
         if abs(row["difference"]) > NOTABLE_DIFFERENCE:
             yield (
-                f"{row['time_constant']} of '{name}' is {row['classical']:.4g} s by the classical relations and "
-                f"{row['measured']:.4g} s as a root of the whole circuit. Those typed are taken as {taken[name]}: check "
-                "column Time constants of table MotorData (test reports give measured ones)."
+                f"{row['time_constant']} of '{name}' is {row['classical']:.4g} s by the classical relations, "
+                f"{row['measured']:.4g} s as a root of the circuit. It is taken as {taken[name]}: check column Time "
+                "constants of MotorData (test reports give measured ones)."
             )
 
 
@@ -345,6 +344,6 @@ def _run_warnings(start: Start) -> Iterator[str]:
         yield (
             "Sensitive: a change of the input by 1e-9 may change a peak torque by "
             f"{100.0 * start.repeatability.spread:.2g} % ({100.0 * CONFIDENCE:.0f} % interval from "
-            f"{start.repeatability.runs} runs). The peaks are one sample of possible values; verdicts use "
-            "the unfavourable end of their range."
+            f"{start.repeatability.runs} runs). Peaks are one sample of possible values; verdicts use "
+            "the unfavourable end of the range."
         )
