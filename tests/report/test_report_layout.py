@@ -159,7 +159,7 @@ def test_a_broken_table_leaves_three_rows_and_its_note_is_never_alone(tmp_path, 
     block |= {"type": "table", "together": False, "number": 1}
     start = TEMPLATE.read_text(encoding="utf-8").split("// --- cover")[0]
     lines = f"#for k in range({above}) {{ par(str(k)) }}\n#show-table(data.table)\n"
-    data = {"cover": {"title": "T"}, "author": "", "paper": "a4", "margin": 20, "above": 25, "below": 22, "head": "", "foot": "",
+    data = {"cover": {"title": "T"}, "made": [2026, 11, 26, 0, 0, 0], "author": "", "paper": "a4", "margin": 20, "above": 25, "below": 22, "head": "", "foot": "",
             "short_title": "", "table": block}  # fmt: skip
     made = typst.compile((start + lines).encode(), sys_inputs={"data": json.dumps(data)})
     (tmp_path / "t.pdf").write_bytes(made)
@@ -205,7 +205,7 @@ def test_a_heading_stands_on_the_page_of_its_figure(tmp_path, above, kind):
     section = _section(chapter, enumerate(nodes((chapter,))))
     start = TEMPLATE.read_text(encoding="utf-8").split("// --- cover")[0]
     lines = f"#for k in range({above}) {{ par(str(k)) }}\n#show-section(data.section, 1)\n"
-    data = {"cover": {"title": "T"}, "author": "", "paper": "a4", "margin": 20, "above": 25, "below": 22, "head": "", "foot": "",
+    data = {"cover": {"title": "T"}, "made": [2026, 11, 26, 0, 0, 0], "author": "", "paper": "a4", "margin": 20, "above": 25, "below": 22, "head": "", "foot": "",
             "short_title": "", "section": section}  # fmt: skip
     made = typst.compile((start + lines).encode(), sys_inputs={"data": json.dumps(data)})
     (tmp_path / "t.pdf").write_bytes(made)

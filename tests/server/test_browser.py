@@ -318,9 +318,9 @@ TOO_WIDE = """[...document.querySelectorAll('body *')].filter(one =>
 ).map(one => one.outerHTML.slice(0, 80))"""
 
 
-#: Tables of which a column lies outside without a look at a scroll bar.
+#: Tables of which a column lies outside without a look at a scroll bar; drawings of the train and its modes may.
 CUT = """[...document.querySelectorAll('.scroll')].filter(one =>
-  !['train', 'schematic'].includes(one.id) && one.scrollWidth > one.clientWidth + 1).map(one => one.id)"""
+  !['train', 'schematic', 'mode-shape'].includes(one.id) && one.scrollWidth > one.clientWidth + 1).map(one => one.id)"""
 #: Height of the smallest letters of the charts, as seen.
 SMALLEST = """Math.min(...[...document.querySelectorAll('svg.chart text')].map(one =>
   parseFloat(getComputedStyle(one).fontSize) * one.ownerSVGElement.getBoundingClientRect().width

@@ -251,7 +251,7 @@ def test_the_button_fills_the_open_workbook_as_a_file_and_another_puts_it_back(p
     assert page.evaluate("standIn.batches") == []
     page.evaluate("stages.length = 0")
     fill.click()
-    sync_api.expect(said).to_contain_text("sheets written in", timeout=PATIENCE)
+    sync_api.expect(said).to_contain_text("sheets were written", timeout=PATIENCE)
     picture(page, "filled")
     stages = page.evaluate("stages")
     assert {"reading the open workbook", "writing results, 100 %"} <= set(stages)

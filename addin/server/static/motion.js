@@ -34,6 +34,7 @@ export function showMotion(rows, items, frequencies) {
   play.setAttribute("aria-pressed", "false");
   row.append(label, choice, play, words);
   const room = made("div", null, "scroll");
+  room.id = "mode-shape";
   room.tabIndex = 0;
   room.setAttribute("role", "region");
   room.setAttribute("aria-label", "Mode shape");
