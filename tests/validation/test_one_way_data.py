@@ -298,8 +298,7 @@ def exact_start(case, ahead, end):
     "seeds",
     [
         range(6),
-        pytest.param(range(6, 14), marks=pytest.mark.slow),
-        pytest.param(range(14, 40), marks=pytest.mark.long),
+        pytest.param(range(6, 40), marks=pytest.mark.long),
     ],
     ids=len,
 )
