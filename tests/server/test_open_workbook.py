@@ -251,7 +251,7 @@ def test_the_button_fills_the_open_workbook_as_a_file_and_another_puts_it_back(p
     assert page.evaluate("standIn.batches") == []
     page.evaluate("stages.length = 0")
     fill.click()
-    sync_api.expect(said).to_contain_text("sheets were written", timeout=PATIENCE)
+    sync_api.expect(said).to_contain_text("sheets were written (", timeout=PATIENCE)
     picture(page, "filled")
     stages = page.evaluate("stages")
     assert {"reading the open workbook", "writing results, 100 %"} <= set(stages)
@@ -267,7 +267,7 @@ def test_the_button_fills_the_open_workbook_as_a_file_and_another_puts_it_back(p
     assert len(odd) < 30, odd  # times of the effects, and of the calculation
     assert len(list(differences(before, file))) > 10_000
     back.click()
-    sync_api.expect(said).to_contain_text("The earlier values were written back in")
+    sync_api.expect(said).to_contain_text("The earlier values were written back (")
     restored = page.evaluate("standIn.book")
     assert list(differences(restored, before)) == []
     assert [s["tables"] for s in restored.values()] == [s["tables"] for s in before.values()]
