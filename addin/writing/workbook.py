@@ -63,6 +63,7 @@ from addin.xlsx import (
     open_workbook,
 )
 from addin.xlsx.references import MAX_COLUMN, Rect, cell_name
+from addin.xlsx.sheet_part import SheetPart
 
 _RPM = math.pi / 30.0
 #: How a file says yes and no.
@@ -697,10 +698,7 @@ def _fit_summary(workbook: Workbook, written: Sequence[TableData]) -> None:
     if verdicts is None or (verdicts.ref.top, verdicts.ref.left) != (VERDICTS_ROW + 1, 2):
         return  # a workbook of an earlier version, or one whose sheet was rearranged
     part = workbook.sheet_part(verdicts.sheet)
-    taken = {row for row, _ in part.filled_cells(Rect(1, _BESIDE_SUMMARY, FOOT_ROW, MAX_COLUMN))}
-    for row in range(verdicts.data.bottom + 1, FOOT_ROW):
-        if row not in taken:
-            part.set_row_height(row, _CLOSED, create=True)
+    _close(part, range(verdicts.data.bottom + 1, FOOT_ROW), _BESIDE_SUMMARY)
     facts = [row for data in written if data.name == "Audit" for row in data.rows]
     notes = [str(text) for item, text, *_ in facts if str(item).startswith("Warning ")]
     if len(notes) > SUMMARY_NOTES:
@@ -724,12 +722,17 @@ def _close_spare_rows(workbook: Workbook) -> None:
     sheet = tables[0].sheet
     part = workbook.sheet_part(sheet)
     used = max(table.data.bottom for table in tables[: len(above)])
-    taken = {
-        row
-        for row, _ in part.filled_cells(Rect(SPARE_ROWS.start, 1, SPARE_ROWS.stop - 1, MAX_COLUMN))
-    }
-    for row in SPARE_ROWS:
-        if row > used and row not in taken:
+    _close(part, range(max(used + 1, SPARE_ROWS.start), SPARE_ROWS.stop), 1)
+
+
+def _close(part: SheetPart, rows: range, first_column: int) -> None:
+    """Rows that take no room on the page, but for those with something in this column or right of it."""
+    if not rows:
+        return
+    within = Rect(rows.start, first_column, rows.stop - 1, MAX_COLUMN)
+    taken = {row for row, _ in part.filled_cells(within)}
+    for row in rows:
+        if row not in taken:
             part.set_row_height(row, _CLOSED, create=True)
 
 

@@ -1,6 +1,6 @@
 // Answers that come line by line: stages, and at the end a value or everything wrong.
 
-/** The last line of an answer; its stages are told. `lost` says what it means where there is no last line. */
+/** The last line of an answer; tells its stages. `lost` is added to the error where the connection breaks. */
 export async function lastLine(response, stage, lost = "") {
   const reader = response.body.getReader(), decoder = new TextDecoder();
   let text = "", last = null;

@@ -69,7 +69,7 @@ export function table(rows, missing, minor = () => false) {
   return drawn;
 }
 
-/** What scrolls sideways can be reached by keys, and has a name; what does not is no stop on the way. */
+/** Tables that scroll sideways take the keyboard focus and have a name; the others take no focus. */
 export function makeReachable() {
   for (const room of document.querySelectorAll("#results .scroll:not([role])")) new ResizeObserver(() => {
     const scrolls = room.scrollWidth > room.clientWidth + 1;
