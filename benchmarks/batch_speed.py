@@ -45,11 +45,13 @@ EXAMPLES = {
 LOOK = 50
 
 
-def make(folder: Path, count: int, examples: tuple[str, ...]) -> Path:
+def make(
+    folder: Path, count: int, examples: tuple[str, ...], templates: Path = ROOT / "templates"
+) -> Path:
     """Workbooks that differ in their damping, made by changing that one number in the XML."""
     folder.mkdir(parents=True)
     for number in range(count):
-        example = ROOT / "templates" / f"example_{examples[number % len(examples)]}.xlsx"
+        example = templates / f"example_{examples[number % len(examples)]}.xlsx"
         with (
             zipfile.ZipFile(example) as old,
             zipfile.ZipFile(folder / f"train {number}.xlsx", "w", zipfile.ZIP_DEFLATED) as new,

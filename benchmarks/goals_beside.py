@@ -1,7 +1,8 @@
 """The goals of the compiled loops, in two checkouts by turns: `python -m benchmarks.goals_beside OTHER_CHECKOUT`.
 
 OTHER_CHECKOUT is one of commit 011f76f, the last that compiled its loops by numba on the user's machine, in which
-`make demo` has run. Both programs do the same work in processes of their own, one after the other and again, so that
+`make demo` has run. Both programs calculate the examples of that commit, each in workbooks of its own, with torque curves
+read as that commit read them. They work in processes of their own, one after the other and again, so that
 whatever else the machine does falls on both. Ratios are of processor time, which other work hardly changes; wall time
 stands beside it. What is found is printed, kept in build/goals.json, and shown by `python -m benchmarks`.
 """
@@ -33,6 +34,8 @@ __all__ = ["KEPT", "Line", "goals_section", "kept_lines", "measured_rows"]
 
 ROOT = Path(__file__).resolve().parents[1]
 KEPT = ROOT / "build" / "goals.json"
+LAID = ROOT / "build" / "goals-examples"
+EXAMPLES = "TORSIONBOOK_EXAMPLES"  #: The environment names the folder to a row.
 WORKER = Path(__file__).with_name("row_worker.py")
 
 
@@ -61,18 +64,36 @@ class Line:
     note: str = ""
 
 
+# --- the same inputs for both ---------------------------------------------------------------------
+
+
+def examples_of(root: Path) -> Path:
+    """Folder of the examples: of the other checkout as shipped, of this one as `lay_examples` wrote them."""
+    return LAID if root == ROOT else root / "templates"
+
+
+def lay_examples(other: Path) -> None:
+    """The other checkout's examples in workbooks of this program, torques read at each motor's own speed as there."""
+    import torsionbook
+
+    LAID.mkdir(parents=True, exist_ok=True)
+    for name in ("proposed", "modified", "backlash"):
+        inputs = torsionbook.read(other / "templates" / f"example_{name}.xlsx")
+        inputs.change({"TorqueFollows": "own speed"}).write(LAID / f"example_{name}.xlsx")
+
+
 # --- rows that both checkouts measure in turn -----------------------------------------------------
 
 
 class Side:
-    """A row in one checkout, prepared in a process of its own."""
+    """A row in one checkout, prepared in a process of its own, with the examples in a folder."""
 
     def __init__(self, root: Path, code: str) -> None:
         python = root / ".venv" / "bin" / "python"
         self.process = subprocess.Popen(
             [str(python), str(WORKER)],
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=root,
-            env=os.environ | {"PYTHONPATH": str(root)},
+            env=os.environ | {"PYTHONPATH": str(root), EXAMPLES: str(examples_of(root))},
         )  # fmt: skip
         self.ask(code)
 
@@ -176,13 +197,15 @@ def batch_lines(other: Path, rounds: int, count: int) -> Iterator[Line]:
     ):
         with tempfile.TemporaryDirectory(prefix="torsionbook-goals-") as folder:
             place = Path(folder)
-            source = batch_speed.make(place / "in", count, examples)
-            code = BATCH.format(source=str(source), out=str(place / "out"))
-            sides = [Side(other, code), Side(ROOT, code)]
+            roots, sources = (other, ROOT), (place / "old", place / "new")
+            sides: list[Side] = []
+            for root, source in zip(roots, sources, strict=True):
+                batch_speed.make(source, count, examples, examples_of(root))
+                sides.append(Side(root, BATCH.format(source=str(source), out=str(place / "out"))))
             ratios: list[list[tuple[float, float]]] = [[], []]
             for _ in range(rounds):
-                theirs = batch_speed.theirs(source, place / "theirs", 1)
-                for found, side in zip(ratios, sides, strict=True):
+                for found, side, source in zip(ratios, sides, sources, strict=True):
+                    theirs = batch_speed.theirs(source, place / "theirs", 1)
                     wall, cpu = side.ask(0.0)["laps"][0]
                     found.append((theirs[1] / cpu, theirs[0] / wall))
             for side in sides:
@@ -256,7 +279,7 @@ def goals_section(kept: Mapping[str, Any]) -> Section:
     return Section(
         "Goals and what was reached",
         "Made by `make goals OTHER=…`: commit 011f76f, whose loops numba compiled on the user's machine, and this "
-        "program by turns, each in an environment of its own on the same machine "
+        "program by turns, each in an environment of its own on the same machine, with the inputs of that commit's examples "
         f"({kept['cores']} cores, load {kept['load'][0]:.1f} before and {kept['load'][1]:.1f} after). Processor time, in brackets wall time; "
         "medians. The goal is the ratio of the two, except where it is said as times another program. What the goals that are "
         "missed consist of, and what was tried: [floors](floors.md).",
@@ -282,6 +305,8 @@ def main() -> None:
     args = parser.parse_args()
     other = args.other.resolve()
     load = os.getloadavg()[0]
+    lay_examples(other)
+    os.environ[EXAMPLES] = str(LAID)  # a row's share in the loops is measured by this process
     rows = [r.in_full() if args.full else r for r in ROWS]
     groups: dict[str, Callable[[], Iterator[Line]]] = {
         "installed": lambda: map(_told, _installed(other, args.rounds)),
@@ -312,7 +337,8 @@ def _keep(lines: Sequence[Line], load: float) -> None:
 
 
 def _installed(other: Path, rounds: int) -> Iterator[Line]:
-    for found in installed_lines(other, ROOT, rounds):
+    sides = [(root, examples_of(root)) for root in (other, ROOT)]
+    for found in installed_lines(sides, rounds):
         yield Line(**found)
 
 

@@ -8,7 +8,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -20,10 +20,13 @@ SIZE, SIZE_THEN, FIRST = 330.0, 605.0, 1.2
 COLD = {"proposed": 0.55 / 1.05, "backlash": 0.70 / 1.35}
 
 
-def installed_lines(other: Path, own: Path, rounds: int) -> Iterator[dict[str, Any]]:
-    """Lines of the goals: size, first results, cold runs."""
+def installed_lines(sides: Sequence[tuple[Path, Path]], rounds: int) -> Iterator[dict[str, Any]]:
+    """Lines of the goals: size, first results, cold runs of the old and the new checkout, each with its examples."""
     with tempfile.TemporaryDirectory(prefix="torsionbook-installed-") as folder:
-        homes = [_install(root, Path(folder) / name) for root, name in ((other, "old"), (own, "new"))]  # fmt: skip
+        homes = [
+            _install(root, examples, Path(folder) / str(number))
+            for number, (root, examples) in enumerate(sides)
+        ]
         sizes = [_megabytes(home) for home in homes]
         yield {
             "what": "environment of requirements/run.txt",
@@ -57,7 +60,7 @@ def installed_lines(other: Path, own: Path, rounds: int) -> Iterator[dict[str, A
             }  # fmt: skip
 
 
-def _install(root: Path, home: Path) -> Path:
+def _install(root: Path, examples: Path, home: Path) -> Path:
     """The locked packages and the checkout's wheel, as a user installs them."""
     home.mkdir()
     own = root / ".venv" / "bin" / "python"
@@ -70,7 +73,7 @@ def _install(root: Path, home: Path) -> Path:
     _run([python, *pip, "install", "--require-hashes", "-r", locked])
     _run([python, *pip, "install", "--no-deps", "--no-index", *map(str, home.glob("*.whl"))])
     (home / "HOME").mkdir()
-    for file in (root / "templates").glob("example_*.xlsx"):
+    for file in examples.glob("example_*.xlsx"):
         shutil.copy(file, home)
     return home
 

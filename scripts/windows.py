@@ -111,6 +111,8 @@ sys.modules["_wmi"] = None
 if hasattr(_winapi, "CopyFile2"):
     del _winapi.CopyFile2
 """
+#: Of this system's environment: its Python, and what makes skipped tests errors, for what Windows has not is skipped there.
+_NOT_TAKEN_ALONG = ("PYTHON", "VIRTUAL", "TORSIONBOOK_REQUIRE_ALL", "TORSIONBOOK_RUN_SLOW")
 PRNG = """\
 #include <windows.h>
 BOOLEAN NTAPI SystemFunction036(PVOID, ULONG);
@@ -264,7 +266,7 @@ def lay_metadata() -> None:
 
 def run(words: Sequence[str | Path]) -> int:
     """Exit status of the interpreter there, in the copy of the checkout."""
-    environment = {k: v for k, v in os.environ.items() if not k.startswith(("PYTHON", "VIRTUAL"))}
+    environment = {k: v for k, v in os.environ.items() if not k.startswith(_NOT_TAKEN_ALONG)}
     environment |= WINE | {"PYTHONHOME": wine_path(PYTHON), "PYTHONDONTWRITEBYTECODE": ""}
     # Through pipes: a missing input, and a file as output, are handles that Wine 8 refuses to Python.
     with subprocess.Popen(
@@ -335,7 +337,7 @@ def write_page(record: Mapping[str, Any]) -> None:
 
 def tests(words: Sequence[str]) -> int:
     """Exit status of pytest there."""
-    return run(["-m", "pytest", "-q", "-p", "no:cacheprovider", *words])
+    return run(["-m", "pytest", "-q", "-rs", "-p", "no:cacheprovider", *words])
 
 
 def main(words: list[str]) -> int:
