@@ -12,24 +12,20 @@ from addin.contract.tables import table
 from addin.contract.texts import NOTES
 from addin.contract.trace_table import TRACE_HEADERS, trace_groups, trace_rows
 from addin.verify.findings import Finding
-from addin.verify.structure import plain, present_sheet, shows_results
-from addin.xlsx import Workbook
-from addin.xlsx.references import Rect, cell_name
+from addin.verify.structure import PlainTexts, plain, present_sheet, shows_results
+from addin.xlsx.references import cell_name
 
-_EVERYTHING = Rect(1, 1, 3000, 200)
 #: Words by which a row of Trace is known: sheet, table, column.
 _NAMED_BY = 3
 
-Places = dict[str, list[tuple[int, int]]]
 
-
-def compare_texts(workbook: Workbook, same_version: bool) -> Iterator[Finding]:
+def compare_texts(texts: PlainTexts, same_version: bool) -> Iterator[Finding]:
     """Texts of torsionbook that were changed.
 
     Parameters
     ----------
-    workbook : Workbook
-        The workbook as it was saved.
+    texts : PlainTexts
+        Those of the workbook as it was saved.
     same_version : bool
         Whether this version wrote the texts, with the template; those of another one may be other
         texts. [flag]
@@ -40,17 +36,17 @@ def compare_texts(workbook: Workbook, same_version: bool) -> Iterator[Finding]:
         One a text. A sheet that was removed is no finding, nor is a text that was added. Other titles,
         introductions and captions of result sheets are notes.
     """
+    workbook = texts.workbook
     for shipped in with_studies(SHEETS):
         shown = present_sheet(workbook, shipped)
         if shows_results(shipped) and shown is not None:
-            places = _places(workbook, shown)
             for text in (
                 shipped.name,
                 KIND_WORDS[shipped.kind],
                 shipped.intro,
                 *map(_caption, shipped.tables),
             ):
-                finding = _changed(workbook, shown, places, (text,), 1)
+                finding = _changed(texts, shown, (text,), 1)
                 if finding is not None:
                     yield replace(finding, kind="not shown", fails=False)
     notes = [line for lines in NOTES.values() for line in lines if not line[1].startswith("=")]
@@ -63,9 +59,8 @@ def compare_texts(workbook: Workbook, same_version: bool) -> Iterator[Finding]:
     ):
         if sheet not in workbook.sheet_names or not workbook.sheet_bytes(sheet):
             continue
-        places = _places(workbook, sheet)
         for row in rows:
-            finding = _changed(workbook, sheet, places, row, min(named_by, len(row) - 1))
+            finding = _changed(texts, sheet, row, min(named_by, len(row) - 1))
             if finding is not None and (finding.cell or row not in of_studies):
                 yield replace(finding, fails=same_version)
 
@@ -76,39 +71,25 @@ def _caption(name: str) -> str:
     return spec.caption if spec.short_caption else f"{spec.caption} {spec.help}"
 
 
-def _changed(
-    workbook: Workbook, sheet: str, places: Places, row: tuple[str, ...], named_by: int
-) -> Finding | None:
+def _changed(texts: PlainTexts, sheet: str, row: tuple[str, ...], named_by: int) -> Finding | None:
     """What is said of one row of texts; nothing where it stands as it was written."""
-    part = workbook.sheet_part(sheet)
+    written = [plain(text) for text in row]
     first: tuple[int, int] | None = None
-    for at in places.get(plain(row[0]), ()):
-        held = [plain(part.constant(at[0], at[1] + k)) for k in range(len(row))]
-        if held == [plain(text) for text in row]:
+    for at in texts.places(sheet).get(written[0], ()):
+        held = texts.beside(sheet, at, len(row))
+        if held == written:
             return None
-        if first is None and held[:named_by] == [plain(text) for text in row[:named_by]]:
+        if first is None and held[:named_by] == written[:named_by]:
             first = at
     about = " / ".join(row[:named_by] or row)
     if first is None:
         sentence = f"the text '{shortened(about, 60)}' of torsionbook is missing"
         return Finding("edited", sheet, "", sentence, expected=about)
-    for k, text in enumerate(row):
-        shown = part.constant(first[0], first[1] + k)
-        if plain(shown) != plain(text):
-            break
+    held = texts.beside(sheet, first, len(row))
+    k = next((k for k in range(len(row)) if held[k] != written[k]), len(row) - 1)
+    shown = texts.workbook.sheet_part(sheet).constant(first[0], first[1] + k)
     sentence = (
-        f"{about}: '{shortened(str(shown or ''), 60)}' stands in place of '{shortened(text, 60)}'"
+        f"{about}: '{shortened(str(shown or ''), 60)}' stands in place of '{shortened(row[k], 60)}'"
     )
     cell = cell_name(first[0], first[1] + k)
-    return Finding("edited", sheet, cell, sentence, found=shown, expected=text)
-
-
-def _places(workbook: Workbook, sheet: str) -> Places:
-    """Cells of a sheet by the text they show, plainly written."""
-    part = workbook.sheet_part(sheet)
-    found: Places = {}
-    for row, column in part.filled_cells(_EVERYTHING):
-        text = part.constant(row, column)
-        if isinstance(text, str) and text:
-            found.setdefault(plain(text), []).append((row, column))
-    return found
+    return Finding("edited", sheet, cell, sentence, found=shown, expected=row[k])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import unicodedata
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 
 from addin.contract.banner import COPY_SHEET
 from addin.contract.problems import shortened
@@ -27,7 +27,36 @@ _TELLING = 3
 _EVERYTHING = Rect(1, 1, 3000, 200)
 
 
-def missing_tables(workbook: Workbook) -> Iterator[Finding]:
+class PlainTexts:
+    """Texts of the sheets of a workbook, plainly written; each sheet is read once."""
+
+    def __init__(self, workbook: Workbook) -> None:
+        self.workbook = workbook
+        self._sheets: dict[str, dict[tuple[int, int], str]] = {}
+        self._places: dict[str, dict[str, list[tuple[int, int]]]] = {}
+
+    def places(self, sheet: str) -> Mapping[str, Sequence[tuple[int, int]]]:
+        """Cells of a sheet by their text, row by row."""
+        if sheet not in self._places:
+            part = self.workbook.sheet_part(sheet)
+            texts = {
+                (row, column): plain(part.constant(row, column))
+                for row, column in part.filled_cells(_EVERYTHING)
+            }
+            self._sheets[sheet], self._places[sheet] = texts, {}
+            for cell, text in texts.items():
+                if text:
+                    self._places[sheet].setdefault(text, []).append(cell)
+        return self._places[sheet]
+
+    def beside(self, sheet: str, cell: tuple[int, int], count: int) -> list[str]:
+        """Texts of so many cells side by side from one on."""
+        self.places(sheet)
+        texts, (row, column) = self._sheets[sheet], cell
+        return [texts.get((row, column + k), "") for k in range(count)]
+
+
+def missing_tables(texts: PlainTexts) -> Iterator[Finding]:
     """Result tables that the workbook has no more, so that nobody can say what stands there.
 
     Yields
@@ -36,11 +65,12 @@ def missing_tables(workbook: Workbook) -> Iterator[Finding]:
         One a table. Templates of earlier versions lack tables of `WORKBOOK_TABLES` and those that came later:
         these are missed only where their headers still stand in cells.
     """
+    workbook = texts.workbook
     earlier = not all(spec.name in workbook.tables for spec in INPUT_TABLES if spec.later)
     for spec in (*RESULT_TABLES, *WORKBOOK_TABLES):
         if spec.name in workbook.tables:
             continue
-        at = _as_cells(workbook, spec)
+        at = _as_cells(texts, spec)
         if at is None and (spec in WORKBOOK_TABLES or (spec.later and earlier)):
             continue
         sentence = f"the workbook has no table {spec.name}: its results were removed"
@@ -52,7 +82,7 @@ def missing_tables(workbook: Workbook) -> Iterator[Finding]:
         yield Finding("table missing", *(at or ("", "")), sentence, spec.name)
 
 
-def led_astray(workbook: Workbook) -> Iterator[Finding]:
+def led_astray(texts: PlainTexts) -> Iterator[Finding]:
     """Inputs and results that are read elsewhere than where a reader sees them.
 
     Yields
@@ -61,14 +91,15 @@ def led_astray(workbook: Workbook) -> Iterator[Finding]:
         A name of a scalar that refers to another cell than the one beside its label, and headers of a
         table that stand on its sheet outside the table.
     """
+    workbook = texts.workbook
     for scalar in SCALARS:
         name = workbook.defined_names.get(scalar.name)
         if name is None or name.sheet not in workbook.sheet_names or name.rect is None:
             continue
         at, label = (name.rect.top, name.rect.left), plain(scalar.name_in_words)
-        beside = _beside_label(workbook, name.sheet, label)
+        beside = _beside_label(texts, name.sheet, label)
         if not beside and name.sheet != SCALAR_SHEET and SCALAR_SHEET in workbook.sheet_names:
-            beside = _beside_label(workbook, SCALAR_SHEET, label)
+            beside = _beside_label(texts, SCALAR_SHEET, label)
             at = (0, 0)
         if beside and at not in beside:
             cell = cell_name(name.rect.top, name.rect.left)
@@ -82,7 +113,7 @@ def led_astray(workbook: Workbook) -> Iterator[Finding]:
         if table is None:
             continue
         for sheet in dict.fromkeys((spec.sheet, table.sheet)):
-            at_cells = _as_cells(workbook, spec, (sheet,))
+            at_cells = _as_cells(texts, spec, (sheet,))
             if at_cells is not None:
                 sentence = (
                     f"the headers of {spec.name} stand here outside the table: what stands under them was not "
@@ -92,14 +123,9 @@ def led_astray(workbook: Workbook) -> Iterator[Finding]:
                 break
 
 
-def _beside_label(workbook: Workbook, sheet: str, label: str) -> list[tuple[int, int]]:
+def _beside_label(texts: PlainTexts, sheet: str, label: str) -> list[tuple[int, int]]:
     """Cells right of a label."""
-    part = workbook.sheet_part(sheet)
-    return [
-        (row, column + 1)
-        for row, column in part.filled_cells(_EVERYTHING)
-        if plain(part.constant(row, column)) == label
-    ]
+    return [(row, column + 1) for row, column in texts.places(sheet).get(label, ())]
 
 
 def other_sheets(workbook: Workbook) -> Iterator[Finding]:
@@ -212,21 +238,20 @@ def _unknown_columns(workbook: Workbook, table: Table, spec: TableSpec) -> Itera
 
 
 def _as_cells(
-    workbook: Workbook, spec: TableSpec, sheets: Sequence[str] = ()
+    texts: PlainTexts, spec: TableSpec, sheets: Sequence[str] = ()
 ) -> tuple[str, str] | None:
     """Sheet and cell where the headers of a table stand in no table; on any sheet unless some are named."""
+    workbook = texts.workbook
     wanted = [plain(field.name) for field in spec.workbook_columns[:_TELLING]]
     for sheet in sheets or workbook.sheet_names:
         if sheet not in workbook.sheet_names or not workbook.sheet_bytes(sheet):
             continue
-        part = workbook.sheet_part(sheet)
         inside = [table.ref for table in workbook.tables.values() if table.sheet == sheet]
-        for row, column in part.filled_cells(_EVERYTHING):
-            if plain(part.constant(row, column)) != wanted[0]:
-                continue
-            beside = [plain(part.constant(row, column + k)) for k in range(len(wanted))]
-            if beside == wanted and not any(ref.has(row, column) for ref in inside):
-                return sheet, cell_name(row, column)
+        for cell in texts.places(sheet).get(wanted[0], ()):
+            if texts.beside(sheet, cell, len(wanted)) == wanted and not any(
+                ref.has(*cell) for ref in inside
+            ):
+                return sheet, cell_name(*cell)
     return None
 
 
@@ -243,5 +268,6 @@ def plain(text: object) -> str:
     """A header without blanks and capitals that nobody sees."""
     if not isinstance(text, str):
         return ""
-    shown = "".join(c for c in text if unicodedata.category(c) != "Cf")
-    return " ".join(shown.split()).casefold()
+    if not text.isascii():  # in ASCII there is none of them
+        text = "".join(c for c in text if unicodedata.category(c) != "Cf")
+    return " ".join(text.split()).casefold()

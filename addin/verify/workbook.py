@@ -40,6 +40,7 @@ from addin.verify.input_copy import compare_input_copy, without_copy
 from addin.verify.key_units import compare_units
 from addin.verify.schematic import compare_schematic
 from addin.verify.structure import (
+    PlainTexts,
     has_every_column,
     led_astray,
     missing_tables,
@@ -117,15 +118,16 @@ def verify_workbook(
     if recorded.digest == inputs:
         findings += compare_input_copy(read, inputs, same_version=same_words)
     findings += _on_studies(read)
-    findings += missing_tables(workbook)
+    texts = PlainTexts(workbook)
+    findings += missing_tables(texts)
     findings += odd_columns(workbook)
-    findings += led_astray(workbook)
+    findings += led_astray(texts)
     findings += other_sheets(workbook)
     findings += without_banner(workbook, {sheet for sheet, _, _ in verdict_cells(workbook)})
     findings += without_copy(workbook)
     try:
         findings += compare_appearance(workbook)
-        findings += compare_texts(workbook, same_words and has_every_column(workbook))
+        findings += compare_texts(texts, same_words and has_every_column(workbook))
     except PackageError as error:  # a part that nobody needs for the numbers cannot be read
         sentence = f"formats, hidden cells and texts were not checked: {error}"
         findings.append(Finding("not judged", "", "", sentence))

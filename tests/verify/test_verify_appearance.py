@@ -25,6 +25,7 @@ from addin.verify.appearance import compare_appearance
 from addin.verify.file import verify_file
 from addin.verify.findings import Finding
 from addin.verify.fixed_texts import compare_texts
+from addin.verify.structure import PlainTexts
 from addin.verify.wording import lines
 from addin.xlsx import open_workbook
 
@@ -120,7 +121,7 @@ def test_what_was_written_is_shown(train, examples):
     for path in (train, examples / "proposed.in.xlsx", template_path("blank_us.xlsx")):
         workbook = open_workbook(path, read_only=True)
         assert [one for one in compare_appearance(workbook) if one.fails] == []
-        assert list(compare_texts(workbook, same_version=True)) == []
+        assert list(compare_texts(PlainTexts(workbook), same_version=True)) == []
 
 
 LYING = (
@@ -494,12 +495,12 @@ def test_changed_texts_of_notes_and_trace_are_found(train, tmp_path):
         cell.value = "Another text."
     book.save(tmp_path / "reworded.xlsx")
     workbook = open_workbook(tmp_path / "reworded.xlsx", read_only=True)
-    found = list(compare_texts(workbook, same_version=True))
+    found = list(compare_texts(PlainTexts(workbook), same_version=True))
     assert [(one.sheet, one.cell) for one in found] == [
         ("Notes", note.coordinate), ("Notes", equation.coordinate), ("Notes", "")
     ]  # fmt: skip
     assert all(one.fails for one in found)
-    assert not any(one.fails for one in compare_texts(workbook, same_version=False))
+    assert not any(one.fails for one in compare_texts(PlainTexts(workbook), same_version=False))
 
 
 def test_other_titles_and_captions_of_result_sheets_are_notes(train, tmp_path):
@@ -508,7 +509,7 @@ def test_other_titles_and_captions_of_result_sheets_are_notes(train, tmp_path):
     package.put_text("Results", "L5", "All margins are kept")
     package.put_text("Fatigue", "B3", "The shafts may start as often as one likes.")
     workbook = open_workbook(package.store(tmp_path / "titles.xlsx"), read_only=True)
-    found = list(compare_texts(workbook, same_version=True))
+    found = list(compare_texts(PlainTexts(workbook), same_version=True))
     assert [one.sheet for one in found] == ["Fatigue", "Results", "Results"]
     assert all("is missing" in one.sentence and not one.fails for one in found)
 

@@ -15,7 +15,7 @@ from addin.contract.input_tables import INPUT_TABLES
 from addin.reading.case_json import case_to_json, read_case_json
 from addin.reading.workbook import read_workbook
 from addin.verify.file import verify_file
-from addin.verify.structure import missing_tables
+from addin.verify.structure import PlainTexts, missing_tables
 from addin.writing.recalculate import recalculate
 from addin.xlsx import Workbook, open_workbook
 from addin.xlsx.references import cell_name
@@ -222,5 +222,5 @@ def test_a_lost_result_table_is_missed(tmp_path: Path) -> None:
     of_today = open_workbook(made.save(tmp_path / "today.xlsx"))
     made.without.update(spec.name for spec in INPUT_TABLES if spec.later)
     earlier = open_workbook(made.save(tmp_path / "earlier.xlsx"))
-    assert "EventPeaks" in {f.table for f in missing_tables(of_today)}
-    assert "EventPeaks" not in {f.table for f in missing_tables(earlier)}
+    assert "EventPeaks" in {f.table for f in missing_tables(PlainTexts(of_today))}
+    assert "EventPeaks" not in {f.table for f in missing_tables(PlainTexts(earlier))}
