@@ -75,9 +75,16 @@ def declarations(made: Path) -> None:
     ffi = FFI()
     ffi.cdef("\n".join(line for line in header.splitlines() if not line.startswith("#")))
     ffi.set_source(MODULE, None)
+    partial = _partial(made)
     with contextlib.redirect_stdout(None):
-        ffi.emit_python_code(str(made))
+        ffi.emit_python_code(str(partial))
+    partial.replace(made)
     made.touch()  # make compares its time with those of the sources
+
+
+def _partial(made: Path) -> Path:
+    """A name of this process: several may build the same file."""
+    return made.with_suffix(f".{os.getpid()}.part")
 
 
 def build(root: Path) -> list[Path]:
@@ -115,7 +122,7 @@ def build_for(root: Path, tag: str) -> list[Path]:
 
 def compile_into(made: Path, folder: Path, command: tuple[str, ...], sources: str) -> None:
     """Compiles the sources of a folder."""
-    partial = made.with_suffix(".part")
+    partial = _partial(made)
     words = [
         *command, *FLAGS, f'-DSOURCES="{sources}"', "-o", str(partial),
         *map(str, sorted(folder.glob("*.c"))), "-lm",

@@ -1,7 +1,8 @@
 """Minutes of the whole proof by part, and of the tests by room: `ci_minutes.py tests.xml NAME=SECONDS...`.
 
-Printed as Markdown, and kept beside the report of the tests as minutes.md. The rooms' minutes are the
-durations of their tests added up, of all processes; `make test` is the wall time of them together.
+Some parts run side by side; the last one named is the time of all. Printed as Markdown, and kept beside the
+report of the tests as minutes.md. The rooms' minutes are the durations of their tests added up, of all processes;
+`make test` is the wall time of them together.
 """
 
 from __future__ import annotations
@@ -38,7 +39,6 @@ def tables(report: Path, parts: list[tuple[str, float]]) -> str:
         "| part | minutes |",
         "|---|---:|",
         *(f"| {name} | {took / 60:.1f} |" for name, took in parts),
-        f"| together | {sum(took for _, took in parts) / 60:.1f} |",
     ]
     measured = rooms(report)
     if measured:

@@ -71,7 +71,7 @@ def test_tasks_run_in_the_processes_of_the_cluster(three_workers):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("send", ["files", "bytes"])
+@pytest.mark.parametrize("send", ["files", pytest.param("bytes", marks=pytest.mark.long)])
 def test_a_worker_killed_in_the_middle_loses_nothing(three_workers, tmp_path, send):
     source = tmp_path / "in"
     for number in range(12):

@@ -82,7 +82,7 @@ def test_the_truth_agrees_with_itself_at_twice_the_step(name: str) -> None:
     assert np.max(np.abs(fine.minimum - coarse.minimum) / size) <= TRUTH
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_first_tenth_of_a_second_of_a_thousand_stations() -> None:
     whole = STARTS[THOUSAND]
     hard = replace(whole, case=replace(whole.case, maximum_time=0.1))

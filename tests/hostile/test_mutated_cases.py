@@ -19,6 +19,8 @@ def test_a_mutated_case_is_calculated_or_refused(number: int) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("first", range(1_000, 1_000 + QUICK, 20))
+@pytest.mark.parametrize(
+    "first", [1_000, *(pytest.param(n, marks=pytest.mark.long) for n in range(1_020, 1_000 + QUICK, 20))]
+)  # fmt: skip
 def test_some_more(first: int) -> None:
     assert [one for n in range(first, first + 20) if not (one := ended(n)).sound] == []

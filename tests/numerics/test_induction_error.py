@@ -18,7 +18,6 @@ from tests.machine_reference import errors_hold, misses
     "seeds",
     [
         range(12),
-        pytest.param(range(12, 48), marks=pytest.mark.slow),
         pytest.param(range(300), marks=pytest.mark.long),
     ],
     ids=len,
@@ -28,7 +27,7 @@ def test_stated_errors_hold(seeds):
 
 
 @pytest.mark.parametrize(
-    "seeds", [range(6), pytest.param(range(6, 36), marks=pytest.mark.slow)], ids=len
+    "seeds", [range(6), pytest.param(range(6, 100), marks=pytest.mark.long)], ids=len
 )
 def test_stated_errors_hold_with_teeth_apart(seeds):
     apart = errors_hold(seeds, partial(induction_case, clearance=True), induction_reference)

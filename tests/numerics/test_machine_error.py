@@ -25,7 +25,6 @@ from tests.machine_reference import (
     "seeds",
     [
         range(15),
-        pytest.param(range(15, 50), marks=pytest.mark.slow),
         pytest.param(range(500), marks=pytest.mark.long),
     ],
     ids=len,
@@ -38,7 +37,6 @@ def test_stated_errors_hold(seeds):
     "seeds",
     [
         range(8),
-        pytest.param(range(8, 50), marks=pytest.mark.slow),
         pytest.param(range(500), marks=pytest.mark.long),
     ],
     ids=len,
@@ -51,7 +49,6 @@ def test_stated_errors_hold_with_teeth_apart(seeds):
     "seeds",
     [
         range(1, 32, 4),
-        pytest.param(range(33, 200, 4), marks=pytest.mark.slow),
         pytest.param(range(1, 2000, 4), marks=pytest.mark.long),
     ],
     ids=len,

@@ -22,7 +22,6 @@ from addin.report.layout import rows_together
 from addin.report.pages import Piece, page_ends
 
 PAGE = 232.0
-EXAMPLES = ("proposed", "modified", "backlash", "motor")
 
 
 def filled(placed: list[Piece], ends: frozenset[int]) -> list[float]:
@@ -108,7 +107,9 @@ def test_pages_of_the_pdf(proposed: Made) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", EXAMPLES)
+@pytest.mark.parametrize(
+    "name", ["motor", *(pytest.param(n, marks=pytest.mark.long) for n in ("proposed", "modified", "backlash"))]
+)  # fmt: skip
 def test_pages_of_every_example(name: str, tmp_path: Path, soffice) -> None:
     both(ROOT / "templates" / f"example_{name}.xlsx", tmp_path, soffice)
 

@@ -85,7 +85,13 @@ def tasks_of(dask: Dask) -> list[str]:
 
 
 @pytest.mark.parametrize(
-    "words", [("tolerances", "--samples", 300), ("tune",), ("starts",), ("sensitivities",)]
+    "words",
+    [
+        ("tolerances", "--samples", 300),
+        ("starts",),
+        pytest.param(("tune",), marks=pytest.mark.long),
+        pytest.param(("sensitivities",), marks=pytest.mark.long),
+    ],
 )
 def test_results_are_those_of_this_machine_bit_for_bit(
     dask: Dask, case: Path, tmp_path: Path, words: tuple[object, ...]

@@ -307,7 +307,7 @@ def distinct_samples(t, y):
 
 @pytest.mark.parametrize(
     "seeds",
-    [range(10), pytest.param(range(10, 50), marks=pytest.mark.slow), pytest.param(range(500), marks=pytest.mark.long)],
+    [range(10), pytest.param(range(500), marks=pytest.mark.long)],
     ids=len,
 )  # fmt: skip
 def test_stated_errors_of_starts_hold(seeds):
@@ -316,7 +316,7 @@ def test_stated_errors_of_starts_hold(seeds):
 
 @pytest.mark.parametrize(
     "seeds",
-    [range(8), pytest.param(range(8, 24), marks=pytest.mark.slow), pytest.param(range(500), marks=pytest.mark.long)],
+    [range(8), pytest.param(range(500), marks=pytest.mark.long)],
     ids=len,
 )  # fmt: skip
 def test_stated_errors_of_starts_hold_with_any_rotor(seeds):
@@ -346,7 +346,7 @@ def starts_hold(seeds, make):
 
 @pytest.mark.parametrize(
     "seeds",
-    [range(10), pytest.param(range(10, 50), marks=pytest.mark.slow), pytest.param(range(200), marks=pytest.mark.long)],
+    [range(10), pytest.param(range(200), marks=pytest.mark.long)],
     ids=len,
 )  # fmt: skip
 def test_stated_errors_of_events_in_starts_hold(seeds):
@@ -356,7 +356,7 @@ def test_stated_errors_of_events_in_starts_hold(seeds):
 
 @pytest.mark.parametrize(
     "seeds",
-    [range(8), pytest.param(range(8, 24), marks=pytest.mark.slow), pytest.param(range(500), marks=pytest.mark.long)],
+    [range(8), pytest.param(range(500), marks=pytest.mark.long)],
     ids=len,
 )  # fmt: skip
 def test_stated_errors_of_events_in_starts_hold_with_any_rotor(seeds):

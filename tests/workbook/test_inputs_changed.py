@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -236,13 +236,16 @@ def test_rows_added_and_deleted_are_a_change(calculated: Path, calc: Any) -> Non
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(
+    "tables", [INPUT_TABLES[::4], pytest.param(INPUT_TABLES, marks=pytest.mark.long)], ids=len
+)
 def test_a_table_that_grew_is_a_change_until_the_next_calculation(
-    calculated: Path, calc: Any, tmp_path: Path
+    calculated: Path, calc: Any, tmp_path: Path, tables: Sequence[TableSpec]
 ) -> None:
     """As Excel lets a table grow when something is typed below it."""
     steps: list[tuple[object, ...]] = []
     expected = []
-    for spec in INPUT_TABLES:
+    for spec in tables:
         workbook = open_workbook(calculated)
         data = workbook.tables[spec.name].data
         part = workbook.sheet_part(workbook.tables[spec.name].sheet)

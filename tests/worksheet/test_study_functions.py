@@ -103,7 +103,7 @@ def test_sensitivities_of_frequencies_are_half_the_energies(handle):
     assert all(value is not None for line in lines for value in line), "no blank columns"
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_sensitivities_of_the_start_are_the_command(handle, tmp_path):
     told = command(tmp_path, "sensitivities")
     cells = by_header(call("TV_SENSITIVITIES", [handle, "start"]))

@@ -140,7 +140,7 @@ def test_damping_beyond_double_precision_is_named_and_no_traceback() -> None:
         run(with_bearing_damping(1e25))
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_damping_that_leaves_no_digits_is_said_with_the_result() -> None:
     """1e14 N s/m, 6e7 times critical: the loop comes to an end, and nothing it found is claimed."""
     results = run(with_bearing_damping(1e14))

@@ -86,7 +86,7 @@ def by_itself(results: Results, crossing: Crossing, damping: float) -> float:
         ("proposed", "mean speed"),
         pytest.param(("proposed", "own speed"), marks=pytest.mark.long),
         pytest.param(("modified", "mean speed"), marks=pytest.mark.long),
-        pytest.param(("modified", "own speed"), marks=pytest.mark.slow),
+        pytest.param(("modified", "own speed"), marks=pytest.mark.long),
     ],
 )
 def results(request: pytest.FixtureRequest) -> Results:
