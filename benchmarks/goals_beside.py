@@ -14,6 +14,7 @@ import json
 import os
 import subprocess
 import sys
+import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -280,7 +281,7 @@ def goals_section(kept: Mapping[str, Any]) -> Section:
         "Goals and what was reached",
         "Made by `make goals OTHER=…`: commit 011f76f, whose loops numba compiled on the user's machine, and this "
         "program by turns, each in an environment of its own on the same machine, with the inputs of that commit's examples "
-        f"({kept['cores']} cores, load {kept['load'][0]:.1f} before and {kept['load'][1]:.1f} after). Processor time, in brackets wall time; "
+        f"({kept['day']}, {kept['cores']} cores, load {kept['load'][0]:.1f} before and {kept['load'][1]:.1f} after). Processor time, in brackets wall time; "
         "medians. The goal is the ratio of the two, except where it is said as times another program. What the goals that are "
         "missed consist of, and what was tried: [floors](floors.md).",
         (Table("Goals", columns, lines, notes),),
@@ -301,6 +302,9 @@ def main() -> None:
     parser.add_argument("--workbooks", type=int, default=20, help="of each batch")
     parser.add_argument(
         "--full", action="store_true", help="all starts of the studies, not some and scaled"
+    )
+    parser.add_argument(
+        "--write-docs", action="store_true", help="write the table into docs/benchmarks.md, too"
     )
     args = parser.parse_args()
     other = args.other.resolve()
@@ -323,7 +327,10 @@ def main() -> None:
                 lines = {r["what"]: Line(**r) for r in kept["lines"]}
             lines |= found
             _keep(list(lines.values()), load)
-    report.show([goals_section(json.loads(KEPT.read_text(encoding="utf-8")))])
+    section = goals_section(json.loads(KEPT.read_text(encoding="utf-8")))
+    report.show([section])
+    if args.write_docs:
+        report.replace_section(ROOT / "docs" / "benchmarks.md", section)
 
 
 def _keep(lines: Sequence[Line], load: float) -> None:
@@ -331,6 +338,7 @@ def _keep(lines: Sequence[Line], load: float) -> None:
     kept = {
         "lines": [asdict(line) for line in lines],
         "cores": os.cpu_count(),
+        "day": time.strftime("%d %B %Y"),
         "load": [load, os.getloadavg()[0]],
     }
     KEPT.write_text(json.dumps(kept, indent=1) + "\n", encoding="utf-8")

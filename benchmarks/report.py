@@ -21,7 +21,7 @@ from benchmarks.whole_run import ProgramRun, StageTimes
 __all__ = [
     "Section", "Table", "at_equal_error", "goals_table", "growth_table", "machine_line",
     "modes_tables", "program_table", "response_table", "show", "stage_table", "start_table",
-    "whole_start_table", "write_markdown",
+    "whole_start_table", "replace_section", "write_markdown",
 ]  # fmt: skip
 
 NONE = "–"
@@ -254,22 +254,33 @@ def show(sections: Sequence[Section]) -> None:
 
 def write_markdown(path: Path, title: str, sections: Sequence[Section]) -> None:
     """The same as a page of the documentation."""
-    lines = [f"# {title}", ""]
-    for section in sections:
-        lines += [f"## {section.heading}", "", section.text, ""]
-        for name, what in section.pictures:
-            lines += [f"![{what}](images/{name})", ""]
-        for table in section.tables:
-            lines += [f"**{table.title}**", ""]
-            words = table.title in WORDS
-            lines.append("| " + " | ".join(table.columns) + " |")
-            lines.append(
-                "|"
-                + "|".join(["---", *["---" if words else "--:"] * (len(table.columns) - 1)])
-                + "|"
-            )
-            lines += ["| " + " | ".join(row) + " |" for row in table.rows]
-            lines.append("")
-            if table.note:
-                lines += [table.note, ""]
+    lines = [f"# {title}", "", *(line for section in sections for line in _lines_of(section))]
     path.write_text("\n".join(lines).rstrip() + "\n", encoding="utf-8")
+
+
+def replace_section(path: Path, section: Section) -> None:
+    """Write one section of a page anew; the others stay as they are."""
+    before, heading, rest = path.read_text(encoding="utf-8").partition(f"## {section.heading}\n")
+    if not heading:
+        raise ValueError(f"{path} has no section {section.heading}")
+    _, following, after = rest.partition("\n## ")
+    text = "\n".join(_lines_of(section)).rstrip() + "\n"
+    path.write_text(before + text + following + after, encoding="utf-8")
+
+
+def _lines_of(section: Section) -> list[str]:
+    lines = [f"## {section.heading}", "", section.text, ""]
+    for name, what in section.pictures:
+        lines += [f"![{what}](images/{name})", ""]
+    for table in section.tables:
+        lines += [f"**{table.title}**", ""]
+        words = table.title in WORDS
+        lines.append("| " + " | ".join(table.columns) + " |")
+        lines.append(
+            "|" + "|".join(["---", *["---" if words else "--:"] * (len(table.columns) - 1)]) + "|"
+        )
+        lines += ["| " + " | ".join(row) + " |" for row in table.rows]
+        lines.append("")
+        if table.note:
+            lines += [table.note, ""]
+    return lines
