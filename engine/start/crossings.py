@@ -307,7 +307,7 @@ def _note(p: Crossing, ratio: float, line_frequency: float, mesh: str, is_modal:
     if average <= 0.0:
         notes.append("The average torque is not positive here.")
     if mesh:
-        notes.append(f"Mesh torque {mesh} here.")
+        notes.append(f"Mesh torque here {mesh}.")
     return " ".join(notes)
 
 

@@ -466,7 +466,7 @@ _SHEETS: tuple[Sheet, ...] = (
             ChartAt("tuning-margins", f"L{_MARGINS}", 510, 350),
             ChartAt("tuning-modes", f"L{_MODES}", 510, 350),
         ),
-        row_breaks=(_MODES - 1,),
+        row_breaks=(_MARGINS - 1, _MODES - 1),
         intro="Allowable starts and margins over the first two variables of sheet Tuning; each "
         "cell shows the best combination of all other variables. No mode may lie in a "
         "hatched band.",
