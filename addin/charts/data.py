@@ -398,13 +398,11 @@ def _crossing_rows(case: CaseData, run: RunView | None, labels: dict[str, Cell])
     named, last = -1, math.inf
     for k, crossing in enumerate(crossings[:CROSSINGS]):
         rows[k] = plain([crossing["time"], _rpm(speed * crossing["percent_speed"])])
-        words = f"Mode {crossing['mode']}: {crossing['frequency']:.1f} Hz"
+        words = f"{crossing['frequency']:.1f} Hz"
         if crossing.get("multiple_of_slip") == 1:
             words += " (1 × slip)"
         if abs(last - crossing["percent_speed"]) < _SAME_LABEL:  # two names would cover each other
-            labels[f"Crossing {named + 1}"] = (
-                f"{labels[f'Crossing {named + 1}']}; {words[0].lower()}{words[1:]}"
-            )
+            labels[f"Crossing {named + 1}"] = f"{labels[f'Crossing {named + 1}']}; {words}"
         else:
             named, last = k, crossing["percent_speed"]
             labels[f"Crossing {k + 1}"] = words

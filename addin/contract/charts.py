@@ -297,7 +297,7 @@ _SPECS = (
         (
             _curve("ChartSpeedTime", "Time", "Speed", "Motor speed", "navy", 2.0),
             *(_named_point("Crossing", k, "rust", "right") for k in range(CROSSINGS)),
-            *(_named_point("Event", k, "teal", "below") for k in range(EVENTS)),
+            *(_named_point("Event", k, "teal", "above") for k in range(EVENTS)),
         ),
         height=74.0,
     ),

@@ -405,7 +405,7 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
         "EventTorque", sheet="Torque and motor", caption="Events in operation (optional)",
         help="Air-gap torque of a fault as makers publish it: sums of A e^(−t/τ) cos(m ω t + φ) from the event on, "
         "added to the torque in operation.",
-        rows=20, row_name=("Event", "Station", "Multiple"), later=True,
+        rows=15, row_name=("Event", "Station", "Multiple"), later=True,
         columns=(
             text("Event", "Name of the event; the rows of one name add up."),
             text("Station", "Where the torque acts: the motor.", kind="station"),
@@ -431,7 +431,7 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
         "MotorEvents", sheet="Torque and motor", caption="Events of a motor (optional)",
         help="Faults and switching of a motor of table MotorData in operation, or while it starts; its torque follows from "
         "its fluxes and its motion.",
-        rows=12, row_name=("Event",), later=True,
+        rows=10, row_name=("Event",), later=True,
         columns=(
             text("Event", "Name of the event."),
             text("Station", "Station of a row of table MotorData.", kind="station"),

@@ -20,6 +20,7 @@ class Standing:
 
     #: Name of a table → its header row and its last row; None where it is not in the columns of its part.
     rows: Callable[[str], tuple[int, int] | None]
+    filled_to: Callable[[str], int]  #: The last row of a table that holds something; 0 = none.
     has_content: Callable[[str], bool]  #: Whether a table holds something.
     has_curve: Callable[[str], bool]  #: Whether a chart, by its name, has something to draw.
 
@@ -40,11 +41,16 @@ def printed_areas(part: Sheet, standing: Standing) -> list[Area] | None:
         No area where there is nothing to show; None where a table of the part was moved away, so that nobody but
         the engineer knows what belongs together.
     """
-    rows = {name: standing.rows(name) for name in part.tables}
+    last = column_number(part.last)
+    rows = {
+        name: standing.rows(name)
+        for name, cell in part.tables.items()
+        if column_number(cell.rstrip("0123456789")) <= last  # others stand beside the pages
+    }
     if None in rows.values():
         return None
     charts = [at for at in part.charts if standing.has_curve(at.name)]
-    filled = [name for name in part.tables if standing.has_content(name)]
+    filled = [name for name in rows if standing.has_content(name)]
     if part.printed_for == NEVER:
         return []
     if part.printed_for != ALWAYS:
@@ -56,8 +62,16 @@ def printed_areas(part: Sheet, standing: Standing) -> list[Area] | None:
             return []
     inserted = max((_inserted(part, name, at[0]) for name, at in rows.items() if at), default=0)
     ends = [part.print_to + inserted]
+    inputs = {name for name in rows if table(name) in EVERY_INPUT}
+    is_form = not inputs & set(
+        filled
+    )  # nobody has typed anything: all rows, to be filled in by hand
     for name, at in rows.items():
-        if at is not None and (name in filled or table(name) in EVERY_INPUT):
+        if at is None:
+            continue
+        if name in inputs:
+            ends.append(at[1] if is_form else standing.filled_to(name))
+        elif name in filled:
             ends.append(at[1])
     ends += [
         _row(at.cell) + math.ceil(at.height / (part.row_height * 4.0 / 3.0)) + inserted

@@ -745,7 +745,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
         ),
     ),
     table(
-        "ElectricalDamping", sheet="Results", caption="Electrical damping",
+        "ElectricalDamping", sheet="Torque and motor", caption="Electrical damping",
         help="What each motor makes of each mode that the start crosses, at that speed, and in operation at rated "
         "load with a leading power factor. Blank where the motor has no data sheet.",
         row_name=("Station", "Mode", "Percent speed"), later=True,
@@ -908,12 +908,12 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             ),
             sentence(
                 "Note", "Assessment of the crossing.",
-                "Amplification in this start beside those of dwelling at the resonance, 1/2ζ, and of a sweep "
-                "without damping, 3.68 √(f²/ḟ); ratio of pulsating to average torque; reversal",
+                "Amplifications of dwelling at the resonance, 1/2ζ, and of a sweep without damping, 3.68 √(f²/ḟ); what "
+                "limits that of this start; reversal",
                 f"{PHILOSOPHY}; Lewis, Trans. ASME 54 (1932) 253",
                 of_row=(
                     "StartupCrossings.Sweep rate", "NaturalFrequencies.Damping ratio",
-                    "StartupCrossings.Average torque", "StartupCrossings.Pulsating torque",
+                    "StartupCrossings.Amplification", "StartupCrossings.Average torque",
                 ),
                 width=38.0,
             ),

@@ -65,6 +65,9 @@ class Sheet:
     #: not fitted to one page.
     breaks: tuple[str, ...] = ()
     repeated: str = ""  #: Columns repeated on every page, such as ``A:C``; empty = none.
+    rows_printed: int = (
+        0  #: Rows of the table of a sheet of a study that are printed at the most; 0 = all. [count]
+    )
     row_breaks: tuple[int, ...] = ()  #: Rows, counted from 1, at which another page begins.
     largest: int = 100  #: Scale of a print in pieces at the most. [%]
     intro: str = ""  #: One sentence below the strip.

@@ -31,24 +31,27 @@ STRIP = (
 
 # --- where everything stands ----------------------------------------------------------------------
 
-#: Rows of the history charts: below the tables of the other parts whose rows are as high as their texts need.
-_HISTORY_ROWS = (18, 26, 35)
-
-HISTORY_CHARTS = tuple(
-    ChartAt(f"history {k + 1}", f"{'BI'[k % 2]}{_HISTORY_ROWS[k // 2]}", 600, 148)
-    for k in range(HISTORIES)
-)
 #: First row of the cells in which the engineer may name the element of each history chart.
 CHOICES_BEGIN = 7
-
-#: Rows of the charts below the histories, and of what only few cases have.
-_REVERSAL_CHARTS = _HISTORY_ROWS[-1] + 9
-_BEARINGS = _REVERSAL_CHARTS + 9
+#: First row of the charts of sheet Start, below the rows that are as high as the texts of crossings and reversals need.
+_CHARTS = 10 + CROSSING_ROWS
+#: Rows between the crossings and reversals and the charts, which close where no table needs them.
+SPARE_ROWS = range(CHOICES_BEGIN + HISTORIES, _CHARTS - 1)
+#: Height of the charts of the start and of reversals, and the rows that they take. [pixel]
+_START_CHART, _START_CHART_ROWS = 236, 14
 #: Row of the captions of the tables with a row an element, whose rows are thus the same; nothing stands below them.
-OF_ELEMENTS = (
-    9 + CROSSING_ROWS
-)  #: Rows between the crossings and reversals and the tables below them, which close where no table needs them.
-SPARE_ROWS = range(CHOICES_BEGIN + HISTORIES, OF_ELEMENTS)
+OF_ELEMENTS = _CHARTS + _START_CHART_ROWS
+
+#: Rows of the history charts.
+_HISTORY_ROWS = (_CHARTS, _CHARTS + 11, _CHARTS + 21)
+HISTORY_CHARTS = tuple(
+    ChartAt(f"history {k + 1}", f"{'BI'[k % 2]}{_HISTORY_ROWS[k // 2]}", 600, 186)
+    for k in range(HISTORIES)
+)
+_BEARINGS = _HISTORY_ROWS[-1] + 11
+#: Rows of the captions below `EventTorque` and below `MotorEvents`.
+_MOTOR_EVENTS = 10 + table("EventTorque").rows
+_AIR_GAP = _MOTOR_EVENTS + 5 + table("MotorEvents").rows
 #: First row below the room of `Effects`.
 _BELOW_EFFECTS = 8 + table("Effects").room + 1
 EFFECT_NOTES_AT = f"B{_BELOW_EFFECTS}"
@@ -226,9 +229,9 @@ _SHEETS = (
     Sheet(
         "Sections",
         "input",
-        {"A": 1.5, "B": 18, "C": 10, "D:G": 9, "H": 14, "I:L": 9, "M": 1.5, "N": 18, "O": 12, "P:R": 10},
-        {"Sections": "B24", "SectionMaterials": "B59", "SectionResults": "N24"},
-        (ChartAt("profile", "B5", 1180, 280),),
+        {"A": 1.5, "B": 18, "C": 10, "D:G": 9, "H": 14, "I": 9, "J": 10.4, "K:L": 9, "M": 1.5, "N": 18, "O": 12, "P:R": 10},
+        {"Sections": "B24", "SectionMaterials": "N5", "SectionResults": "N24"},
+        (ChartAt("profile", "B5", 860, 280),),
         on="Train",
         intro="Optional: stepped shafts and rotors from their sections, which give Stiffness and inertia of their "
         "element in table Elements.",
@@ -236,13 +239,13 @@ _SHEETS = (
     Sheet(
         "Torque",
         "input",
-        {"A": 1.5, "B": 13, "C:G": 8, "H": 1, "I": 13, "J": 8, "K": 10, "L": 1, "M": 13,
+        {"A": 1.5, "B": 13, "C:D": 8, "E": 8.2, "F": 8, "G": 9.3, "H": 1, "I": 13, "J": 8, "K": 10, "L": 1, "M": 13,
          "N:O": 8, "P": 1, "Q:X": 7},
         {"MotorTorque": "B5", "LoadTorque": "I5", "TorqueTime": "M5"},
         (
             ChartAt("torque", "Q5", 432, 300),
-            ChartAt("motor-typed", "Q23", 432, 220),
-            ChartAt("load-typed", "Q37", 432, 190),
+            ChartAt("load-typed", "Q20", 432, 200),
+            ChartAt("motor-typed", "Q32", 432, 190),
         ),
         on="Torque and motor",
         intro="Torque against speed of the motor and of each driven machine; every curve begins "
@@ -252,47 +255,42 @@ _SHEETS = (
     Sheet(
         "Faults in operation",
         "input",
-        {"A": 1.5, "B": 22, "C": 12, "D": 16, "E:M": 11},
-        {"EventTorque": "B5", "MotorEvents": "B49"},
+        {"A": 1.5, "B": 20, "C": 10, "D": 16, "E": 8.9, "F:J": 7.8, "K": 8, "L": 7.8, "M": 8.4, "N": 1, "O:U": 8.2},
+        {"EventTorque": "B5", "MotorEvents": f"B{_MOTOR_EVENTS}", "AirGapTorque": f"B{_AIR_GAP}"},
+        (ChartAt("air-gap", "O5", 432, 300), ChartAt("clearing", "O26", 432, 300)),
         on="Torque and motor",
-        intro="Optional: torques of faults in operation, and faults of a motor that has a data sheet.",
+        intro="Optional: torques of faults in operation, faults of a motor that has a data sheet, and the largest air-gap "
+        "torque of each.",
     ),
     Sheet(
         "Motor",
         "input",
-        {"A": 1.5, "B": 14, "C": 11, "D:Z": 8.5, "AA:AB": 7, "AC": 14, "AD:AG": 7.4},
-        {"MotorData": "B5", "MotorCircuit": "B15", "MotorCurves": "B49", "SupplyVoltage": "N49",
-         "Supply": "R49", "MotorTimeConstants": "AB49"},
-        (ChartAt("motor-curves", "B24", 640, 400),),
+        {"A": 1.5, "B": 14, "C": 11.4, "D:Q": 10.9, "R": 10.9, "S": 15, "T:AH": 9.7, "AI": 1.5, "AJ": 14, "AK:AT": 9.4},
+        {"MotorData": "B5", "MotorCircuit": "B15", "Supply": "R15", "SupplyVoltage": "AB15", "MotorTimeConstants": "R31",
+         "ElectricalDamping": "X31", "MotorCurves": "AJ5"},
+        (ChartAt("motor-curves", "B25", 760, 430),),
         on="Torque and motor",
+        printed="AH",
         breaks=("R",),
+        printed_for=("MotorData", "MotorCircuit", "Supply", "SupplyVoltage"),
         intro="Optional: the data sheet of a motor, from which its torque curves are calculated. Where part "
-        "Torque has no curve of its station, the start uses them.",
+        "Torque has no curve of its station, the start uses them. Their numbers, right of it, are drawn and not printed.",
     ),
     Sheet(
         "Events",
         "result",
-        {"A": 1.5, "B": 15.4, "C": 18.6, "D:E": 9, "F:H": 6, "I:J": 8.4, "K": 6.2, "L": 7, "M": 8.2, "N:R": 6, "S": 6.2,
-         "T:V": 6.2, "W": 6.2, "X": 5.4},
+        {"A": 1.5, "B": 16.2, "C": 19.8, "D:E": 9.2, "F:G": 5.7, "H": 6.7, "I:J": 8.2, "K": 7.2, "L": 7.6, "M": 7.2, "N": 7,
+         "O": 5.4, "P:W": 5.2, "X": 6.4},
         {"EventPeaks": "B5"},
         on="Torque and motor",
         intro="Faults in operation: events of tables EventTorque and MotorEvents upon the train that "
         "runs under its running loads, or starts. They count as no starts.",
     ),
     Sheet(
-        "Air-gap torque",
-        "result",
-        {"A": 1.5, "B:I": 9.2, "J": 1.5, "K": 17, "L:U": 8.2},
-        {"AirGapTorque": "K5"},
-        (ChartAt("air-gap", "B5", 550, 334), ChartAt("clearing", "B26", 550, 334)),
-        on="Torque and motor",
-        intro="Largest air-gap torque of each event of a motor.",
-    ),
-    Sheet(
         "Fatigue",
         "input",
-        {"A": 1.5, "B": 19, "C:M": 8.8, "N": 1, "O:U": 8},
-        {"Materials": "B5", "SNPoints": "I5", "AllowableStarts": "B22", "StartCycles": "O33"},
+        {"A": 1.5, "B": 19, "C:D": 8.8, "E": 9.6, "F": 8.8, "G": 9.6, "H:M": 8.8, "N": 1, "O": 8.8, "P:U": 8},
+        {"Materials": "B5", "SNPoints": "I5", "AllowableStarts": "B22", "StartCycles": "O36"},
         (ChartAt("sn", "O5", 427, 300),),
         intro="Strength and S-N lines of the shaft materials (zero-to-peak; nominal stress times SCF or Kf is compared "
         "with them), and the fatigue damage of one start by rainflow count and Miner's rule.",
@@ -303,7 +301,7 @@ _SHEETS = (
     Sheet(
         "Strength",
         "input",
-        {"A": 1.5, "B": 19, "C:L": 9, "M": 64},
+        {"A": 1.5, "B": 19, "C:L": 9.6, "M": 64},
         {"FatigueFactors": "B5", "FatigueLimits": "B22"},
         on="Fatigue",
         intro="Optional: stress concentration from geometry and the factors that lower the strength of a shaft. Below, the "
@@ -313,7 +311,7 @@ _SHEETS = (
     Sheet(
         "Frequencies",
         "result",
-        {"A": 1.5, "B": 6, "C:D": 9, "E:F": 8, "G": 20, "H:I": 7, "J": 8},
+        {"A": 1.5, "B": 5, "C": 9.6, "D": 9, "E:F": 8, "G": 20, "H": 7, "I:J": 8},
         {"NaturalFrequencies": "B5"},
         on="Results",
         intro="Undamped torsional natural frequencies; rigid-body modes come first with frequency 0.",
@@ -321,7 +319,7 @@ _SHEETS = (
     Sheet(
         "Margins",
         "result",
-        {"A": 1.5, "B": 6, "C": 16, "D": 8, "E": 9.5, "F:G": 8, "H": 11, "I": 20, "J": 7.5},
+        {"A": 1.5, "B": 5, "C": 16, "D": 7.6, "E": 9.5, "F:G": 8, "H": 15.8, "I": 16, "J": 7.5},
         {"SeparationMargins": "B5"},
         on="Results",
         joins=True,
@@ -331,7 +329,7 @@ _SHEETS = (
     Sheet(
         "Steady state",
         "result",
-        {"A": 1.5, "B": 20, "C": 20, "D": 6, "E": 9, "F": 16, "G:K": 11, "L": 24, "M:O": 10},
+        {"A": 1.5, "B": 20, "C": 20, "D": 6, "E": 9.6, "F": 16, "G:K": 11, "L": 24, "M:O": 10},
         {"SteadyState": "B23"},
         (ChartAt("shapes", "B5", 596, 336), ChartAt("interference", "H5", 640, 336)),
         on="Results",
@@ -357,21 +355,15 @@ _SHEETS = (
         printed_for=NEVER,
     ),
     Sheet(
-        "Electrical damping",
-        "result",
-        {"A": 1.5, "B": 16, "C": 6, "D:L": 11},
-        {"ElectricalDamping": "B5"},
-        on="Results",
-        intro="What the air gap of motors with a data sheet adds to the damping of the modes.",
-        printed_for=("MotorData",),
-    ),
-    Sheet(
         "Start-up",
         "result",
-        {"A": 1.5, "B": 19, "C:D": 9.6, "E": 7.2, "F": 9.4, "G": 7.7, "H": 9, "I:J": 7.2, "K": 12.6, "L": 8.5,
-         "M:N": 9.3, "O:P": 7.1, "Q": 38.7},
+        {"A": 1.5, "B": 19, "C:D": 9.6, "E": 7.2, "F": 9.4, "G": 8.2, "H": 8.2, "I:J": 7.2, "K": 14, "L": 8.5,
+         "M:N": 9.3, "O:P": 6, "Q": 41.6},
         {"StartupCrossings": "B5", "StartupPeaks": f"B{OF_ELEMENTS}"},
-        (ChartAt("speed-time", f"Q{OF_ELEMENTS + 1}", 266, 188),),
+        (
+            ChartAt("speed-time", f"B{_CHARTS}", 576, _START_CHART),
+            ChartAt("pull-in", f"J{_CHARTS}", 640, _START_CHART),
+        ),
         on="Start",
         intro="The start from rest to EndSpeed, or to the end of pull-in or coast-down. Torques "
         "are at each element's own speed; a mesh's on its From side. Stresses here are nominal, without "
@@ -385,10 +377,7 @@ _SHEETS = (
         {"BearingForces": f"B{_BEARINGS}"},
         (
             *HISTORY_CHARTS,
-            ChartAt("reversal", f"B{_REVERSAL_CHARTS}", 600, 148),
-            ChartAt("blow", f"I{_REVERSAL_CHARTS}", 600, 148),
-            ChartAt("forces", f"E{_BEARINGS}", 515, 190),
-            ChartAt("pull-in", f"K{_BEARINGS}", 410, 190),
+            ChartAt("forces", f"I{_BEARINGS}", 600, 190),
         ),
         on="Start",
         intro="Torque, stress or tooth load against time from rest to EndSpeed (Szenasi & von "
@@ -399,8 +388,13 @@ _SHEETS = (
     Sheet(
         "Reversals",
         "result",
-        {"A": 1.5, "B": 19, "C": 9.4, "D:K": 7.3, "L": 8.8, "M:N": 7.3, "O": 7, "P:Q": 6.6, "R": 7.6, "S": 17, "T:V": 6.8},
+        {"A": 1.5, "B": 19, "C": 9.4, "D:E": 7.2, "F": 5.2, "G:H": 7.2, "I": 5.8, "J:K": 7.2, "L": 8, "M:N": 7.3, "O": 7,
+         "P": 6, "Q": 6.2, "R": 9.2, "S": 24, "T": 6.8, "U": 6.6, "V": 6},
         {"TorqueReversals": "B5", "MakerSheet": f"B{OF_ELEMENTS}"},
+        (
+            ChartAt("reversal", f"B{_CHARTS}", 560, _START_CHART),
+            ChartAt("blow", f"K{_CHARTS}", 640, _START_CHART),
+        ),
         on="Start",
         intro="Gear teeth that unload or separate during the start. A reversal is one passage of "
               "the torque below zero. Torques are those of the From side, at its own speed. More on sheet Notes. Below: "
@@ -521,7 +515,7 @@ def _of_shaft(column: str) -> str:
 
 
 #: Cell of the caption above the facts of the governing shaft on sheet `Fatigue`.
-CYCLE_FACTS_AT = "O21"
+CYCLE_FACTS_AT = "O24"
 
 #: What leads from the cycles of one start to 1/q.
 CYCLE_FACTS = (

@@ -117,7 +117,7 @@ def _draw(path: Path) -> None:
     workbook = open_workbook(path, ignore_lock=True)
     read = read_workbook(workbook)
     draw_schematic(workbook, read.data)
-    hide_empty_charts(workbook, EVERY_CHART)
+    hide_empty_charts(workbook, EVERY_CHART, is_form=True)
     try:
         workbook.save(made)
         os.replace(made, path)

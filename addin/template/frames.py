@@ -168,7 +168,7 @@ class Frames:
             largest = min(part.largest for part in printed)
             page.set_print_scale(_scale_of(max(widths), _PAPER[self.system], largest))
             return
-        if sheet.breaks or sheet.row_breaks:
+        if sheet.breaks or sheet.row_breaks or sheet.narrow:
             page.set_v_pagebreaks([column_number(letters) for letters in sheet.breaks])
             page.set_print_scale(_print_scale(sheet, _PAPER[self.system]))
             page.print_across()
@@ -178,7 +178,11 @@ class Frames:
             page.fit_to_pages(1, 0)
         if sheet.repeated:
             page.repeat_columns(sheet.repeated)
-        if sheet.printed or sheet.breaks or sheet.row_breaks:
+        if sheet.printed_for == NEVER:
+            page.print_area("A1:A1")
+        elif sheet.rows_printed:
+            page.print_area(f"A1:{sheet.last}{sheet.header_rows + sheet.rows_printed}")
+        elif sheet.printed or sheet.breaks or sheet.row_breaks:
             page.print_area(f"A1:{sheet.last}{_LAST_ROW}")
 
     def _print_areas(self) -> None:
@@ -190,7 +194,7 @@ class Frames:
 
     @property
     def _standing(self) -> Standing:
-        return Standing(self._rows_of, self._has_content, self._has_curve)
+        return Standing(self._rows_of, self._filled_to, self._has_content, self._has_curve)
 
     def _has_curve(self, chart: str) -> bool:
         """Whether the inputs alone give a chart something to draw."""
@@ -207,6 +211,12 @@ class Frames:
         """Header row and last row of a table, counted from 1."""
         place = self.places[table]
         return place.first, place.last + 1
+
+    def _filled_to(self, table: str) -> int:
+        """Last row that an example fills of an input table, counted from 1; 0 = none."""
+        rows = self.example.tables.get(table, ())
+        filled = [k for k, row in enumerate(rows, 1) if any(row.values())]
+        return self.places[table].first + filled[-1] if filled else 0
 
     def _has_content(self, table: str) -> bool:
         """Whether an example fills a table, or its inputs alone the data of a chart."""

@@ -35,10 +35,10 @@ def _boxed(ink: str = "", paper: str = "", **more: Any) -> dict[str, Any]:
     return _format(ink, paper, border=1, border_color=PALETTE["silver"], **more)
 
 
-def _header(paper: str) -> dict[str, Any]:
+def _header(paper: str, **more: Any) -> dict[str, Any]:
     """Header of a column."""
     frame = {"border": 1, "border_color": PALETTE["white"]}
-    return _format("white", paper, bold=True, text_wrap=True, align="center", **frame)
+    return _format("white", paper, bold=True, text_wrap=True, align="center", **frame, **more)
 
 
 def _verdict(word: str) -> dict[str, Any]:
@@ -83,6 +83,10 @@ _FORMATS: Mapping[str, Mapping[str, Any]] = {
     "header_input": _header("navy"),
     "header_result": _header("grey"),
     "header_check": _header("teal"),
+    # a word that is wider than its column
+    "header_input_upright": _header("navy", rotation=90),
+    "header_result_upright": _header("grey", rotation=90),
+    "header_check_upright": _header("teal", rotation=90),
     "result": _boxed(align="right"),
     "result_text": _boxed(shrink=True, **_LEFT),
     "result_wrap": _boxed(text_wrap=True, **_LEFT),

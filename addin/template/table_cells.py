@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -9,7 +11,7 @@ from xlsxwriter.utility import xl_rowcol_to_cell
 
 from addin.contract import tables as fields
 from addin.contract.chart_tables import LABELS
-from addin.contract.sheet import Sheet
+from addin.contract.sheet import READABLE, Sheet
 from addin.contract.tables import Field, TableSpec
 from addin.template.cell_rules import input_rule, trace_prompt, unit_list
 from addin.template.charts import Place
@@ -23,30 +25,75 @@ _SHORT_HEADER = 8
 _FIRST_ROW = 4
 
 
+#: Width of bold letters of Arial Narrow. [1/1000 of their height]
+_BOLD_NARROW = {
+    **dict.fromkeys("ijlIft ()-'.,/:", 270),
+    **dict.fromkeys("rs", 400),
+    **dict.fromkeys("mwMW", 720),
+    **dict.fromkeys("ABCDEFGHJKLNOPQRSTUVXYZ×", 590),
+}
+_ANY_LETTER = 490
+#: What a header's frame takes of a column's width, and the height of one of its lines. [pixel]
+_FRAME, _LINE = 4.0, 18.0
+
+
+def _pixels(words: str) -> float:
+    """Width of words in a header of narrow letters. [pixel]"""
+    height = READABLE * 4.0 / 3.0
+    return sum(_BOLD_NARROW.get(letter, _ANY_LETTER) for letter in words) * 1e-3 * height
+
+
+def _lines(words: str, room: float) -> int:
+    """Lines of a header in so many pixels. [count]"""
+    lines, line = 1, ""
+    for piece in _unbroken(words):
+        if line and _pixels((line + piece).rstrip()) > room:
+            lines, line = lines + 1, piece
+        else:
+            line += piece
+    return lines
+
+
+def _unbroken(words: str) -> list[str]:
+    """What stands in one line of a header: words, and what a hyphen parts."""
+    return re.findall(r"[^ -]+[ -]*", words)
+
+
+def stands_upright(words: str, width: float) -> bool:
+    """Whether a word of a header of narrow letters is wider than its column, so many characters wide."""
+    room = 7.0 * width + 5.0 - _FRAME
+    return _widest(words) > room
+
+
+def _widest(words: str) -> float:
+    return max(_pixels(piece.rstrip()) for piece in _unbroken(words))
+
+
+def _header_lines(words: str, width: float) -> float:
+    """Height of a header of narrow letters, as lines that do not stand upright. [1]"""
+    room = 7.0 * width + 5.0 - _FRAME
+    if not stands_upright(words, width):
+        return _lines(words, room)
+    side_by_side = max(1, math.floor(room / _LINE))
+    length = _widest(words)
+    while _lines(words, length) > side_by_side:
+        length += 1.0
+    return (1.06 * length + 2.0 * _FRAME) / _LINE
+
+
 def _header_height(sheet: Sheet, columns: Sequence[Field], left: int, has_units: bool) -> float:
     """Height of three lines of a header over columns with units, of two over others; more where words need it. [point]"""
     if not sheet.narrow:
         return 38 if has_units else 24 if sheet.letters == USUAL else 30
-    widths = sheet.column_widths
     lines = max(
-        _lines(field.name, widths.get(left + 1 + k - sheet.shift, 9.0))
-        for k, field in enumerate(columns)
+        _header_lines(field.name, _width(sheet, left + k)) for k, field in enumerate(columns)
     )
-    return max(41.25 if has_units else 27.0, 13.5 * lines)
+    return max(41.25 if has_units else 27.0, math.ceil(13.5 * lines))
 
 
-def _lines(words: str, width: float) -> int:
-    """Lines of a header of bold narrow letters in a column so many characters wide. [count]"""
-    room, lines, used = _LETTERS_A_CHARACTER * width, 1, 0
-    for word in words.split():
-        if used and used + 1 + len(word) > room:
-            lines, used = lines + 1, 0
-        used += len(word) + bool(used)
-    return lines
-
-
-#: Bold narrow letters that a column takes for each character of its width. [1]
-_LETTERS_A_CHARACTER = 1.1
+def _width(sheet: Sheet, column: int) -> float:
+    """Width of a column of the sheet, counted from 0. [characters]"""
+    return sheet.column_widths.get(column + 1 - sheet.shift, 9.0)
 
 
 class Tables(Frames):
@@ -81,7 +128,15 @@ class Tables(Frames):
                 "name": spec.name,
                 "style": None,
                 "autofilter": spec.filtered,
-                "columns": [self._column_options(spec, field, is_input) for field in columns],
+                "columns": [
+                    self._column_options(
+                        spec,
+                        field,
+                        is_input,
+                        sheet.narrow and stands_upright(field.name, _width(sheet, left + k)),
+                    )
+                    for k, field in enumerate(columns)
+                ],
             },
         )
         for k, field in enumerate(columns):
@@ -104,11 +159,13 @@ class Tables(Frames):
         else:
             self._worded_caption(page, row, left, spec.caption, spec.help)
 
-    def _column_options(self, spec: TableSpec, field: Field, is_input: bool) -> dict[str, Any]:
+    def _column_options(
+        self, spec: TableSpec, field: Field, is_input: bool, is_upright: bool
+    ) -> dict[str, Any]:
         kind = "input" if is_input else "check" if field in spec.extra_columns else "result"
         options: dict[str, Any] = {
             "header": field.name,
-            "header_format": self.style(f"header_{kind}"),
+            "header_format": self.style(f"header_{kind}{'_upright' * is_upright}"),
             "format": self._cell_style(spec, field, is_input),
         }
         return options | ({"formula": field.formula} if field.formula else {})

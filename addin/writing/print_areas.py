@@ -98,13 +98,19 @@ def _standing(workbook: Workbook, columns: tuple[int, int], printed: Mapping[str
             )
         return any(at not in part.formulas for at in part.filled_cells(table.data))
 
-    return Standing(rows, has_content, lambda name: has_curve(workbook, CHARTS[name]))
+    def filled_to(name: str) -> int:
+        table = workbook.tables.get(name)
+        if table is None:
+            return 0
+        return max(
+            (row for row, _ in workbook.sheet_part(table.sheet).filled_cells(table.data)), default=0
+        )
+
+    return Standing(rows, filled_to, has_content, lambda name: has_curve(workbook, CHARTS[name]))
 
 
 def has_curve(workbook: Workbook, chart: ChartSpec) -> bool:
-    """Whether a chart has a number to draw; one of inputs alone is drawn as they are typed."""
-    if {series.table for series in chart.series} <= _INPUTS:
-        return True
+    """Whether a chart has a number to draw."""
     return any(_has_number(workbook, series.table, series.y) for series in chart.series)
 
 
@@ -121,7 +127,9 @@ def _has_number(workbook: Workbook, name: str, column: str) -> bool:
     return holds_data([part.constants(Rect(data.top, left, data.bottom, left))])
 
 
-def hide_empty_charts(workbook: Workbook, charts: Mapping[str, ChartSpec]) -> None:
+def hide_empty_charts(
+    workbook: Workbook, charts: Mapping[str, ChartSpec], *, is_form: bool = False
+) -> None:
     """Hide the charts that have nothing to draw, and show the others.
 
     Parameters
@@ -130,5 +138,16 @@ def hide_empty_charts(workbook: Workbook, charts: Mapping[str, ChartSpec]) -> No
         With its results written. Charts are known by their description; those of the engineer stay as they are.
     charts : mapping of str to ChartSpec
         The charts in question, by name.
+    is_form : bool
+        Whether inputs are still to be typed: charts of them alone are drawn as they are typed. [flag]
     """
-    workbook.hide_objects({name: not has_curve(workbook, spec) for name, spec in charts.items()})
+    workbook.hide_objects(
+        {
+            name: not ((is_form and _is_of_inputs(spec)) or has_curve(workbook, spec))
+            for name, spec in charts.items()
+        }
+    )
+
+
+def _is_of_inputs(chart: ChartSpec) -> bool:
+    return {series.table for series in chart.series} <= _INPUTS

@@ -43,7 +43,7 @@ from addin.contract.sheets import (
 )
 from addin.contract.shown_cell import shown_cell
 from addin.contract.shown_units import ShownUnits, shown_units
-from addin.contract.studies.registry import STUDIES
+from addin.contract.studies.registry import STUDIES, STUDY_SHEETS
 from addin.contract.tables import TableSpec
 from addin.contract.texts import NO_STUDY
 from addin.reading.workbook import WorkbookInput, read_workbook
@@ -687,7 +687,9 @@ def _room_of(workbook: Workbook, name: str) -> tuple[Mapping[str, float], float,
 #: Usual height of letters. [pt]
 _USUAL = 9.0
 #: The parts with larger ones, by their tables.
-_READABLE_PARTS = {name: part for part in SHEETS if part.letters > _USUAL for name in part.tables}
+_READABLE_PARTS = {
+    name: part for part in (*SHEETS, *STUDY_SHEETS) if part.letters > _USUAL for name in part.tables
+}
 #: What the frame and the indent of a cell take of its width. [characters]
 _INDENT = 2.0
 

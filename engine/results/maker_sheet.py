@@ -118,7 +118,7 @@ def _row(results: Results, index: int, continuous: float | None) -> MakerRow:
             sentence
             for sentence, applies in (
                 (f"vibratory torque unbounded at {unbounded}", bool(unbounded)),
-                (f"peak in event '{where}'", bool(where)),
+                (f"peak in '{where}'", bool(where)),
                 (f"without event {missing}", bool(missing)),
                 ("start not completed", not is_counted(results.start)),
                 (f"reversals and cycles with {_phase(results)}", bool(_phase(results))),

@@ -300,48 +300,43 @@ def _note(p: Crossing, ratio: float, line_frequency: float, mesh: str, is_modal:
         return " ".join([*notes, "The pulsation frequency stays below this mode."])
     if p.time is None:
         return " ".join([*notes, "Not reached: the start ends before this speed."])
-    sweep, average, pulsating = p.sweep_rate, p.average_torque, p.pulsating_torque
+    sweep, average = p.sweep_rate, p.average_torque
     assert sweep is not None
     assert average is not None
-    assert pulsating is not None
     notes.append(_built_up(p, ratio, sweep, is_modal))
-    notes.append(
-        f"Pulsating torque is {pulsating / average:.0%} of the average torque at the crossing."
-        if average > 0.0
-        else "The average torque is not positive at the crossing."
-    )
+    if average <= 0.0:
+        notes.append("The average torque is not positive here.")
     if mesh:
-        notes.append(f"At this crossing the mesh torque {mesh}.")
+        notes.append(f"Mesh torque here {mesh}.")
     return " ".join(notes)
 
 
 def _built_up(p: Crossing, ratio: float, sweep: float, is_modal: bool) -> str:
-    """Amplification in this start beside those of dwelling and of a sweep without damping."""
+    """Amplifications of dwelling and of a sweep without damping, and what limits that of this start."""
     dwelling = 1.0 / (2.0 * ratio) if ratio > 0.0 else math.inf
     undamped = LEWIS_FACTOR * p.frequency / math.sqrt(sweep) if sweep > 0.0 else math.inf
-    beside = [
+    values = ", ".join(
         f"{value:.3g} × {words}"
-        for value, words in (
-            (dwelling, "dwelling at the resonance"),
-            (undamped, "swept without damping"),
-        )
+        for value, words in ((dwelling, "dwelling"), (undamped, "swept undamped"))
         if math.isfinite(value)
-    ]
-    values = f" ({', '.join(beside)})" if beside else ""
-    at = f"Sweep of {sweep:.1f} Hz/s: "
+    )
     if p.amplification is None:
-        return f"{at}the amplification in this start cannot be seen{values}."
-    if not is_modal:
-        return (
-            f"{at}amplification {p.amplification:.3g} × static as the ratio of peaks, since clearances or "
-            f"bearings couple the modes{values}."
-        )
-    text = f"{at}amplification {p.amplification:.3g} × static in this start{values}."
+        what = "the amplification of this start cannot be seen"
+    elif not is_modal:  # clearances or bearings couple the modes
+        what = "here a ratio of peaks"
+    else:
+        what = _what_limits(p.amplification, dwelling)
+    sentence = f"{values}: {what}." if values else f"{what}."
+    return sentence[0].upper() + sentence[1:]
+
+
+def _what_limits(amplification: float, dwelling: float) -> str:
+    """What keeps the amplification of a mode below that of dwelling at the resonance."""
     if not math.isfinite(dwelling):
-        return f"{text} Acceleration alone limits it."
-    taken = 1.0 - p.amplification / dwelling
+        return "acceleration alone limits it"
+    taken = 1.0 - amplification / dwelling
     if taken < -NOTABLE_REDUCTION:
-        return f"{text} That is more than dwelling gives: the mode still rings from before."
+        return "more than dwelling, the mode still rings from before"
     if taken < NOTABLE_REDUCTION:
-        return f"{text} Acceleration makes no difference here: damping limits it."
-    return f"{text} Acceleration takes {taken:.0%} off the resonance."
+        return "damping limits it, not acceleration"
+    return f"acceleration takes off {taken:.0%}"

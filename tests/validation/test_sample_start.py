@@ -117,4 +117,4 @@ def test_crossings(design: str, starts: dict[str, Start]) -> None:
     times = [r.time for r in rows]
     assert all(t is not None for t in times)
     assert times == sorted(times, reverse=True)  # the highest mode is crossed first
-    assert "At this crossing the mesh torque reverses." in first.note
+    assert "Mesh torque here reverses." in first.note

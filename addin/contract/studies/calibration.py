@@ -432,7 +432,7 @@ _SHEETS: tuple[Sheet, ...] = (
     Sheet(
         "Calibration",
         "result",
-        {"A": 1.5, "B": 18, "C": 13, "D:E": 12, "F:G": 9, "H:I": 8, "J:L": 9, "M": 22, "N": 12, "O": 8.5,
+        {"A": 1.5, "B": 18, "C": 13, "D:E": 12, "F:I": 9.8, "J:L": 10.4, "M": 22, "N": 12, "O": 9,
          "P": 6},
         {
             "FrequencyFit": "B7",

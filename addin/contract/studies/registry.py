@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from addin.contract.charts import CHARTS, ChartSpec
 from addin.contract.field import IncompleteRecord
 from addin.contract.records import find_records
-from addin.contract.sheet import Sheet
+from addin.contract.sheet import Sheet, readable
 from addin.contract.study_spec import StudySpec
 
 _RECORDS = find_records(__package__, StudySpec)
@@ -19,6 +19,11 @@ for _path, _study in _RECORDS.items():
 
 #: Every study, in the order of its sheets.
 STUDIES: tuple[StudySpec, ...] = tuple(sorted(_RECORDS.values(), key=lambda study: study.order))
+
+#: Their sheets, printed in letters of 8 pt; one that is never printed keeps the usual ones.
+STUDY_SHEETS: tuple[Sheet, ...] = tuple(
+    sheet if sheet.hidden else readable(sheet) for study in STUDIES for sheet in study.sheets
+)
 
 #: Rows of table `StudyFacts`: what was found in words, and which inputs it belongs to.
 STUDY_FACTS: tuple[tuple[str, str], ...] = tuple(
@@ -59,8 +64,7 @@ def study_of(key: str) -> StudySpec:
 
 def with_studies(sheets: Sequence[Sheet]) -> list[Sheet]:
     """The sheets of a workbook with those of the studies: inputs behind inputs, results behind results."""
-    added = [sheet for study in STUDIES for sheet in study.sheets]
-    behind = {sheet.behind: sheet for sheet in added if sheet.behind}
+    behind = {sheet.behind: sheet for sheet in STUDY_SHEETS if sheet.behind}
     inputs = max(k for k, sheet in enumerate(sheets) if sheet.kind == "input") + 1
     results = max(k for k, sheet in enumerate(sheets) if sheet.name == "Accuracy") + 1
     plain = [
@@ -71,9 +75,9 @@ def with_studies(sheets: Sequence[Sheet]) -> list[Sheet]:
     ]
     return [
         *sheets[:inputs],
-        *(sheet for sheet in added if sheet.kind == "input"),
+        *(sheet for sheet in STUDY_SHEETS if sheet.kind == "input"),
         *plain,
-        *(sheet for sheet in added if sheet.kind == "result" and not sheet.behind),
+        *(sheet for sheet in STUDY_SHEETS if sheet.kind == "result" and not sheet.behind),
         *sheets[results:],
     ]
 

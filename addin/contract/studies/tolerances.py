@@ -28,7 +28,7 @@ from addin.contract.json_shapes import (
     described,
     list_of,
 )
-from addin.contract.sheet import ChartAt, Sheet
+from addin.contract.sheet import NEVER, ChartAt, Sheet
 from addin.contract.study_spec import StudySpec
 from engine.case.study_inputs import SCATTERED
 
@@ -324,13 +324,14 @@ _SHEETS: tuple[Sheet, ...] = (
     Sheet(
         "Tolerance results",
         "result",
-        {"A": 1.5, "B": 27, "C": 8, "D:G": 7.5, "H:I": 9, "J:L": 7.5, "M:N": 9, "O:Q": 9.3, "R": 8.5},
+        {"A": 1.5, "B": 27, "C": 8, "D:G": 8.4, "H:I": 10, "J:L": 8.4, "M:N": 10, "O:Q": 10, "R": 8.5},
         {"StartsOfSample": "B7", "ToleranceDrivers": f"B{_BELOW_STARTS + 22}"},
         (
-            ChartAt("tornado", f"B{_BELOW_STARTS}", 610, 420),
+            ChartAt("tornado", f"B{_BELOW_STARTS}", 650, 420),
             ChartAt("starts_histogram", f"J{_BELOW_STARTS}", 570, 208),
             ChartAt("starts_distribution", f"J{_BELOW_STARTS + 10}", 570, 220),
         ),
+        row_breaks=(_BELOW_STARTS + 22,),
         freeze="A6",
         intro="Scatter of the allowable starts that follows from the input scatter on sheet "
         "Tolerances, and its main drivers. Written by torsionbook tolerances FILE.",
@@ -338,7 +339,7 @@ _SHEETS: tuple[Sheet, ...] = (
     Sheet(
         "Tolerance tables",
         "result",
-        {"A": 1.5, "B": 7, "C": 22, "D:Q": 9},
+        {"A": 1.5, "B": 7, "C": 22, "D:Q": 10},
         {"ToleranceFrequencies": "B5", "ToleranceMargins": f"B{_BELOW_FREQUENCIES}"},
         freeze="A4",
         intro="Frequencies and margins: P10, P50 and P90 of the samples and the probability that "
@@ -362,7 +363,8 @@ _SHEETS: tuple[Sheet, ...] = (
         {"A": 1.5, "B:D": 13, "E": 2, "F": 20, "G": 9, "H": 2, "I": 36, "J:K": 11},
         {"ToleranceDistribution": "B5", "ToleranceHistogram": "F5", "ToleranceTornado": "I5"},
         freeze="A8",
-        intro="Data of the charts on sheet Tolerance results.",
+        intro="Data of the charts on sheet Tolerance results; not printed.",
+        printed_for=NEVER,
     ),
 )  # fmt: skip
 

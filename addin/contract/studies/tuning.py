@@ -431,6 +431,7 @@ _SHEETS: tuple[Sheet, ...] = (
          "L": 8, "M:S": 11},
         {"Tuning": "B5", "Catalogue": "J5"},
         freeze="A8",
+        breaks=("I",),
         intro="Quantities and couplings to vary, for torsionbook tune FILE: it calculates every "
         "combination of the rows of Tuning and one Catalogue row per element. With both "
         "tables blank nothing is calculated.",
@@ -438,20 +439,21 @@ _SHEETS: tuple[Sheet, ...] = (
     Sheet(
         "Tuning results",
         "result",
-        {"A": 1.5, "B": 6, "C": 36, "D:E": 7, "F": 20, "G": 8, "H": 12, "I": 9, "J": 54, "K": 30,
+        {"A": 1.5, "B": 6, "C": 38, "D:E": 7, "F": 18, "G": 8, "H": 12, "I": 9, "J": 77, "K": 30,
          "L": 9, "M": 22, "N": 28, "O:Q": 9, "R": 8, "S:V": 10.5, "W:X": 10.5, "Y": 22, "Z": 9,
          "AA": 22, "AB": 11, "AC": 9, "AD": 13, "AE": 60},
         {"TuningResults": "B7"},
         freeze="D10",
         header_rows=9,
         printed="J",
+        rows_printed=12,
         intro="torsionbook tune FILE: every combination of sheet Tuning as a full start, ranked. "
-        "The order and its reasons: docs/tuning.md. All combinations are in the JSON.",
+        "The order and its reasons: docs/tuning.md. The first 12 rows are printed; all combinations are in the JSON.",
     ),
     Sheet(
         "Tuning map",
         "result",
-        {"A": 1.5, "B": 26, "C": 16, "D:I": 13, "J": 11, "K": 2, "L:S": 11},
+        {"A": 1.5, "B": 24, "C": 13.5, "D:I": 10.6, "J": 10.6, "K": 1.5, "L:R": 9.8},
         {
             "TuningAxes": "B5",
             "TuningStarts": f"B{_STARTS}",
@@ -460,13 +462,11 @@ _SHEETS: tuple[Sheet, ...] = (
             "ForbiddenBands": f"B{_BANDS}",
         },
         (
-            ChartAt("tuning-starts", f"L{_STARTS}", 640, 350),
-            ChartAt("tuning-margins", f"L{_MARGINS}", 640, 350),
-            ChartAt("tuning-modes", f"L{_MODES}", 640, 350),
+            ChartAt("tuning-starts", f"L{_STARTS}", 510, 350),
+            ChartAt("tuning-margins", f"L{_MARGINS}", 510, 350),
+            ChartAt("tuning-modes", f"L{_MODES}", 510, 350),
         ),
-        breaks=("L",),
-        row_breaks=(_MARGINS - 1, _BANDS - 1),
-        largest=80,
+        row_breaks=(_MARGINS - 1, _MODES - 1),
         intro="Allowable starts and margins over the first two variables of sheet Tuning; each "
         "cell shows the best combination of all other variables. No mode may lie in a "
         "hatched band.",
@@ -474,14 +474,15 @@ _SHEETS: tuple[Sheet, ...] = (
     Sheet(
         "Tuning crossings",
         "result",
-        {"A": 1.5, "B": 6, "C": 36, "D": 6, "E:G": 9, "H:L": 11, "M": 22, "N:P": 12, "Q": 50},
+        {"A": 1.5, "B": 6, "C": 60, "D": 6, "E:G": 9.7, "H:L": 11.5, "M": 22, "N:P": 12, "Q": 50},
         {"TuningCrossings": "B5"},
         freeze="D8",
         header_rows=7,
+        rows_printed=27,
         breaks=("M",),
         repeated="B:D",
         intro="Where 2 × slip frequency crosses the modes, for the best combinations and for "
-        "the unchanged case.",
+        "the unchanged case. The first 27 rows are printed.",
     ),
     Sheet(
         "StudyData",

@@ -149,7 +149,7 @@ def test_a_peak_in_an_event_is_the_peak_and_named():
         row = rows_of(results)[peak.element]
         assert row.peak_torque == peak.size > of_start[peak.element].size
         assert row.reversing_torque == -peak.minimum
-        assert row.note == "peak in event 'Fault'"
+        assert row.note == "peak in 'Fault'"
 
 
 def test_without_a_start_what_runs_is_there_and_nothing_else():

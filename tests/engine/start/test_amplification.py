@@ -112,8 +112,7 @@ def test_the_note_says_what_the_start_did(results: Results) -> None:
         assert crossing.amplification is not None
         assert crossing.amplification < 1.0 / 0.03
         taken = 1.0 - 0.03 * crossing.amplification
-        assert f"amplification {crossing.amplification:.3g} × static in this start" in crossing.note
-        assert f"Acceleration takes {taken:.0%} off the resonance." in crossing.note
+        assert f"acceleration takes off {taken:.0%}." in crossing.note
 
 
 def test_a_slow_sweep_comes_to_the_resonance() -> None:
@@ -131,14 +130,14 @@ def test_a_slow_sweep_comes_to_the_resonance() -> None:
     )
     crossing = run(slow).crossings[-1]
     assert crossing.amplification == pytest.approx(10.0, rel=0.02)
-    assert "Acceleration makes no difference here: damping limits it." in crossing.note
+    assert "damping limits it, not acceleration." in crossing.note
 
 
 def test_without_damping_acceleration_alone_limits_it() -> None:
     crossing = run(sample_case("proposed", damping_ratio=None)).crossings[0]
-    assert crossing.note.count("swept without damping") == 1
+    assert crossing.note.count("swept undamped") == 1
     assert "dwelling" not in crossing.note
-    assert "Acceleration alone limits it." in crossing.note
+    assert "acceleration alone limits it." in crossing.note
 
 
 def test_with_clearances_it_is_a_ratio_of_peaks_and_says_so() -> None:
@@ -148,10 +147,8 @@ def test_with_clearances_it_is_a_ratio_of_peaks_and_says_so() -> None:
     assert crossings
     for crossing in crossings:
         assert crossing.amplification is not None
-        assert (
-            "as the ratio of peaks, since clearances or bearings couple the modes" in crossing.note
-        )
-        assert "Acceleration" not in crossing.note
+        assert "here a ratio of peaks." in crossing.note
+        assert "acceleration" not in crossing.note
 
 
 def test_linear_and_with_a_clearance_the_ratios_are_alike_where_teeth_stay_together() -> None:

@@ -43,13 +43,13 @@ def test_a_crossing_says_nothing_of_the_rest_of_the_start() -> None:
     """The modified design reverses at its first mode, 21 Hz, long after it has crossed the third, 69 Hz."""
     results = run(with_limits(sample_case("modified")))
     first, _, third = results.crossings
-    assert "At this crossing the mesh torque reverses." in first.note
-    assert "At this crossing the mesh torque stays positive." in third.note
+    assert "Mesh torque here reverses." in first.note
+    assert "Mesh torque here stays positive." in third.note
     (mesh,) = results.reversals
     assert mesh.sentence.startswith("Mesh: torque reverses")
 
 
 def test_without_a_bound_on_backlash_no_crossing_is_said_to_stay_positive() -> None:
     third = run(sample_case("modified")).crossings[-1]
-    words = "At this crossing the mesh torque does not reverse as calculated (no bound on what is left out)."
+    words = "Mesh torque here does not reverse as calculated (no bound on what is left out)."
     assert words in third.note
