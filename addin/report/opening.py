@@ -9,6 +9,7 @@ from addin.contract.digests import short_digest
 from addin.contract.problems import shortened
 from addin.contract.texts import NOTES
 from addin.diff.changes import Differences
+from addin.report.actions import actions, has_other_designs
 from addin.report.cases import governing
 from addin.report.document import (
     Column,
@@ -146,22 +147,6 @@ def _standard(subject: Subject) -> Iterator[Section]:
         yield section("Standard and requirements", subject.table("StandardRequirements"))
 
 
-def _from_studies(subject: Subject) -> Iterator[str]:
-    """What a study of these inputs found, as something to do."""
-    for study in subject.recorded:
-        rows = study.tables.get("TuningResults", ())
-        best = next((row for row in rows if row.get("Rank") == 1), None)
-        if study.outdated or best is None:
-            continue
-        if best.get("As is") is True:
-            yield f"None of the other {len(rows) - 1} combinations calculated is better than the train as it is."
-        else:
-            yield (
-                f"Best of {len(rows)} combinations calculated: {clean(str(best['Combination']))}. "
-                f"{clean(str(best['Reason']))}"
-            )
-
-
 def conclusions(subject: Subject) -> Iterator[str]:
     """What follows from the verdicts: where the train could be changed, what to enter, what to measure."""
     verdicts = {
@@ -195,6 +180,7 @@ def conclusions(subject: Subject) -> Iterator[str]:
     near = _nearest_modes(subject)
     for mode in near:
         yield _where_to_act(subject, mode)
+    yield from actions(subject)
     if near:
         energies = (_mode(subject, mode)["largest_strain_energy"] for mode in near)
         shafts = dict.fromkeys(clean(str(energy)) for energy in energies)
@@ -209,8 +195,7 @@ def conclusions(subject: Subject) -> Iterator[str]:
             "Field test: not required by these margins; if made, measure torque during the start "
             "to confirm damping and peaks."
         )
-    yield from _from_studies(subject)
-    if subject.against is None:
+    if subject.against is None and not has_other_designs(subject):
         yield "No other design is compared here."
 
 
