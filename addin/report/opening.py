@@ -35,6 +35,9 @@ _BLANK_REVISIONS = 3
 _NEAREST = 5
 #: Warnings on the summary; where there are more, section Audit lists all.
 _WARNINGS = 15
+#: Columns of the verdicts on the summary, and of what they cover below it.
+_VERDICT = ("Check", "Result", "Limit", "Safety factor", "Verdict", "Where")
+_COVERAGE = ("Check", "Coverage", "Not judged")
 #: What no calculation of this program covers, whatever the inputs.
 _NOT_COVERED = (
     "Short circuits at the motor and fast reclosing of the line that are not among the inputs.",
@@ -131,14 +134,21 @@ def summary(subject: Subject) -> Section:
     return section(
         "Summary",
         subject.pictures.schematic(subject.calculation.case),
-        subject.table("Verdicts", note=note),
+        subject.table("Verdicts", columns=_VERDICT, note=note),
         parts=(
+            section("Coverage of the verdicts", _coverage(subject)),
             *_standard(subject),
             section("Key figures", Facts(tuple(_key_figures(subject)))),
             section("Warnings of the calculation", listed),
             section("Conclusions and what remains to be done", remaining),
         ),
     )
+
+
+def _coverage(subject: Subject) -> Table:
+    """What each check was made for, and what it leaves out."""
+    rows = [r for r in subject.rows("Verdicts") if r.get("coverage") or r.get("not_judged")]
+    return subject.table("Verdicts", "Coverage of the verdicts", _COVERAGE, rows=rows)
 
 
 def _standard(subject: Subject) -> Iterator[Section]:
@@ -285,6 +295,11 @@ def largest_peak(subject: Subject) -> str:
     return f"{words}; referred to the motor {fixed(size * own[element] / rated, 2)} × rated torque"
 
 
+def _of_model(text: str) -> str:
+    """A limit without the scalar that a user of the program could type."""
+    return text.partition("; KeepHistory")[0].rstrip(".") + "."
+
+
 def scope(subject: Subject) -> Section:
     """What was calculated, from what, by which conventions, and what was not."""
     stamp = subject.calculation.stamp
@@ -311,6 +326,8 @@ def scope(subject: Subject) -> Section:
             section("Conventions", Facts((*NOTES["Conventions"], _SIGNS))),
             section("Not covered", Listing(_NOT_COVERED)),
             # what concerns workbooks alone is no limit of the model
-            section("Limits of the model", Facts(tuple(limits))),
+            section(
+                "Limits of the model", Facts(tuple((t, _of_model(text)) for t, text in limits))
+            ),
         ),
     )
