@@ -40,7 +40,7 @@ MOVED = {
     "Stations": "C9", "ModeDamping": "K9", "Elements": "C33", "Meshes": "C57",
     "MotorTorque": "B8", "LoadTorque": "H8", "TorqueTime": "L9",
     "Materials": "B7", "SNPoints": "I7",
-    "Excitations": "C8", "EventTorque": "C27", "MotorEvents": "C52",
+    "Excitations": "C8", "EventTorque": "C27", "MotorEvents": "C52", "AirGapTorque": "C70",
     "NaturalFrequencies": "B29", "ModeShapes": "L31",
     "SeparationMargins": "B28",
     "SteadyState": "C11",
