@@ -110,6 +110,22 @@ FACT_LINES: tuple[tuple[str, str, str, str, str, float], ...] = (
         13.5,
     ),
     (
+        "Start-up",
+        f"B{_CHARTS - 1}",
+        f"K{_CHARTS - 1}",
+        _said('"Speed against time, and pull-in where a field is applied:"'),
+        "note",
+        13.5,
+    ),
+    (
+        "Reversals",
+        f"B{_CHARTS - 1}",
+        f"K{_CHARTS - 1}",
+        _said('"Torque around its least value, and the same moment enlarged:"'),
+        "note",
+        13.5,
+    ),
+    (
         "Reversals",
         "B4",
         "S4",

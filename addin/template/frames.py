@@ -153,8 +153,8 @@ class Frames:
         """Paper, margins, footer and repeated rows; the scale and, of a sheet of a study, its pages."""
         page.set_landscape()
         page.set_paper(_LETTER if self.system == "us" else _A4)
-        page.set_margins(left=_SIDE, right=_SIDE, top=0.35, bottom=0.4)
-        page.set_footer('&L&"Arial"&12&F&C&"Arial"&12&A&R&"Arial"&12Page &P of &N', {"margin": 0.2})
+        page.set_margins(left=_SIDE, right=_SIDE, top=0.25, bottom=0.3)
+        page.set_footer('&L&"Arial"&12&F&C&"Arial"&12&A&R&"Arial"&12Page &P of &N', {"margin": 0.12})
         page.repeat_rows(0, sheet.header_rows - 1)
         parts = [part for part in self.parts if part.worksheet == sheet.worksheet]
         if parts:  # `_print_areas` says what of them

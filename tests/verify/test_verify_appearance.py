@@ -303,7 +303,7 @@ def test_banners_that_are_covered_hidden_or_cut_are_found(train, tmp_path):
     found = [one for one in compare_appearance(workbook) if one.fails]
     said = {(one.sheet, one.cell, one.kind, one.sentence.split(",")[0]) for one in found}
     assert said == {
-        ("Results", "B2", "hidden", "row 2 is hidden (and 5 more such cells)"),
+        ("Results", "B2", "hidden", "row 2 is hidden (and 4 more such cells)"),
         ("Fatigue", "B2", "hidden", "a sparkline lies over the cell"),
         ("Audit", "B2", "hidden", "a control lies over the cell"),
         ("Notes", "B2", "hidden", "the text is 9 points high in a row of 5 points"),
