@@ -6,19 +6,21 @@
     model = server.model("train.xlsx")
     rows = server.call("TV_PEAKS", model)
     server.recalculate("train.xlsx", "train.out.xlsx")
+    server.document("report", "train.xlsx", "train.pdf", form="pdf")
 
 This file stands by itself: copied elsewhere it works without torsionbook.
 """
 
 from __future__ import annotations
 
+import base64
 import json
 import math
 import ssl
 import urllib.error
 import urllib.parse
 import urllib.request
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -129,10 +131,85 @@ class Client:
         """
         Path(target).write_bytes(self._file("/api/v1/workbook", path))
 
-    def _file(self, route: str, path: str | Path) -> bytes:
-        name = urllib.parse.quote(Path(path).name)
+    def inputs(self, path: str | Path) -> dict[str, Any]:
+        """Scalars and tables of a file as typed.
+
+        Raises
+        ------
+        Refusal
+            With everything that is wrong in it.
+        """
+        return dict(json.loads(self._file("/api/v1/inputs", path)))
+
+    def edit(self, path: str | Path, target: str | Path, changes: Mapping[str, Any]) -> None:
+        """Have a file written with some inputs typed anew.
+
+        Parameters
+        ----------
+        path, target : path
+            The file as it is, and where the new one goes. [path]
+        changes : mapping
+            Values by the names of the inputs. [as typed]
+
+        Raises
+        ------
+        Refusal
+            If a name or a value is none; nothing is written then.
+        """
+        wanted = json.dumps(changes, allow_nan=False)
+        Path(target).write_bytes(self._file("/api/v1/edited", path, changes=wanted))
+
+    def document(
+        self,
+        what: str,
+        path: str | Path,
+        target: str | Path | None = None,
+        *,
+        earlier: str | Path | None = None,
+        **asked: str,
+    ) -> list[dict[str, Any]]:
+        """What is reported, verified, compared or studied.
+
+        Parameters
+        ----------
+        what : str
+            ``report`` (with ``form="pdf"`` or ``"docx"``), ``verify``, ``diff`` (with `earlier`) or ``study`` (with
+            ``study="tune"`` and so on).
+        path : path
+            The file. [path]
+        target : path, optional
+            Where the file goes that is made: the report, or the workbook with its study. [path]
+        earlier : path, optional
+            The file that it is compared with. [path]
+        **asked : str
+            As above.
+
+        Returns
+        -------
+        list of dict
+            Blocks: ``text``, or ``title`` and ``rows`` of cells. [shown units]
+
+        Raises
+        ------
+        Refusal
+            With everything that is wrong in it; nothing is written then.
+        """
+        before = b"" if earlier is None else Path(earlier).read_bytes()
+        if earlier is not None:
+            asked["split"] = str(len(before))
+        *_, last = self._file(f"/api/v1/{what}", path, before, **asked).splitlines()
+        told = json.loads(last)
+        if "error" in told:
+            raise _told(told)
+        made = told["value"]["files"]
+        if target is not None and made:
+            Path(target).write_bytes(base64.b64decode(made[0]["content"]))
+        return list(told["value"]["blocks"])
+
+    def _file(self, route: str, path: str | Path, before: bytes = b"", **asked: str) -> bytes:
+        query = urllib.parse.urlencode({"name": Path(path).name, **asked})
         return self._post(
-            f"{route}?name={name}", Path(path).read_bytes(), "application/octet-stream"
+            f"{route}?{query}", before + Path(path).read_bytes(), "application/octet-stream"
         )
 
     def _post(self, route: str, body: bytes, kind: str) -> bytes:
@@ -183,10 +260,14 @@ def _answer(result: dict[str, Any]) -> Any:
     return result["value"]
 
 
+def _told(content: dict[str, Any]) -> Refusal:
+    error = content["error"]
+    return Refusal(error["message"], error.get("code", ""), content.get("errors", ()))
+
+
 def _refusal(refused: urllib.error.HTTPError) -> Refusal:
     try:
-        content = json.load(refused)
-        return Refusal(content["error"]["message"], errors=content.get("errors", ()))
+        return _told(json.load(refused))
     except (ValueError, KeyError, TypeError):
         return Refusal(
             f"The server answered with status {refused.code}. See the log of the server."

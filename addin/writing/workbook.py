@@ -740,7 +740,7 @@ def _close(part: SheetPart, rows: range, first_column: int) -> None:
 _CLOSED = 1.5
 #: First column right of sheet Summary, where the engineer may have written something.
 _BESIDE_SUMMARY = 9
-_SUMMARY = SHEETS[0]
+_SUMMARY = next(sheet for sheet in SHEETS if sheet.name == "Summary")
 #: Columns F to I of sheet Summary, where the notes stand. [characters]
 _NOTES_WIDTH = sum(_SUMMARY.column_widths[column] for column in range(6, 10)) - _INDENT
 

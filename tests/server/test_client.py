@@ -64,6 +64,23 @@ def test_what_is_wrong_comes_with_its_cells(served, tmp_path):
     assert not (tmp_path / "never.xlsx").exists()
 
 
+@pytest.mark.slow
+def test_inputs_edits_and_documents(served, tmp_path):
+    server, source = Client(served), TEMPLATES / "example_proposed.xlsx"
+    edited = tmp_path / "edited.xlsx"
+    server.edit(source, edited, {"DampingRatio": 2.5})
+    typed = [server.inputs(path)["scalars"] for path in (source, edited)]
+    assert typed[0] != typed[1]
+    differences = server.document("diff", edited, earlier=source)
+    assert any("DampingRatio" in str(block) for block in differences)
+    server.document("report", source, tmp_path / "r.docx", form="docx")
+    assert (tmp_path / "r.docx").read_bytes().startswith(b"PK")
+    assert any("calculated" in block["text"] for block in server.document("verify", source))
+    with pytest.raises(Refusal) as told:
+        server.document("verify", tmp_path / "r.docx")
+    assert "workbook" in told.value.message
+
+
 def test_no_server_is_told():
     with pytest.raises(Refusal, match="cannot be reached"):
         Client("http://127.0.0.1:9").call("TV_CONVERT", 1, "m", "mm")
