@@ -310,7 +310,7 @@ def main() -> None:
     other = args.other.resolve()
     load = os.getloadavg()[0]
     lay_examples(other)
-    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # programs that start would compile all of themselves
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # each start would compile the program
     os.environ[EXAMPLES] = str(LAID)  # a row's share in the loops is measured by this process
     rows = [r.in_full() if args.full else r for r in ROWS]
     groups: dict[str, Callable[[], Iterator[Line]]] = {
