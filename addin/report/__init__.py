@@ -23,6 +23,7 @@ module       responsibility
 `changes`    what changed since an earlier revision, and what it did
 `inputs`     the input sections
 `modes`      natural frequencies, damping, energies, shapes
+`actions`    conclusions that name an action: from verdicts, changed couplings, studies
 `opening`    cover, summary, scope
 `closing`    effects, accuracy, equations, checks, audit
 `operation`  margins, steady state

@@ -71,7 +71,7 @@ def governing(subject: Subject) -> str:
     who = f"condition {name}" if name != TYPED else name
     words = f"{check} {cells.get('Result', '')}"
     if cells.get("Limit"):
-        words += f", limit {cells['Limit']}"
+        words += f", {'limit' if _is_number(worst['result']) else 'required:'} {cells['Limit']}"
     where = re.split("[:;]", clean(str(worst.get("where") or "")))[0]
     if where and _is_number(worst["result"]):
         words += f" ({where})"

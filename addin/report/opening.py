@@ -9,6 +9,7 @@ from addin.contract.digests import short_digest
 from addin.contract.problems import shortened
 from addin.contract.texts import NOTES
 from addin.diff.changes import Differences
+from addin.report.actions import actions, has_other_designs
 from addin.report.cases import governing
 from addin.report.document import (
     Column,
@@ -34,6 +35,9 @@ _BLANK_REVISIONS = 3
 _NEAREST = 5
 #: Warnings on the summary; where there are more, section Audit lists all.
 _WARNINGS = 15
+#: Columns of the verdicts on the summary, and of what they cover below it.
+_VERDICT = ("Check", "Result", "Limit", "Safety factor", "Verdict", "Where")
+_COVERAGE = ("Check", "Coverage", "Not judged")
 #: What no calculation of this program covers, whatever the inputs.
 _NOT_COVERED = (
     "Short circuits at the motor and fast reclosing of the line that are not among the inputs.",
@@ -130,8 +134,9 @@ def summary(subject: Subject) -> Section:
     return section(
         "Summary",
         subject.pictures.schematic(subject.calculation.case),
-        subject.table("Verdicts", note=note),
+        subject.table("Verdicts", columns=_VERDICT, note=note),
         parts=(
+            section("Coverage of the verdicts", _coverage(subject)),
             *_standard(subject),
             section("Key figures", Facts(tuple(_key_figures(subject)))),
             section("Warnings of the calculation", listed),
@@ -140,26 +145,16 @@ def summary(subject: Subject) -> Section:
     )
 
 
+def _coverage(subject: Subject) -> Table:
+    """What each check was made for, and what it leaves out."""
+    rows = [r for r in subject.rows("Verdicts") if r.get("coverage") or r.get("not_judged")]
+    return subject.table("Verdicts", "Coverage of the verdicts", _COVERAGE, rows=rows)
+
+
 def _standard(subject: Subject) -> Iterator[Section]:
     """What the standard asks for, where one is named."""
     if subject.rows("StandardRequirements"):
         yield section("Standard and requirements", subject.table("StandardRequirements"))
-
-
-def _from_studies(subject: Subject) -> Iterator[str]:
-    """What a study of these inputs found, as something to do."""
-    for study in subject.recorded:
-        rows = study.tables.get("TuningResults", ())
-        best = next((row for row in rows if row.get("Rank") == 1), None)
-        if study.outdated or best is None:
-            continue
-        if best.get("As is") is True:
-            yield f"None of the other {len(rows) - 1} combinations calculated is better than the train as it is."
-        else:
-            yield (
-                f"Best of {len(rows)} combinations calculated: {clean(str(best['Combination']))}. "
-                f"{clean(str(best['Reason']))}"
-            )
 
 
 def conclusions(subject: Subject) -> Iterator[str]:
@@ -195,6 +190,7 @@ def conclusions(subject: Subject) -> Iterator[str]:
     near = _nearest_modes(subject)
     for mode in near:
         yield _where_to_act(subject, mode)
+    yield from actions(subject)
     if near:
         energies = (_mode(subject, mode)["largest_strain_energy"] for mode in near)
         shafts = dict.fromkeys(clean(str(energy)) for energy in energies)
@@ -209,8 +205,7 @@ def conclusions(subject: Subject) -> Iterator[str]:
             "Field test: not required by these margins; if made, measure torque during the start "
             "to confirm damping and peaks."
         )
-    yield from _from_studies(subject)
-    if subject.against is None:
+    if subject.against is None and not has_other_designs(subject):
         yield "No other design is compared here."
 
 
@@ -300,6 +295,11 @@ def largest_peak(subject: Subject) -> str:
     return f"{words}; referred to the motor {fixed(size * own[element] / rated, 2)} × rated torque"
 
 
+def _of_model(text: str) -> str:
+    """A limit without the scalar that a user of the program could type."""
+    return text.partition("; KeepHistory")[0].rstrip(".") + "."
+
+
 def scope(subject: Subject) -> Section:
     """What was calculated, from what, by which conventions, and what was not."""
     stamp = subject.calculation.stamp
@@ -326,6 +326,8 @@ def scope(subject: Subject) -> Section:
             section("Conventions", Facts((*NOTES["Conventions"], _SIGNS))),
             section("Not covered", Listing(_NOT_COVERED)),
             # what concerns workbooks alone is no limit of the model
-            section("Limits of the model", Facts(tuple(limits))),
+            section(
+                "Limits of the model", Facts(tuple((t, _of_model(text)) for t, text in limits))
+            ),
         ),
     )

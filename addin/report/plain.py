@@ -24,6 +24,7 @@ _WORDS = {
 _NAMES = re.compile(rf"\b({'|'.join(_WORDS)})\b")
 #: What engineers are told to look at is in the appendix of a report.
 _EFFECTS = re.compile(r"\b([Ss])ee sheet Effects and accuracy\b")
+_COLUMN = re.compile(r"\bcolumn (?=[A-Z])")
 _SHEET = re.compile(r" on sheet (?:Torque and motor|[A-Z]\w+)\b")
 
 
@@ -46,7 +47,7 @@ def plain(text: str) -> str:
     'Not every motor has a row in table motor data. Type field slip.'
     """
     text = _EFFECTS.sub(r"\1ee appendix A", text)
-    text = _SHEET.sub("", text)
+    text = _COLUMN.sub("", _SHEET.sub("", text))
     return _NAMES.sub(lambda found: _WORDS[found[1]], text)
 
 

@@ -273,10 +273,13 @@ def _starts(study: _Study) -> Iterator[Block | None]:
         for row in study.rows("RemainingStarts")
         if _number(row, "So far") or _number(row, "Per year")
     ]
+    damaged = [row for row in duty if _number(row, "Damage")] or duty
+    left_out = len(duty) - len(damaged)
     yield study.table(
         "RemainingStarts", "Damage of the duty by start condition",
         ("Element", "Condition", "So far", "Per year", "Share", "Damage", "Remaining starts"),
-        rows=duty,
+        f"{left_out} pairs of element and condition without damage are omitted." if left_out else "",
+        damaged,
     )  # fmt: skip
 
 

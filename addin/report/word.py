@@ -58,6 +58,8 @@ _AFTER_SHADE = ("w:noWrap", "w:tcMar", "w:textDirection", "w:tcFitText", "w:vAli
 _CELL_MARGIN = 75
 #: Twentieths of a point in a millimetre.
 _TWENTIETHS = 1440.0 / 25.4
+#: Height of an entry of the contents by its level, and of what stands above and below them. [mm]
+_ENTRIES, _CONTENTS = (5.9, 4.3), 20.0
 #: Share of a page that is filled by estimated heights. [1]
 _SURE = 0.965
 #: Facts up to so many stay on one page. [count]
@@ -270,17 +272,20 @@ class _Writer:
         heading = self.file.add_paragraph()
         _run(heading, "Contents", 15.0, _NAVY, bold=True, font=_TABLE_FONT)
         _border(heading._p.get_or_add_pPr(), "bottom", _NAVY, 8)
-        for section in sections:
-            self._entry(section, 1)
-            for part in section.parts:
-                self._entry(part, 2)
+        every = [
+            (s, level) for one in sections for s, level in ((one, 1), *((p, 2) for p in one.parts))
+        ]
+        # a list that one page would not take stands closer
+        loose = sum(_ENTRIES[level - 1] for _, level in every) < self.height - _CONTENTS
+        for section, level in every:
+            self._entry(section, level, loose=loose)
         self.file.add_paragraph().add_run().add_break(WD_BREAK.PAGE)
 
-    def _entry(self, section: Section, level: int) -> None:
+    def _entry(self, section: Section, level: int, *, loose: bool) -> None:
         paragraph = self._paragraph("Report fact")
         shape = paragraph.paragraph_format
         shape.left_indent = Mm(6.0 * (level - 1))
-        shape.space_before = Pt(5.0 if level == 1 else 1.0)
+        shape.space_before = Pt((5.0, 1.0)[level - 1] if loose else (2.0, 0.0)[level - 1])
         shape.tab_stops.add_tab_stop(Mm(self.width), WD_TAB_ALIGNMENT.RIGHT, 1)
         link = _element("w:hyperlink", anchor=_anchor(section), history="1")
         paragraph._p.append(link)

@@ -104,6 +104,23 @@ def test_every_section_is_there_and_every_page_is_numbered(proposed):
         assert k == 1 or "SAMPLE-PRO · rev. 0" in flat(page)
 
 
+def test_conclusions_name_an_action_for_each_check_that_fails(proposed):
+    text = flat(docx_text(proposed.docx))
+    # the couplings calculated, with the limits of this train; 27 % is limit over result of the steady state
+    assert re.search(
+        r"Soften .{5,200} as typed\): every separation margin is kept, the least 2\d\.\d %", text
+    )
+    assert "frequencies and margins alone were calculated" in text
+    steady = next(v for v in proposed.results["verdicts"] if v["check"].startswith("Steady"))
+    assert (
+        f"lower the excitation to {int(100 * steady['limit'] / steady['result'])} % of what it is"
+        in text
+    )
+    starts = next(v for v in proposed.results["verdicts"] if v["check"] == "Allowable starts")
+    assert f"Without a change no more than {int(starts['result']):,} such starts in a life" in text
+    assert "not judged: Mesh. State its Backlash or Angular backlash." in text
+
+
 def test_a_sentence_between_heading_and_figure_stays_with_both(proposed):
     paragraphs = docx.Document(str(proposed.docx)).paragraphs
     at = next(k for k, one in enumerate(paragraphs) if one.text.endswith("separation margins")

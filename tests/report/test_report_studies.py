@@ -57,6 +57,8 @@ def test_each_study_has_its_chapter_with_numbers_of_its_sheet(
         assert heading in text
     best, p50 = cells(book, "TuningResults")[0], cells(book, "ToleranceFrequencies")[0]["P50"]
     assert {f"{int(best['Allowable starts']):,}", f"{p50:.2f}"} <= set(text.split())
+    assert f"combinations calculated: {best['Combination'].split(';')[0]}" in text
+    assert "No other design is compared here" not in text
 
 
 @pytest.mark.slow

@@ -38,6 +38,7 @@ function shown(value, header) {
   if (typeof value === "boolean") return value ? "yes" : "no";
   if (typeof value !== "number") return value;
   if (/^(Allowable starts|Paper count)/.test(header)) return number(Math.floor(value * (1 + 1e-9)));
+  if (/^Safety factor/.test(header)) return value.toFixed(2); // as the workbook has it
   if (/^Mode \d/.test(header)) return (value + 0).toFixed(3).replace(/^-(0\.0+)$/, "$1"); // a mode shape
   return number(value);
 }
