@@ -34,7 +34,7 @@ TRIALS :=
 
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help demo test test-long test-machines explore validate check format docs bench goals calibration-study sensitivity-study mutations generated templates wheel wheels same-bits sanitize smoke windows zips lock clean distclean moved
+.PHONY: help demo test test-long test-machines explore validate kills fuzz check format docs bench goals calibration-study sensitivity-study mutations generated templates wheel wheels same-bits sanitize smoke windows zips lock clean distclean moved
 
 help:
 	@echo "make demo           recalculate two example workbooks into build/demo"
@@ -43,6 +43,8 @@ help:
 	@echo "make test-machines  repeat the numerical tests as other processors would calculate"
 	@echo "make explore        run the properties with fresh examples (MINUTES=30)"
 	@echo "make validate       write every kind of file and have programs of others judge them (needs Java, Maven, npm)"
+	@echo "make kills          kill commands at every file call, fail calls, fill disks, cut the power (needs Linux, a C compiler)"
+	@echo "make fuzz           50,000 spoiled workbooks (COUNT=1000)"
 	@echo "make check          style, formatting and types"
 	@echo "make format         put the formatting right"
 	@echo "make docs           the pages of docs/ as a site with search, in build/site"
@@ -50,7 +52,7 @@ help:
 	@echo "make goals          the goals of the compiled loops, beside a checkout of 011f76f (OTHER=/path/to/it)"
 	@echo "make calibration-study  how often the intervals of a calibration hold the truth (TRIALS=1000)"
 	@echo "make sensitivity-study  how often the stated errors of sensitivities hold (TRIALS=100)"
-	@echo "make mutations      calculate spoiled cases: named problems or finite results (CASES=20000)"
+	@echo "make mutations      calculate spoiled cases: named problems or finite results (CASES=50000)"
 	@echo "make templates      rebuild the workbooks in templates/"
 	@echo "make wheel          build the wheel into build/dist"
 	@echo "make wheels         build the wheels of all systems into build/wheels, and look into each"
@@ -84,6 +86,12 @@ explore: $(DEV_READY) $(LOOPS)
 
 validate: $(DEV_READY) $(LOOPS)
 	$(PY) scripts/validate.py $(ARGS)
+
+kills: $(DEV_READY) $(LOOPS)
+	$(PY) -m benchmarks.file_calls --record $(ARGS)
+
+fuzz: $(DEV_READY) $(LOOPS)
+	$(PY) -m benchmarks.workbook_fuzz --run 2 --count $(or $(COUNT),50000) $(ARGS)
 
 check: $(DEV_READY) $(LOOPS)
 	$(PY) -m ruff check .

@@ -37,7 +37,7 @@ from engine.run import run  # noqa: E402
 #: Processor time that one case may take, and after which it is given up. [s]
 LONGEST, GIVEN_UP = 20.0, 120
 #: Cases of the whole study, and of the sample that a test runs.
-FULL, QUICK = 20_000, 80
+FULL, QUICK = 50_000, 80
 #: Share of the cases whose train has clearances: they take ten times as long as the others. [1]
 WITH_CLEARANCES = 0.1
 #: Tables whose rows are mutated.

@@ -8,6 +8,7 @@ text. Numbers are never touched.
 from __future__ import annotations
 
 import csv
+import io
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence
@@ -163,12 +164,14 @@ def _write_workbook(
 ) -> None:
     import xlsxwriter
 
-    book = xlsxwriter.Workbook(str(path), IN_MEMORY)
+    made = io.BytesIO()
+    book = xlsxwriter.Workbook(made, IN_MEMORY)
     styles = _Styles(book)
     _write_files(book, styles, files, heading)
     _write_errors(book, styles, errors)
     book.set_properties({"title": "Summary of a batch", "comments": heading})
     book.close()
+    path.write_bytes(made.getvalue())
 
 
 class _Styles:

@@ -5,6 +5,7 @@ A command's module is imported when the command is called, so that --help and ve
 
 from __future__ import annotations
 
+import errno
 import gc
 import importlib
 import io
@@ -18,7 +19,7 @@ import typer
 from typer.core import TyperCommand, TyperGroup
 from typer.main import get_command, get_group
 
-from addin.cli.status import INTERNAL, INTERRUPTED
+from addin.cli.status import INTERNAL, INTERRUPTED, WRONG_INPUT
 from addin.cli.study_commands import STUDY_COMMANDS
 from addin.contract.fixed_date import WrongDate, fixed_date
 from addin.contract.version import product_version
@@ -49,6 +50,10 @@ GROUPS = {
     },
     "Program": {"version": "Print the version."},
 }
+#: Errors of disks and networks, wherever they come up. Windows has not all of them.
+_OF_THE_DISK = {
+    getattr(errno, name, None) for name in ("EIO", "ENOSPC", "EDQUOT", "EACCES", "EROFS", "ESTALE")
+} - {None}
 COMMANDS = {name: line for commands in GROUPS.values() for name, line in commands.items()}
 
 
@@ -198,7 +203,17 @@ def main() -> None:
     except KeyboardInterrupt:
         _tell_interrupted()
         sys.exit(INTERRUPTED)
-    except Exception:  # the last resort: anything else is ours, and must not look like input
+    except (
+        Exception
+    ) as wrong:  # the last resort: anything else is ours, and must not look like input
+        if isinstance(wrong, OSError) and wrong.errno in _OF_THE_DISK:
+            place = f"{wrong.filename}: " if wrong.filename else ""
+            typer.echo(
+                f"{place}{wrong.strerror}. Nothing was written for the current file. Check the disk and your rights, and "
+                "run again.",
+                err=True,
+            )
+            sys.exit(WRONG_INPUT)
         traceback.print_exc()
         typer.echo(
             "This is an error inside torsionbook. Nothing was written for the current file. "

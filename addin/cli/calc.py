@@ -10,6 +10,7 @@ import typer
 from addin.cli.options import ForceOption
 from addin.cli.status import failed
 from addin.libreoffice.oxt import extension, worker_command
+from addin.xlsx.whole_files import write_whole
 
 calc = typer.Typer(
     name="calc",
@@ -47,7 +48,8 @@ def install(
         raise failed(f"{to} exists. Name another with --to, or use --force.")
 
     try:
-        to.write_bytes(extension(worker_command()))
+        content = extension(worker_command())
+        write_whole(to, lambda made: made.write_bytes(content))
     except OSError as wrong:
         raise failed(f"{to}: {wrong.strerror or wrong}. Nothing was written.") from wrong
     typer.echo(f"written: {to}")

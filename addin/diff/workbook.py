@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import math
 from collections.abc import Sequence
 from pathlib import Path
@@ -80,20 +81,18 @@ def write_book(differences: Differences, target: Path) -> None:
         When it cannot be written.
     """
     target.parent.mkdir(parents=True, exist_ok=True)
-    try:
-        write_whole(target, lambda path: _write(differences, path))
-    except xlsxwriter.exceptions.FileCreateError as error:
-        cause = error.args[0] if error.args else error
-        raise cause if isinstance(cause, OSError) else OSError(str(error)) from error
+    content = _content(differences)
+    write_whole(target, lambda path: path.write_bytes(content))
 
 
-def _write(differences: Differences, path: Path) -> None:
+def _content(differences: Differences) -> bytes:
+    made = io.BytesIO()
     options = IN_MEMORY | {
         "strings_to_formulas": False,
         "strings_to_urls": False,
         "strings_to_numbers": False,
     }
-    with xlsxwriter.Workbook(path, options) as book:
+    with xlsxwriter.Workbook(made, options) as book:
         book.set_properties(
             {"title": "Differences of two torsional analyses", "author": "torsionbook"}
         )
@@ -109,6 +108,7 @@ def _write(differences: Differences, path: Path) -> None:
             both = (*differences.studies.inputs, *differences.studies.results)
             _changes(studies, formats, "Studies", both, _of_studies(differences))
             studies.set_row(1, 13 * (2 + len(differences.studies.notes)))
+    return made.getvalue()
 
 
 def _of_inputs(differences: Differences) -> str:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 import datetime as dt
+import io
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -94,8 +95,9 @@ def _build(
     studies: bool,
 ) -> None:
     blocks = _chart_rows(filled, system)
+    made = io.BytesIO()
     with xlsxwriter.Workbook(
-        path, IN_MEMORY | {"default_format_properties": {"font_name": "Arial", "font_size": 10}}
+        made, IN_MEMORY | {"default_format_properties": {"font_name": "Arial", "font_size": 10}}
     ) as workbook:
         workbook.set_properties(
             {
@@ -108,6 +110,7 @@ def _build(
         workbook.set_size(2400, 1500)
         builder = _Builder(workbook, system, filled, blocks, variant=variant, studies=studies)
         builder.build(answers)
+    path.write_bytes(made.getvalue())
     _draw(path)
 
 

@@ -36,12 +36,18 @@ def _without_the_script() -> Iterator[None]:
     would begin its studies anew in each.
     """
     with _starting:
-        script = sys.modules["__main__"]
+        script, safe = sys.modules["__main__"], os.environ.get("PYTHONSAFEPATH")
         sys.modules["__main__"] = ModuleType("__main__")
+        # Else a pickle.py in the folder of the trains would be taken for that of Python.
+        os.environ["PYTHONSAFEPATH"] = "1"
         try:
             yield
         finally:
             sys.modules["__main__"] = script
+            if safe is None:
+                del os.environ["PYTHONSAFEPATH"]
+            else:
+                os.environ["PYTHONSAFEPATH"] = safe
 
 
 class Process:

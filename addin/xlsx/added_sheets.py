@@ -34,6 +34,23 @@ from addin.xlsx.xml_part import (
 
 #: First number of a number format that a workbook brings itself; smaller ones are built in.
 _OWN_FORMATS = 164
+_STYLES_KIND = "application/vnd.openxmlformats-officedocument.spreadsheetml.styles+xml"
+#: What Excel begins with, for a workbook that has none.
+_NO_STYLES = (
+    b'<?xml version="1.0" encoding="UTF-8" standalone="yes"?>\n'
+    b'<styleSheet xmlns="http://schemas.openxmlformats.org/spreadsheetml/2006/main">'
+    b'<fonts count="1"><font><sz val="11"/><name val="Calibri"/><family val="2"/></font></fonts>'
+    b'<fills count="2"><fill><patternFill patternType="none"/></fill>'
+    b'<fill><patternFill patternType="gray125"/></fill></fills>'
+    b'<borders count="1"><border><left/><right/><top/><bottom/><diagonal/></border></borders>'
+    b'<cellStyleXfs count="1"><xf numFmtId="0" fontId="0" fillId="0" borderId="0"/></cellStyleXfs>'
+    b'<cellXfs count="1"><xf numFmtId="0" fontId="0" fillId="0" borderId="0" xfId="0"/></cellXfs>'
+    b'<cellStyles count="1"><cellStyle name="Normal" xfId="0" builtinId="0"/></cellStyles>'
+    b'<dxfs count="1"><dxf/></dxfs></styleSheet>'
+)
+_STYLE_NUMBERS = re.compile(rb'\s(?:s|style)="(\d{1,5})"')
+_RULE_NUMBERS = re.compile(rb'\sdxfId="(\d{1,5})"')
+_MOST_STYLES = 65_430  # of Excel
 #: Where the parts of a style are listed, and the attribute by which a style refers to each.
 _STYLE_LISTS = {"fonts": "fontId", "fills": "fillId", "borders": "borderId"}
 
@@ -148,9 +165,14 @@ class _Merger:
         structure = workbook.structure
         self._roots = {
             part: parse_part(workbook.container.read(part), part)
-            for part in (structure.part, self._types, self._relations, self._styles)
+            for part in (structure.part, self._types, self._relations)
         }
-        self._looks = _Looks(self._roots[self._styles], self._styles_of_source())
+        styles = structure.related("styles")
+        if styles is None or workbook.container.find(styles) is None:
+            styles = self._new_styles(styles)  # a workbook whose cells have no looks needs none
+        else:
+            self._roots[styles] = parse_part(workbook.container.read(styles), styles)
+        self._looks = _Looks(self._roots[styles], self._styles_of_source())
         self.dropped = self._without_calc_chain()
         self._tables = {name.casefold() for name in workbook.tables}
         self._table_numbers = count(
@@ -167,12 +189,40 @@ class _Merger:
         name = relationships_part(self._book.structure.part)
         return self._book.container.find(name) or name
 
-    @property
-    def _styles(self) -> str:
-        part = self._book.structure.related("styles")
-        if part is None:
-            raise damaged(f"{self._book.path.name} has no styles.")
+    def _new_styles(self, named: str | None) -> str:
+        """Styles for a workbook without; its lists may name a part that is not there."""
+        usual = "xl/styles.xml"  # some readers look nowhere else
+        part = named or (self._free(usual) if usual in self._taken else usual)
+        self._roots[part] = root = parse_part(_NO_STYLES, part)
+        # Cells and rules may still give numbers of looks that are lost; none may become that of a new cell.
+        for listed, numbers in (
+            (root.find(main("cellXfs")), _STYLE_NUMBERS),
+            (root.find(main("dxfs")), _RULE_NUMBERS),
+        ):
+            for _ in range(len(listed), 1 + self._highest(numbers)):
+                listed.append(deepcopy(listed[0]))
+            listed.set("count", str(len(listed)))
+        if named is None:
+            self._relate(part, "styles")
+        if self._book.structure.type_of(part) != _STYLES_KIND:
+            self._state_kind(part, _STYLES_KIND)
         return part
+
+    def _highest(self, numbers: re.Pattern[bytes]) -> int:
+        """The highest number that the sheets of the workbook give in some attributes."""
+        structure = self._book.structure
+        parts = [structure.worksheet_part(sheet) for sheet in structure.sheet_names]
+        texts = (self._book.container.read(part) for part in parts if part is not None)
+        found = (int(number) for text in texts for number in numbers.findall(text))
+        return max((number for number in found if number < _MOST_STYLES), default=0)
+
+    def _state_kind(self, part: str, kind: str) -> None:
+        """Say in the list of contents what a part is."""
+        etree.SubElement(
+            self._roots[self._types],
+            f"{{{CONTENT_TYPES}}}Override",
+            {"PartName": f"/{part}", "ContentType": kind},
+        )
 
     def _styles_of_source(self) -> Element:
         part = self._from.structure.related("styles")
@@ -198,10 +248,14 @@ class _Merger:
 
     def replaced(self) -> dict[str, bytes]:
         """The parts of the workbook that list its sheets, parts and styles."""
-        return {
-            part: serialise(root, self._book.container.read(part))
-            for part, root in self._roots.items()
-        }
+        there = self._book.container
+        replaced = {}
+        for part, root in self._roots.items():
+            if there.find(part):
+                replaced[part] = serialise(root, there.read(part))
+            else:
+                self.added[part] = serialise(root, _NO_STYLES)
+        return replaced
 
     # ---- sheets --------------------------------------------------------------------------------
 
@@ -246,11 +300,7 @@ class _Merger:
         elif kind.endswith("spreadsheetml.table+xml"):
             data = self._table(part)
         self.added[new] = data
-        etree.SubElement(
-            self._roots[self._types],
-            f"{{{CONTENT_TYPES}}}Override",
-            {"PartName": f"/{new}", "ContentType": kind},
-        )
+        self._state_kind(new, kind)
         if relations is not None:
             self.added[relationships_part(new)] = relations
         return new

@@ -40,6 +40,10 @@ _BRACKETS = re.compile(r"'.|[\[\]]", re.DOTALL)
 READS_ANYTHING = frozenset(
     ["INDIRECT", "OFFSET", "GETPIVOTDATA", "CELL", "INFO", "RTD", "CALL", "EVALUATE", "FORMULATEXT"]
 )
+# INDIRECT of a cell in a column of the sheet itself: two letters and a whole number make no other address, and no name.
+_OWN_COLUMN = re.compile(
+    r"""(?<![\w.])(?i:INDIRECT)\(\s*"\$?([A-Za-z]{1,2})\$?"\s*&\s*((?i:ROW)\([^()"]*\)\s*(?:-\s*\d+)?)\s*\)"""
+)
 # Functions whose value depends on the moment; their cached value is as good as any until somebody recalculates.
 CHANGES_BY_ITSELF = frozenset(["NOW", "TODAY", "RAND", "RANDBETWEEN", "RANDARRAY"])
 # Functions that may pass over hidden rows.
@@ -114,6 +118,7 @@ def parse_formula(text: str) -> Parsed:
     """Find the references and functions of a formula."""
     if not is_readable(text):
         return Parsed((), frozenset(), unclear=True)
+    text = _OWN_COLUMN.sub(r"SUM($\1:$\1,\2)", text)
     references: list[Reference | TableReference | NameReference | Span] = []
     functions: set[str] = set()
     rest: list[str] = []
@@ -139,6 +144,11 @@ def parse_formula(text: str) -> Parsed:
     # A colon or bracket that is not part of a plain range builds a reference at run time, e.g. A1:CHOOSE(...).
     unclear = any(mark in leftover for mark in ":![]") or not READS_ANYTHING.isdisjoint(functions)
     return Parsed(tuple(references), frozenset(functions), unclear)
+
+
+def begins_with_own_column(text: str) -> bool:
+    """Whether a text begins with INDIRECT of a cell in a column of the sheet itself, such as ``INDIRECT("A"&ROW(B5)-1)``."""
+    return _OWN_COLUMN.match(text) is not None
 
 
 def is_readable(text: str) -> bool:

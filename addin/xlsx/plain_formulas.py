@@ -13,7 +13,14 @@ from collections.abc import Collection, Iterable, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
-from addin.xlsx.formula_text import Piece, bare_function, is_readable, parse_formula, pieces
+from addin.xlsx.formula_text import (
+    Piece,
+    bare_function,
+    begins_with_own_column,
+    is_readable,
+    parse_formula,
+    pieces,
+)
 from addin.xlsx.references import Rect, absolute_range, column_letters, quoted_sheet
 from addin.xlsx.tables import Table
 from addin.xlsx.workbook_part import DefinedName
@@ -113,6 +120,8 @@ class PlainFormulas:
             return True
         if function != "INDIRECT" or len(written) < at + 4:
             return False
+        if begins_with_own_column("".join(piece for piece, _, _ in written[at:])):
+            return True
         # Only words that stand in the formula itself tell what they lead to.
         (before, _, _), (words, match, _), (after, _, _) = written[at + 1 : at + 4]
         if match is None or match.lastgroup != "text" or before.strip():

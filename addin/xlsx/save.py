@@ -253,7 +253,7 @@ def _check_source(container: Container) -> None:
         now = container.path.read_bytes()
     except OSError as problem:
         raise SourceChanged(
-            f"Nothing was written: {container.path.name} can no longer be read ({problem}). Check "
+            f"Nothing was written: {container.path.name} can no longer be read ({problem.strerror}). Check "
             "the file and run again."
         ) from problem
     if now != container.data:

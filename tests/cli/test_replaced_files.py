@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import shutil
 import sys
@@ -9,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from addin.cli import app
 from tests.command_line import ROOT, torsionbook
 
 PROPOSED = ROOT / "templates" / "example_proposed.xlsx"
@@ -95,3 +97,16 @@ def test_out_may_name_the_file_of_one_result(tmp_path: Path) -> None:
         assert done.returncode in (1, 2)
         assert sentence in " ".join((done.stdout + done.stderr).replace("│", " ").split())
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.xlsx", "b.xlsx", "sub"]
+
+
+def test_a_failing_disk_is_a_sentence(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def fail(**_: object) -> None:
+        raise OSError(errno.EIO, "Input/output error", "train.json")
+
+    monkeypatch.setattr(app, "app", fail)
+    with pytest.raises(SystemExit) as ended:
+        app.main()
+    assert ended.value.code == 1
+    assert capsys.readouterr().err.startswith("train.json: Input/output error. Nothing was written")

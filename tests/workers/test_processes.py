@@ -42,6 +42,20 @@ def test_a_closed_pipe_is_not_taken_for_the_end_of_the_program() -> None:
         process.end()
 
 
+def test_a_process_takes_no_module_from_the_folder_where_it_begins(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "pickle.py").write_text("raise SystemExit('a stranger')", encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    process = Process(_serve)
+    try:
+        assert process.line.poll(60.0)
+        assert process.line.recv() == ("ready", None)
+    finally:
+        process.end()
+    assert "PYTHONSAFEPATH" not in os.environ
+
+
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="Linux alone takes it over")
 def test_the_memory_of_the_program_is_not_that_of_its_processes(tmp_path: Path) -> None:

@@ -5,10 +5,13 @@ import zipfile
 from collections.abc import Callable
 from pathlib import Path
 
+import openpyxl
 import pytest
+import xlsxwriter
 from rich_workbooks import MODES, changed_parts, parts_of, with_parts
 
 from addin.xlsx import open_workbook
+from addin.xlsx.added_sheets import save_with_sheets
 from addin.xlsx.xml_part import RELATIONSHIP_IDS
 
 
@@ -80,3 +83,27 @@ def test_parts_named_with_backslashes_are_found_and_keep_their_names(train: Path
     assert "xl\\workbook.xml" in names
     assert "xl\\worksheets\\sheet2.xml" in two_modes_fewer(train)
     assert set(parts_of(train.with_name("out.xlsx"))) == names - {"xl\\calcChain.xml"}
+
+
+@pytest.mark.parametrize("listed", [True, False])
+def test_a_workbook_without_styles_takes_sheets_with_theirs(tmp_path: Path, listed: bool) -> None:
+    """exceljs has one whose lists name the part that is not there."""
+    for name, bold in (("plain", False), ("other", True)):
+        with xlsxwriter.Workbook(str(tmp_path / f"{name}.xlsx")) as book:
+            sheet = book.add_worksheet(name)
+            sheet.write("A1", name, book.add_format({"bold": bold, "num_format": "0.000"}))
+    parts = parts_of(tmp_path / "plain.xlsx")
+    del parts["xl/styles.xml"]
+    if not listed:
+        for name in ("[Content_Types].xml", "xl/_rels/workbook.xml.rels"):
+            parts[name] = re.sub(rb'<(Override|Relationship) [^>]*styles\.xml"/>', b"", parts[name])
+    bare = tmp_path / "bare.xlsx"
+    with zipfile.ZipFile(bare, "w") as archive:
+        for name, data in parts.items():
+            archive.writestr(name, data)
+    both = tmp_path / "both.xlsx"
+    save_with_sheets(open_workbook(bare), open_workbook(tmp_path / "other.xlsx"), ["other"], both)
+    book = openpyxl.load_workbook(both)
+    assert (book["plain"]["A1"].value, book["plain"]["A1"].font.b) == ("plain", False)
+    cell = book["other"]["A1"]
+    assert (cell.value, cell.font.b, cell.number_format) == ("other", True, "0.000")

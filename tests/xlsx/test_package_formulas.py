@@ -518,6 +518,13 @@ def test_references_of_formulas() -> None:
     assert parsed.functions == {"SUM", "LOG10"}
     assert parsed.names == ["Name", "XFE1"]
     assert not parse_formula("SUM(A1,{1,2;3,4},#REF!)").unclear
+    own = parse_formula('IF(In!A1>0,indirect("$B" & ROW(C7)-1)+1,0)')
+    assert [one.text for one in own.references if isinstance(one, Reference)] == [
+        "A1",
+        "$B:$B",
+        "C7",
+    ]
+    assert not own.unclear
     for unclear in (
         "A1:CHOOSE(1,B1)",
         "A1:INDEX(B:B,2):C3",
@@ -539,6 +546,7 @@ def test_references_of_formulas() -> None:
     [
         ("=SUM(In!A2:INDEX(In!A1:A3,2))", "A3", True),
         ("=SUM(In!A2:INDEX(In!A1:A3,2))", "A4", False),
+        ('=INDIRECT("A"&ROW(In!A3)-1)', "A4", False),
         ("=SUM(In!A6:INDEX(first,1))", "A4", True),
         ("=SUM(In!A6:INDEX(first,1))", "A7", False),
     ],

@@ -151,6 +151,7 @@ def plain(text: str, sheet: str = "Out", cell: str = "AA3", *names: DefinedName)
         "U[[#Data],[#Totals],[Flow]]", "T[[#All],]", "T[[#All],Flow:2019]", "T[[#All],#Data]", "T[,[Flow]]", "T[@[#All]]", "T[It's]",
         'INDIRECT("T[Flow]")', 'INDIRECT("T")', "INDIRECT(A1)", 'INDIRECT("A"&1)', "FORMULATEXT(A1)",
         '_xlfn.FORMULATEXT(A1)', 'EVALUATE("A1")', 'INDIRECT("A1"&A1,1)',
+        'INDIRECT("A"&ROW(A3)+1)', 'INDIRECT("XFE"&ROW(A3))', 'INDIRECT("A"&ROW(A3)-1,FALSE)',
     ],
 )  # fmt: skip
 def test_what_is_not_certain_has_no_text(text: str) -> None:
@@ -166,6 +167,7 @@ def test_what_is_not_certain_has_no_text(text: str) -> None:
     [
         "A1", '"T[Flow]"', "'T[Flow]'!A1", "[1]Sheet!A1", "'[1]It''s'!$A$1", "[1]!Name", "Name+TRUE", "T1+TT",
         'INDIRECT("Data!A1")', 'INDIRECT( "A1" ,TRUE)', 'INDIRECT("R1C1",FALSE)', "_xlpm.T+1", "T(1)", "TABLE(A1:B2,C3)",
+        'INDIRECT("A"&ROW(A3)-1)',
     ],
 )  # fmt: skip
 def test_what_names_no_table_stays_as_it_is(text: str) -> None:
