@@ -63,7 +63,7 @@ class Command:
     inputs: tuple[str, ...] = ("train.xlsx",)
     again: tuple[str, ...] = ()  #: Words of the second run where they differ, once `made` is there.
     made: str = ""
-    watches: bool = False  #: It ends when it is told to.
+    watches: bool = False  #: Whether it runs until Ctrl-C.
 
 
 def _study(name: str, *more: str) -> Command:
@@ -97,8 +97,6 @@ COMMANDS = (
             ("train.xlsx", "example.xlsx")),
     Command("verify", ("verify", "train.xlsx", "--json", "verified.json")),
 )  # fmt: skip
-#: The tests run these.
-SAMPLE = ("recalc", "batch --vary", "excel install")
 
 
 @dataclass(frozen=True)

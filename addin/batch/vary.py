@@ -39,7 +39,7 @@ from addin.reading.typed_case import TypedCase
 from addin.workers.pool import Crashed, Task, Workers
 from addin.workers.stop import Stop, Stopped
 from addin.xlsx.places import replace_file
-from addin.xlsx.whole_files import flush_file, flush_folder
+from addin.xlsx.whole_files import put_in_place
 
 #: Chunks given to the workers before answers come back, a worker. [count]
 AHEAD = 3
@@ -326,9 +326,7 @@ class _Parts:
                 counts.update(row[outcome] for row in rows)
         for new, place in ((parquet, programme.result), (text, programme.csv)):
             if place is not None:
-                flush_file(new)
-                replace_file(new, place)
-                flush_folder(place.parent)
+                put_in_place(new, place)
         return dict(counts)
 
 

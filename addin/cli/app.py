@@ -203,9 +203,7 @@ def main() -> None:
     except KeyboardInterrupt:
         _tell_interrupted()
         sys.exit(INTERRUPTED)
-    except (
-        Exception
-    ) as wrong:  # the last resort: anything else is ours, and must not look like input
+    except Exception as wrong:
         if isinstance(wrong, OSError) and wrong.errno in _OF_THE_DISK:
             place = f"{wrong.filename}: " if wrong.filename else ""
             typer.echo(
@@ -214,6 +212,7 @@ def main() -> None:
                 err=True,
             )
             sys.exit(WRONG_INPUT)
+        # the last resort: anything else is ours, and must not look like input
         traceback.print_exc()
         typer.echo(
             "This is an error inside torsionbook. Nothing was written for the current file. "

@@ -18,9 +18,8 @@ from addin.template.build import build_template
 from addin.template.examples import EXAMPLES, Example
 from addin.template.filled import MixedUnits, example_of
 from addin.template.variants import VARIANTS, Variant
-from addin.xlsx.places import replace_file
 from addin.xlsx.temporary import temporary_folder
-from addin.xlsx.whole_files import flush_file, flush_folder
+from addin.xlsx.whole_files import put_in_place
 
 #: The example that has the sheets of the studies, and the example whose train it is.
 _STUDIES, _STUDIED = "studies", "proposed"
@@ -142,6 +141,4 @@ def make_workbook(
         if variant.suffix == ".xlsm":
             install(made, made.with_suffix(".xlsm"))
             made = made.with_suffix(".xlsm")
-        flush_file(made)
-        replace_file(made, path)
-        flush_folder(path.parent)
+        put_in_place(made, path)

@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from addin.recorded.studies import RecordedStudy
-from addin.report.numbers import clean, fixed, significant
+from addin.report.numbers import clean, fixed, number_in, significant
 from addin.report.subject import Subject
 from engine.case.missing_inputs import missing_inputs
 from engine.case.result_words import Judgement
@@ -32,12 +32,7 @@ _OF_MATERIAL = "S-N line"
 #: What a check that fails calls for, by how its name begins; the first that fits.
 _CALLS_FOR = (
     (
-        "Steady-state stress",
-        "Move the mode away from that excitation, add damping, or lower the excitation to {share}: the "
-        "response is proportional to it.",
-    ),
-    (
-        "Vibratory torque",
+        ("Steady-state stress", "Vibratory torque"),
         "Move the mode away from that excitation, add damping, or lower the excitation to {share}: the "
         "response is proportional to it.",
     ),
@@ -150,8 +145,8 @@ def _of_tuning(subject: Subject, study: RecordedStudy) -> Iterator[str]:
         yield f"None of the other {len(rows) - 1} combinations calculated is better than the train as it is."
         return
     place = ("TuningResults", "Mode 1")
-    modes = [value for k in (1, 2, 3) if (value := _number(best, f"Mode {k}")) is not None]
-    broken = _number(best, "Limits broken")
+    modes = [value for k in (1, 2, 3) if (value := number_in(best, f"Mode {k}")) is not None]
+    broken = number_in(best, "Limits broken")
     parts = [
         f"verdict {best.get('Verdict')}",
         f"{broken:.0f} limits broken" if broken else "no limit broken",
@@ -159,7 +154,7 @@ def _of_tuning(subject: Subject, study: RecordedStudy) -> Iterator[str]:
     if modes:
         shown = ", ".join(fixed(subject.value(mode, *place), 2) for mode in modes)
         parts.append(f"modes at {shown} {subject.unit(*place)}")
-    if (margin := _number(best, "Worst margin")) is not None:
+    if (margin := number_in(best, "Worst margin")) is not None:
         parts.append(f"least margin {fixed(100.0 * margin, 1)} %")
     if (starts := _starts(best)) and (
         now := next((r for r in rows if r.get("As is") is True), None)
@@ -171,7 +166,7 @@ def _of_tuning(subject: Subject, study: RecordedStudy) -> Iterator[str]:
 
 
 def _starts(row: Row) -> str:
-    number = _number(row, "Allowable starts")
+    number = number_in(row, "Allowable starts")
     if number is None:
         return clean(str(row.get("Allowable starts") or ""))
     return f"{int(number * (1.0 + 1e-9)):,}"
@@ -205,7 +200,7 @@ def _of_sensitivities(subject: Subject, study: RecordedStudy) -> Iterator[str]:
 
 def _better_run(row: Row) -> tuple[float, float, Row] | None:
     """Of the runs at − 1 % and + 1 % the one with more starts: its step and what it gains; None where neither has. [1]"""
-    runs = ((-0.01, _number(row, "Starts below")), (0.01, _number(row, "Starts above")))
+    runs = ((-0.01, number_in(row, "Starts below")), (0.01, number_in(row, "Starts above")))
     gains = [(step, gain, row) for step, gain in runs if gain is not None and gain > 0.0]
     return max(gains, key=lambda run: run[1], default=None)
 
@@ -213,11 +208,6 @@ def _better_run(row: Row) -> tuple[float, float, Row] | None:
 def _quantity(row: Row) -> str:
     of = clean(str(row.get("Of") or ""))
     return f"{clean(str(row.get('Quantity') or ''))}{' of ' if of else ''}{of}"
-
-
-def _number(row: Row, column: str) -> float | None:
-    value = row.get(column)
-    return float(value) if isinstance(value, float | int) and not isinstance(value, bool) else None
 
 
 _OF_STUDIES = {"tuning": _of_tuning, "sensitivities": _of_sensitivities}
@@ -232,8 +222,7 @@ def _of_check(subject: Subject, row: Row) -> Iterator[str]:
     call = next((words for begin, words in _CALLS_FOR if name.startswith(begin)), "")
     if not call or row["verdict"] != Judgement.FAIL:
         return
-    shown = subject.table("Verdicts", columns=("Check", "Result", "Limit"), rows=[row])
-    cells = dict(zip((column.header for column in shown.columns), shown.rows[0], strict=True))
+    cells = subject.cells("Verdicts", row, ("Check", "Result", "Limit"))
     result, limit = cells.get("Result", ""), cells.get("Limit", "")
     where = clean(str(row.get("where") or "")).rstrip(".")
     if isinstance(row["result"], float | int):

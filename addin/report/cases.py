@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from addin.report.document import Listing, Paragraph, Section, Table, section
+from addin.report.document import Listing, Paragraph, Section, section
 from addin.report.numbers import clean, significant
 from addin.report.subject import Subject
 from addin.report.tables import input_table
@@ -66,7 +66,7 @@ def governing(subject: Subject) -> str:
     worst = _decides([*own, *(row for rows in conditions.values() for row in rows)])
     if worst is None:
         return "Under no condition is a result judged."
-    cells = _cells(subject, worst)
+    cells = subject.cells("CaseVerdicts", worst, ("Condition", "Result", "Limit"))
     name, check = clean(str(worst["condition"])), clean(str(worst["check"]))
     who = f"condition {name}" if name != TYPED else name
     words = f"{check} {cells.get('Result', '')}"
@@ -115,15 +115,6 @@ def _share(row: Row) -> float:
 
 def _is_number(value: object) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool)
-
-
-def _cells(subject: Subject, row: Row) -> dict[str, str]:
-    """A row as it is shown, by header."""
-    shown: Table = subject.table(
-        "CaseVerdicts", columns=("Condition", "Result", "Limit"), rows=[row]
-    )
-    headers = (column.header for column in shown.columns)
-    return dict(zip(headers, shown.rows[0], strict=True))
 
 
 def _open(subject: Subject) -> Listing | None:

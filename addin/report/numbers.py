@@ -6,6 +6,7 @@ No result is rounded anywhere but here.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 from engine.case.defaults import WHOLE_STARTS
 from engine.case.result_words import NoNumber
@@ -16,6 +17,12 @@ _UP = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 _LARGE, _SMALL = 1e7, 1e-6
 #: Shares that are compared with each other and need no digits below a hundredth of a percent.
 _PLAIN_SHARES = frozenset({"Margin", "Required", "Percent speed", "Share", "Damping ratio"})
+
+
+def number_in(row: Mapping[str, object], column: str) -> float | None:
+    """The number in a cell of a row; None where words, a flag or nothing stands there."""
+    value = row.get(column)
+    return float(value) if isinstance(value, float | int) and not isinstance(value, bool) else None
 
 
 def clean(text: str) -> str:

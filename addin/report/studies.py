@@ -15,7 +15,7 @@ from addin.contract.studies.tuning import NO_VARIABLE
 from addin.recorded.studies import RecordedStudy
 from addin.report.document import Block, Figure, Paragraph, Section, Table, section
 from addin.report.figures import Pictures
-from addin.report.numbers import clean
+from addin.report.numbers import clean, number_in
 from addin.report.subject import Subject
 from addin.report.tables import standing_table
 from addin.report.units import DocumentUnits
@@ -103,11 +103,6 @@ def _part(study: _Study) -> Section:
     )
 
 
-def _number(row: Row, column: str) -> float | None:
-    value = row.get(column)
-    return float(value) if isinstance(value, float | int) and not isinstance(value, bool) else None
-
-
 def _part_of(shown: int, total: int, which: str) -> str:
     return f"{shown} of {total} are shown, {which}; {_ALL}." if shown < total else ""
 
@@ -116,7 +111,7 @@ def _points(
     study: _Study, table: str, across: str, up: str, rows: Sequence[Row]
 ) -> list[tuple[float, float]]:
     """Points of a curve: across in its unit, and the numbers above zero that stand for it."""
-    numbers = ((_number(row, across), _number(row, up)) for row in rows)
+    numbers = ((number_in(row, across), number_in(row, up)) for row in rows)
     return [
         (study.value(x, table, across), y)
         for x, y in numbers
@@ -131,7 +126,7 @@ def _tuning(study: _Study) -> Iterator[Block | None]:
     rows = study.rows("TuningResults")
 
     def until(rank: int) -> list[Row]:
-        ranks = ((row, _number(row, "Rank")) for row in rows)
+        ranks = ((row, number_in(row, "Rank")) for row in rows)
         return [r for r, k in ranks if k is not None and (k <= rank or r.get("As is") is True)]
 
     best = until(_BEST)
@@ -192,7 +187,8 @@ def _tolerances(study: _Study) -> Iterator[Block | None]:
     bars = [
         (str(r.get("Factor") or ""), 100.0 * low, 100.0 * high)
         for r in study.rows("ToleranceTornado")
-        if (low := _number(r, "At P10")) is not None and (high := _number(r, "At P90")) is not None
+        if (low := number_in(r, "At P10")) is not None
+        and (high := number_in(r, "At P90")) is not None
     ]
     yield study.pictures.tornado(
         bars, ("at its P10", "at its P90"), "Change of the result [%]",
@@ -202,7 +198,7 @@ def _tolerances(study: _Study) -> Iterator[Block | None]:
     points = [
         (starts, 100.0 * share)
         for r in study.rows("ToleranceDistribution")
-        if (starts := _number(r, "Starts")) and (share := _number(r, "Probability")) is not None
+        if (starts := number_in(r, "Starts")) and (share := number_in(r, "Probability")) is not None
     ]
     yield study.pictures.curves(
         [("", points)] if len(points) > 1 else [],
@@ -214,8 +210,8 @@ def _tolerances(study: _Study) -> Iterator[Block | None]:
 def _margins(study: _Study) -> Table | None:
     """Margins that are not sure, the least probable first, and all of them together."""
     rows = study.rows("ToleranceMargins")
-    unsure = [r for r in rows if (_number(r, "Probability") or 0.0) < 1.0]
-    unsure.sort(key=lambda r: (r.get("Mode") is not None, _number(r, "Probability") or 0.0))
+    unsure = [r for r in rows if (number_in(r, "Probability") or 0.0) < 1.0]
+    unsure.sort(key=lambda r: (r.get("Mode") is not None, number_in(r, "Probability") or 0.0))
     least = unsure[:_MOST]
     sure = len(rows) - len(unsure)
     note = f"{sure} margins kept by every sample are omitted. " if sure else ""
@@ -231,7 +227,7 @@ def _sensitivities(study: _Study) -> Iterator[Block | None]:
     rows = study.rows("Sensitivities")
 
     def size(row: Row) -> float:
-        return -max(abs(_number(row, c) or 0.0) for c in ("Starts change", "Peak change"))
+        return -max(abs(number_in(row, c) or 0.0) for c in ("Starts change", "Peak change"))
 
     largest = sorted(rows, key=size)[:_MOST]
     yield study.table(
@@ -271,9 +267,9 @@ def _starts(study: _Study) -> Iterator[Block | None]:
     duty = [
         row
         for row in study.rows("RemainingStarts")
-        if _number(row, "So far") or _number(row, "Per year")
+        if number_in(row, "So far") or number_in(row, "Per year")
     ]
-    damaged = [row for row in duty if _number(row, "Damage")] or duty
+    damaged = [row for row in duty if number_in(row, "Damage")] or duty
     left_out = len(duty) - len(damaged)
     yield study.table(
         "RemainingStarts", "Damage of the duty by start condition",
@@ -299,7 +295,7 @@ def _calibration(study: _Study) -> Iterator[Block | None]:
         rows=study.rows("CalibratedFrequencies")[:_MOST],
     )  # fmt: skip
     changed = study.rows("CalibratedParameters")
-    changed.sort(key=lambda r: -abs(_number(r, "Pull") or 0.0))
+    changed.sort(key=lambda r: -abs(number_in(r, "Pull") or 0.0))
     most = changed[:_MOST]
     yield study.table(
         "CalibratedParameters", "Changed quantities",

@@ -62,6 +62,12 @@ class Subject:
         """An SI number in the unit of a result column. [shown unit]"""
         return self.shown.value(number, table, column)
 
+    def cells(self, name: str, row: Mapping[str, Any], columns: Sequence[str]) -> dict[str, str]:
+        """A row of a result table as it is shown, by header. [text]"""
+        shown = self.table(name, columns=columns, rows=[row])
+        headers = (column.header for column in shown.columns)
+        return dict(zip(headers, shown.rows[0], strict=True))
+
     def words(self, scalar: str) -> str:
         """A scalar of the title block as typed; empty where it is blank. [text]"""
         return shortened(clean(str(getattr(self.calculation.case, scalar, None) or "")), _TITLE)

@@ -37,12 +37,24 @@ def write_whole(path: Path, write: Callable[[Path], object]) -> None:
     os.close(handle)
     try:
         write(made)
-        flush_file(made)
-        os.chmod(made, mode)
-        replace_file(made, path)
+        put_in_place(made, path, mode)
     except BaseException:
         made.unlink(missing_ok=True)
         raise
+
+
+def put_in_place(made: Path, path: Path, mode: int | None = None) -> None:
+    """Have a finished file on the disk and then, in one step, under its name; None leaves its mode.
+
+    Raises
+    ------
+    OSError
+        If the disk does not take it, or the name cannot be given; a file that had it is as before.
+    """
+    flush_file(made)
+    if mode is not None:
+        os.chmod(made, mode)
+    replace_file(made, path)
     flush_folder(path.parent)
 
 
