@@ -155,7 +155,7 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
     table(
         "Meshes", sheet="Train", caption="Meshes",
         help="Gear geometry, clearances and bearings of gear meshes and geared couplings.",
-        rows=4, row_name=("Element",),
+        rows=3, row_name=("Element",),
         columns=(
             text("Element", "The gear mesh or geared coupling of table Elements.", kind="element"),
             number("Pitch radius drive", "length", "Pitch radius on the From side."),
@@ -384,7 +384,7 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
     table(
         "LoadTorque", sheet="Torque and motor", caption="Load torque",
         help="Torque of the driven machines against speed.",
-        rows=40, row_name=("Station", "Speed"), short_caption=True,
+        rows=36, row_name=("Station", "Speed"), short_caption=True,
         columns=(
             text("Station", "Where the load acts.", kind="station"),
             number("Speed", "speed fraction", _CURVE_SPEED),

@@ -45,13 +45,13 @@ def pictures() -> list[Figure]:
 
 
 def test_no_letter_of_a_picture_is_below_8_pt(pictures: list[Figure]) -> None:
-    sizes = {
+    sizes = [
         (words.get_text(), words.get_fontsize())
         for picture in pictures
         for words in picture.drawing.findobj(Text)
         if words.get_text().strip()
-    }
-    assert len(sizes) > 80
+    ]
+    assert len(sizes) > 100
     assert [one for one in sizes if one[1] < 8.0] == []
 
 

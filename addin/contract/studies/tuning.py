@@ -453,7 +453,7 @@ _SHEETS: tuple[Sheet, ...] = (
     Sheet(
         "Tuning map",
         "result",
-        {"A": 1.5, "B": 24, "C": 13.5, "D:I": 10.6, "J": 10.6, "K": 1.5, "L:R": 9.8},
+        {"A": 1.5, "B": 24, "C": 13.5, "D:I": 10.6, "J": 10.6, "K": 1.5, "L:R": 9.4},
         {
             "TuningAxes": "B5",
             "TuningStarts": f"B{_STARTS}",
@@ -462,9 +462,9 @@ _SHEETS: tuple[Sheet, ...] = (
             "ForbiddenBands": f"B{_BANDS}",
         },
         (
-            ChartAt("tuning-starts", f"L{_STARTS}", 510, 350),
-            ChartAt("tuning-margins", f"L{_MARGINS}", 510, 350),
-            ChartAt("tuning-modes", f"L{_MODES}", 510, 350),
+            ChartAt("tuning-starts", f"L{_STARTS}", 490, 350),
+            ChartAt("tuning-margins", f"L{_MARGINS}", 490, 350),
+            ChartAt("tuning-modes", f"L{_MODES}", 490, 350),
         ),
         row_breaks=(_MARGINS - 1, _MODES - 1),
         intro="Allowable starts and margins over the first two variables of sheet Tuning; each "
