@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
-from addin.contract.charts import CHARTS
+from addin.contract.studies.registry import EVERY_CHART
 from addin.contract.sheet import ALWAYS, NEVER, Sheet, column_letters, column_number
 from addin.contract.tables import EVERY_INPUT, table
 
@@ -72,7 +72,7 @@ def printed_areas(part: Sheet, standing: Standing) -> list[Area] | None:
         if name in inputs:
             ends.append(at[1] if is_form else standing.filled_to(name))
         elif name in filled:
-            ends.append(at[1])
+            ends.append(min(at[1], at[0] + (part.rows_printed or at[1])))
     ends += [
         _row(at.cell) + math.ceil(at.height / (part.row_height * 4.0 / 3.0)) + inserted
         for at in charts
@@ -147,7 +147,7 @@ def holds_data(rows: Iterable[Sequence[object]]) -> bool:
 
 def tables_of_chart(chart: str) -> set[str]:
     """Tables that a chart draws."""
-    return {series.table for series in CHARTS[chart].series}
+    return {series.table for series in EVERY_CHART[chart].series}
 
 
 def _row(cell: str) -> int:

@@ -64,15 +64,11 @@ class Sheet:
     #: Columns at which another page begins; the print is then as large as the widest page allows,
     #: not fitted to one page.
     breaks: tuple[str, ...] = ()
-    repeated: str = ""  #: Columns repeated on every page, such as ``A:C``; empty = none.
-    rows_printed: int = (
-        0  #: Rows of the table of a sheet of a study that are printed at the most; 0 = all. [count]
-    )
+    repeated: str = ""  #: Columns repeated on every page of a sheet without other parts, such as ``A:C``; empty = none.
+    rows_printed: int = 0  #: Rows of each table that are printed at the most; 0 = all. [count]
     row_breaks: tuple[int, ...] = ()  #: Rows, counted from 1, at which another page begins.
     largest: int = 100  #: Scale of a print in pieces at the most. [%]
     intro: str = ""  #: One sentence below the strip.
-    #: Of a study: sheet of the nominal run after which it is placed; empty = after all of those.
-    behind: str = ""
     #: Tables of which one must hold something for the part to be printed, `ALWAYS` or `NEVER`; empty = its own
     #: tables and those that its charts draw.
     printed_for: tuple[str, ...] = ()

@@ -34,17 +34,12 @@ class StudySpec:
     order: int  #: Place of its sheets among those of the studies.
     command: str  #: What calculates it, and the middle of the names of its files. [command]
     sheet: str  #: Sheet of its results.
-    last: str  #: Last column of its lines of words.
     inputs: tuple[TableSpec, ...]  #: Its input tables.
     results: tuple[TableSpec, ...]  #: Its result tables, those of the workbook alone among them.
     sheets: tuple[Sheet, ...]  #: Its sheets, of inputs and of results.
     details: Shape = field(default_factory=dict)  #: What its JSON has beside its tables.
     reads: tuple[str, ...] = ()  #: Input tables of other studies that it reads as well. [names]
     height: float = 42.0  #: Of the line that says what was found. [points]
-    #: Further sheets of its results with the last columns of their lines. [names, letters]
-    also: tuple[tuple[str, str], ...] = ()
-    #: First column of its lines; right of those that are repeated on every printed page.
-    first: str = "B"
     charts: tuple[ChartSpec, ...] = ()  #: Its charts.
     scales: tuple[StudyScale, ...] = ()  #: Maps that are coloured.
 
@@ -103,16 +98,15 @@ class StudySpec:
         placed = {name: sheet for sheet in self.sheets for name in sheet.tables}
         for spec in (*self.inputs, *self.results):
             sheet = placed.get(spec.name)
-            if sheet is None or sheet.name != spec.sheet:
+            if sheet is None or sheet.worksheet != spec.sheet:
                 raise IncompleteRecord(
                     f"table {spec.name} has no cell on sheet {spec.sheet} of study {self.key}: add its "
                     f"cell to the tables of that sheet in {where}"
                 )
-        for name in (self.sheet, *(name for name, _ in self.also)):
-            if name not in {sheet.name for sheet in self.sheets}:
-                raise IncompleteRecord(
-                    f"study {self.key} has no sheet {name}: add one to its sheets in {where}"
-                )
+        if self.sheet not in {sheet.name for sheet in self.sheets}:
+            raise IncompleteRecord(
+                f"study {self.key} has no sheet {self.sheet}: add one to its sheets in {where}"
+            )
         for sheet in self.sheets:
             if not (sheet.intro or sheet.hidden):
                 raise IncompleteRecord(

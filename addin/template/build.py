@@ -147,8 +147,7 @@ class _Builder(LiveSheets):
 
     def build(self, answers: LiveAnswers = NO_ANSWERS) -> None:
         """All sheets: first the cells, then the charts that refer to them."""
-        self.parts = SHEETS
-        layout = with_studies(SHEETS) if self.studies else SHEETS
+        layout = self.parts = with_studies(SHEETS) if self.studies else SHEETS
         layout = layout if self.variant.spelled is None else _with_live(layout)
         for name in dict.fromkeys(sheet.worksheet for sheet in layout):
             self.sheets[name] = self.workbook.add_worksheet(name)

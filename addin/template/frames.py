@@ -36,8 +36,6 @@ _VERDICT_WIDTH = 46.0
 _FACT = re.compile(r"\b[a-z]+_[A-Za-z0-9]+\b")
 _INPUTS = frozenset(spec.name for spec in fields.EVERY_INPUT)
 _CHART_COLUMNS = {table.name: table.columns for table in CHART_TABLES}
-#: Last row but one of a sheet: a print area of whole columns is none to openpyxl.
-_LAST_ROW = 1_048_575
 
 
 class Frames:
@@ -61,7 +59,7 @@ class Frames:
         self.places: dict[str, Place] = {}
         self.unit_cells: dict[tuple[str, str], str] = {}
         self.sheets: dict[str, Any] = {}
-        self.parts: Sequence[Sheet] = ()  #: Of the sheets of a case.
+        self.parts: Sequence[Sheet] = ()  #: Of the sheets, the live one apart.
         self.variant = variant
         self.studies = studies
         self.scalar_cells: list[tuple[int, int]] = []
@@ -137,7 +135,7 @@ class Frames:
             )  # fmt: skip
 
     def has_parts(self, sheet: Sheet) -> bool:
-        """Whether it is a sheet of a case, whose tables stand beside each other."""
+        """Whether its tables may stand beside those of other parts."""
         return any(part.worksheet == sheet.worksheet for part in self.parts)
 
     def _strip(self) -> str:
@@ -150,45 +148,36 @@ class Frames:
         return f"Document {document or '-'}   Rev. {revision or '-'}   {tag}{gap}{title}"
 
     def _print_set_up(self, page: Any, sheet: Sheet) -> None:
-        """Paper, margins, footer and repeated rows; the scale and, of a sheet of a study, its pages."""
+        """Paper, margins, footer, repeated rows and scale; `_print_areas` says what is printed."""
         page.set_landscape()
         page.set_paper(_LETTER if self.system == "us" else _A4)
         page.set_margins(left=_SIDE, right=_SIDE, top=0.25, bottom=0.3)
-        page.set_footer('&L&"Arial"&12&F&C&"Arial"&12&A&R&"Arial"&12Page &P of &N', {"margin": 0.12})
+        page.set_footer(
+            '&L&"Arial"&12&F&C&"Arial"&12&A&R&"Arial"&12Page &P of &N', {"margin": 0.12}
+        )
         page.repeat_rows(0, sheet.header_rows - 1)
         parts = [part for part in self.parts if part.worksheet == sheet.worksheet]
-        if parts:  # `_print_areas` says what of them
-            printed = [part for part in parts if part.printed_for != NEVER] or parts
-            widths = [_page_width(part) for part in printed]
-            widths += [
-                _page_width(left) + _page_width(part)
-                for left, part in itertools.pairwise(parts)
-                if part.joins
-            ]
-            largest = min(part.largest for part in printed)
-            page.set_print_scale(_scale_of(max(widths), _PAPER[self.system], largest))
-            return
-        if sheet.breaks or sheet.row_breaks or sheet.narrow:
-            page.set_v_pagebreaks([column_number(letters) for letters in sheet.breaks])
-            page.set_print_scale(_print_scale(sheet, _PAPER[self.system]))
-            page.print_across()
-            if sheet.row_breaks:
-                page.set_h_pagebreaks([row - 1 for row in sheet.row_breaks])
-        else:
+        if not parts:
             page.fit_to_pages(1, 0)
+            return
+        printed = [part for part in parts if part.printed_for != NEVER] or parts
+        widths = [_page_width(part) for part in printed]
+        widths += [
+            _page_width(left) + _page_width(part)
+            for left, part in itertools.pairwise(parts)
+            if part.joins
+        ]
+        largest = min(part.largest for part in printed)
+        page.set_print_scale(_scale_of(max(widths), _PAPER[self.system], largest))
         if sheet.repeated:
             page.repeat_columns(sheet.repeated)
-        if sheet.printed_for == NEVER:
-            page.print_area("A1:A1")
-        elif sheet.rows_printed:
-            page.print_area(f"A1:{sheet.last}{sheet.header_rows + sheet.rows_printed}")
-        elif sheet.printed or sheet.breaks or sheet.row_breaks:
-            page.print_area(f"A1:{sheet.last}{_LAST_ROW}")
 
     def _print_areas(self) -> None:
-        """What is printed of the sheets of a case, as far as the inputs tell."""
+        """What is printed of the sheets, as far as the inputs tell."""
         for name in dict.fromkeys(part.worksheet for part in self.parts):
             parts = [part for part in self.parts if part.worksheet == name]
+            if parts[0].hidden:
+                continue
             areas = areas_of_parts(parts, lambda _: self._standing) or []
             self.sheets[name].print_area_range = print_area_text(name, areas)
 
@@ -275,11 +264,6 @@ def column_widths(sheet: Sheet) -> dict[int, float]:
         begin, _, end = columns.partition(":")
         widths |= dict.fromkeys(range(column_number(begin), column_number(end or begin) + 1), each)
     return widths
-
-
-def _print_scale(sheet: Sheet, paper: float) -> int:
-    """Scale at which the widest page of a sheet fits a landscape paper so wide. [%]"""
-    return _scale_of(_page_width(sheet), paper, sheet.largest)
 
 
 def _scale_of(widest: int, paper: float, largest: int) -> int:

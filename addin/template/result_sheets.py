@@ -10,6 +10,7 @@ from xlsxwriter.utility import xl_cell_to_rowcol, xl_rowcol_to_cell
 from addin.contract import tables as fields
 from addin.contract.field import SHAPE_COLUMNS
 from addin.contract.live_formulas import CHANGE_NAME
+from addin.contract.print_areas import page_columns
 from addin.contract.sheets import (
     CYCLE_FACTS,
     CYCLE_FACTS_AT,
@@ -17,7 +18,7 @@ from addin.contract.sheets import (
     FACT_LINES,
     part_named,
 )
-from addin.contract.studies.registry import COLOUR_SCALE, STUDIES, STUDY_SHEETS
+from addin.contract.studies.registry import COLOUR_SCALE, STUDIES, STUDY_SHEETS, printed_parts
 from addin.contract.study_spec import StudyScale
 from addin.contract.tables import TableSpec
 from addin.contract.texts import EFFECT_NOTES
@@ -91,12 +92,12 @@ class ResultSheets(FrontSheets):
     def _study_lines(self) -> None:
         """On each result sheet of a study what it found, and which inputs it belongs to."""
         for study in STUDIES:
-            for sheet, last in ((study.sheet, study.last), *study.also):
-                page = self.sheets[sheet]
-                self.style.of(next(each for each in STUDY_SHEETS if each.name == sheet))
+            for part in printed_parts(study):
+                page = self.page(part)
+                self.style.of(part)
+                first, last = part.shift + 1, page_columns(part)[0][1] - 1
                 for row, (formula, style, height) in enumerate(study.lines, 3):
-                    first = column_number(study.first)
-                    page.merge_range(row, first, row, column_number(last), "", self.style(style))
+                    page.merge_range(row, first, row, last, "", self.style(style))
                     shown = study.not_yet if row == 3 else ""
                     page.write_formula(
                         row, first, self._by_cells(formula), self.style(style), shown
@@ -147,12 +148,15 @@ class ResultSheets(FrontSheets):
         if self.studies:
             there, place = place.sheet, self.places["FrequencySensitivities"]
             page, left = self.sheets[place.sheet], place.columns["Quantity"]
-            self.style.of(next(each for each in STUDY_SHEETS if each.name == place.sheet))
-            page.write_string(4, left, "Change of the quantity", self.style("note"))
-            page.write_formula(4, left + 1, f"={CHANGE_NAME}", self.style("check", "0.0%"), 0.01)
+            self.style.of(
+                next(part for part in STUDY_SHEETS if "FrequencySensitivities" in part.tables)
+            )
+            row = place.first - 4
+            page.write_string(row, left, "Change", self.style("note"))
+            page.write_formula(row, left + 1, f"={CHANGE_NAME}", self.style("check", "0.0%"), 0.01)
             link = self.style("note_beside")
             page.write_url(
-                4, left + 2, f"internal:{quoted_sheet(there)}!{cell}", link,
+                row, left + 2, f"internal:{quoted_sheet(there)}!{cell}", link,
                 f"typed on sheet {there}",
             )  # fmt: skip
             self.style.usual()

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from addin.contract.banner import CHANGED_WORDS, COPY_SHEET
 from addin.contract.problems import shortened
 from addin.contract.sheets import EARLIER_SHEETS, SHEETS
-from addin.contract.studies.registry import with_studies
+from addin.contract.studies.registry import EARLIER_STUDY_SHEETS, with_studies
 from addin.contract.tables import (
     INPUT_TABLES,
     RESULT_TABLES,
@@ -178,9 +178,11 @@ def compare_appearance(workbook: Workbook) -> Iterator[Finding]:
 
 
 def _seen_cells(workbook: Workbook) -> Iterator[SeenCell]:
-    shipped_visible = EARLIER_SHEETS | {
-        sheet.worksheet for sheet in with_studies(SHEETS) if not sheet.hidden
-    }
+    shipped_visible = (
+        EARLIER_SHEETS
+        | EARLIER_STUDY_SHEETS
+        | {sheet.worksheet for sheet in with_studies(SHEETS) if not sheet.hidden}
+    )
     for is_input, specs in ((False, _EVERY_TABLE), (True, _EVERY_INPUT)):
         for spec in specs:
             table = workbook.tables.get(spec.name)

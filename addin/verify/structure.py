@@ -9,7 +9,7 @@ from addin.contract.banner import COPY_SHEET
 from addin.contract.problems import shortened
 from addin.contract.scalars import SCALAR_SHEET
 from addin.contract.sheets import EARLIER_SHEETS, SHEETS, Sheet
-from addin.contract.studies.registry import STUDY_FACTS_SHEET, with_studies
+from addin.contract.studies.registry import EARLIER_STUDY_SHEETS, STUDY_FACTS_SHEET, with_studies
 from addin.contract.tables import (
     INPUT_TABLES,
     RESULT_TABLES,
@@ -136,6 +136,7 @@ def other_sheets(workbook: Workbook) -> Iterator[Finding]:
         COPY_SHEET,
         STUDY_FACTS_SHEET,
         *EARLIER_SHEETS,
+        *EARLIER_STUDY_SHEETS,
     }
     names = [f"'{shortened(sheet, 40)}'" for sheet in workbook.sheet_names if sheet not in shipped]
     if names:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from addin.contract.chart_tables import CHART_TABLES
-from addin.contract.charts import CHARTS, ChartSpec
+from addin.contract.charts import ChartSpec
 from addin.contract.print_areas import (
     Standing,
     areas_of_parts,
@@ -14,6 +14,7 @@ from addin.contract.print_areas import (
     print_area_text,
 )
 from addin.contract.sheets import SHEETS
+from addin.contract.studies.registry import EVERY_CHART, STUDY_SHEETS
 from addin.contract.tables import EVERY_INPUT
 from addin.xlsx import Formula, Workbook
 from addin.xlsx.references import Rect, parse_range, split_areas, split_sheet
@@ -36,10 +37,10 @@ def renew_print_areas(workbook: Workbook, printed: Mapping[str, int], only: str 
     printed : mapping of str to int
         Tables of which only so many of the first rows are printed. [count]
     only : str
-        The sheet, as it is shipped, that is looked at; empty = each. [name]
+        The sheet, as it is shipped, that is looked at; empty = each of a case. [name]
     """
-    for name in dict.fromkeys(part.worksheet for part in SHEETS if only in ("", part.worksheet)):
-        parts = [part for part in SHEETS if part.worksheet == name]
+    for name in (only,) if only else dict.fromkeys(part.worksheet for part in SHEETS):
+        parts = [part for part in (*SHEETS, *STUDY_SHEETS) if part.worksheet == name]
         here = {
             workbook.tables[table].sheet
             for part in parts
@@ -106,7 +107,9 @@ def _standing(workbook: Workbook, columns: tuple[int, int], printed: Mapping[str
             (row for row, _ in workbook.sheet_part(table.sheet).filled_cells(table.data)), default=0
         )
 
-    return Standing(rows, filled_to, has_content, lambda name: has_curve(workbook, CHARTS[name]))
+    return Standing(
+        rows, filled_to, has_content, lambda name: has_curve(workbook, EVERY_CHART[name])
+    )
 
 
 def has_curve(workbook: Workbook, chart: ChartSpec) -> bool:

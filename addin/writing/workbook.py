@@ -382,6 +382,8 @@ def write_study_results(
             if tables.keys() & {series.table for series in spec.series}
         },
     )
+    for sheet in dict.fromkeys(fields.result_table(name).sheet for name in tables):
+        renew_print_areas(workbook, {}, only=sheet)
     if recorded:
         specs = [fields.result_table(one.name) for one in present]
         facts = {**facts, recorded: "; ".join(stated_digests(workbook, specs, units))}

@@ -367,7 +367,7 @@ _RESULTS: tuple[TableSpec, ...] = (
         ),
     ),
     table(
-        "CalibrationSolutions", sheet="Calibration solutions", caption="Solutions, where there are several",
+        "CalibrationSolutions", sheet="Calibration", caption="Solutions, where there are several",
         help="Every train that explains the measurements, such as mirror images, or comes as near where none "
         "does; blank = one only.",
         row_name=("Solution", "Quantity", "Name"),
@@ -445,7 +445,6 @@ _SHEETS: tuple[Sheet, ...] = (
             ChartAt("fit", f"B{_FITS_AT}", 460, 320),
             ChartAt("change", f"G{_FITS_AT}", 740, 320),
         ),
-        freeze="",
         row_breaks=(_FITS_AT - 1, _MARGINS_AT - 1),
         intro="Smallest change of the uncertain inputs (sheet Tolerances) that explains the "
         "measurements: torsionbook calibrate FILE.",
@@ -455,7 +454,7 @@ _SHEETS: tuple[Sheet, ...] = (
         "result",
         {"A": 1.5, "B": 22, "C:I": 11, "J": 60},
         {"CalibrationSolutions": "B7"},
-        freeze="A10",
+        on="Calibration",
         intro="Every train that explains the measurements, or comes as near where none does, if there are "
         "several. Written by torsionbook "
         "calibrate FILE.",
@@ -514,7 +513,6 @@ CALIBRATION = StudySpec(
     order=5,
     command="calibrate",
     sheet="Calibration",
-    last="P",
     inputs=_INPUTS,
     reads=("Scatter",),
     results=_RESULTS,

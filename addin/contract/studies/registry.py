@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from addin.contract.charts import CHARTS, ChartSpec
 from addin.contract.field import IncompleteRecord
 from addin.contract.records import find_records
-from addin.contract.sheet import Sheet, readable
+from addin.contract.sheet import NEVER, Sheet, readable, side_by_side
 from addin.contract.study_spec import StudySpec
 
 _RECORDS = find_records(__package__, StudySpec)
@@ -20,10 +20,13 @@ for _path, _study in _RECORDS.items():
 #: Every study, in the order of its sheets.
 STUDIES: tuple[StudySpec, ...] = tuple(sorted(_RECORDS.values(), key=lambda study: study.order))
 
-#: Their sheets, printed in letters of 8 pt; one that is never printed keeps the usual ones.
-STUDY_SHEETS: tuple[Sheet, ...] = tuple(
-    sheet if sheet.hidden else readable(sheet) for study in STUDIES for sheet in study.sheets
+#: Their sheets and the parts of them, printed in letters of 8 pt; one that is never printed keeps the usual ones.
+STUDY_SHEETS: tuple[Sheet, ...] = side_by_side(
+    [sheet if sheet.hidden else readable(sheet) for study in STUDIES for sheet in study.sheets]
 )
+
+#: Parts of them that were sheets in earlier releases. [names]
+EARLIER_STUDY_SHEETS = frozenset(part.name for part in STUDY_SHEETS if part.on)
 
 #: Rows of table `StudyFacts`: what was found in words, and which inputs it belongs to.
 STUDY_FACTS: tuple[tuple[str, str], ...] = tuple(
@@ -62,22 +65,26 @@ def study_of(key: str) -> StudySpec:
     return next(study for study in STUDIES if study.key == key)
 
 
+def printed_parts(study: StudySpec) -> list[Sheet]:
+    """Parts of the sheet of its results, at their places, without those that are never printed."""
+    return [
+        part
+        for part in STUDY_SHEETS
+        if part.printed_for != NEVER
+        and not part.hidden
+        and set(part.tables) & set(study.result_names)
+    ]
+
+
 def with_studies(sheets: Sequence[Sheet]) -> list[Sheet]:
     """The sheets of a workbook with those of the studies: inputs behind inputs, results behind results."""
-    behind = {sheet.behind: sheet for sheet in STUDY_SHEETS if sheet.behind}
     inputs = max(k for k, sheet in enumerate(sheets) if sheet.kind == "input") + 1
     results = max(k for k, sheet in enumerate(sheets) if sheet.name == "Accuracy") + 1
-    plain = [
-        placed
-        for sheet in sheets[inputs:results]
-        for placed in (sheet, behind.get(sheet.name))
-        if placed is not None
-    ]
     return [
         *sheets[:inputs],
         *(sheet for sheet in STUDY_SHEETS if sheet.kind == "input"),
-        *plain,
-        *(sheet for sheet in STUDY_SHEETS if sheet.kind == "result" and not sheet.behind),
+        *sheets[inputs:results],
+        *(sheet for sheet in STUDY_SHEETS if sheet.kind == "result"),
         *sheets[results:],
     ]
 
@@ -116,7 +123,7 @@ def missing_sheets(tables: Collection[str], study: StudySpec) -> MissingSheets:
     ]
     facts = (STUDY_FACTS_SHEET,) if sheets and "studyfacts" not in there else ()
     return MissingSheets(
-        (*(sheet.name for sheet in sheets), *facts),
-        tuple(sheet.name for sheet in sheets if sheet.kind == "input"),
+        (*dict.fromkeys(sheet.worksheet for sheet in sheets), *facts),
+        tuple(sheet.worksheet for sheet in sheets if sheet.kind == "input"),
         absent,
     )

@@ -59,7 +59,7 @@ _RESULTS: tuple[TableSpec, ...] = (
         ),
     ),
     table(
-        "FrequencySensitivities", sheet="Frequency sensitivities",
+        "FrequencySensitivities", sheet="Sensitivities",
         caption="Frequency sensitivities",
         help="Relative change of each frequency per relative change of the quantity: ± ½ × share "
         "of the energy.",
@@ -92,9 +92,8 @@ _SHEETS: tuple[Sheet, ...] = (
     Sheet(
         "Sensitivities",
         "result",
-        {"A": 1.5, "B": 15, "C": 22, "D:K": 8.5, "L": 16, "M": 37},
+        {"A": 1.5, "B": 15, "C": 22, "D:K": 8.5, "L": 27, "M": 49},
         {"Sensitivities": "B7"},
-        freeze="A10",
         intro="Sensitivity of the results to each quantity. Written by torsionbook sensitivities "
         "FILE.",
     ),
@@ -103,11 +102,10 @@ _SHEETS: tuple[Sheet, ...] = (
         "result",
         {"A": 1.5, "B": 16, "C": 23, "D:P": 8.8},
         {"FrequencySensitivities": "B7"},
-        freeze="A10",
+        on="Sensitivities",
         intro="Sensitivity of each frequency to each stiffness and inertia; the green cells show "
         "the shifts for the change typed on sheet Results. Written by torsionbook "
         "sensitivities FILE.",
-        behind="Frequencies",
     ),
 )  # fmt: skip
 
@@ -138,7 +136,6 @@ SENSITIVITIES = StudySpec(
     order=3,
     command="sensitivities",
     sheet="Sensitivities",
-    last="M",
     inputs=(),
     results=_RESULTS,
     sheets=_SHEETS,

@@ -315,7 +315,6 @@ _SHEETS: tuple[Sheet, ...] = (
             ChartAt("starts-voltage", "C7", 460, 330),
             ChartAt("stress-voltage", "H7", 470, 330),
         ),
-        freeze="",
         breaks=("M",),
         repeated="B:B",
         intro="Each start condition, calculated separately: torsionbook starts FILE. A start that "
@@ -326,7 +325,6 @@ _SHEETS: tuple[Sheet, ...] = (
         "result",
         {"A": 1.5, "B": 20, "C": 26, "D:K": 10, "L": 10, "M": 32},
         {"DamageLedger": "B7", "RemainingStarts": f"B{_LEDGER.below(7)}"},
-        freeze="",
         intro="Life used of each judged shaft by the duty in table StartConditions: Palmgren-Miner, order of "
         "starts ignored; life ends at damage 1/StartsFactor.",
     ),
@@ -374,13 +372,10 @@ STARTS = StudySpec(
     order=4,
     command="starts",
     sheet="Start matrix",
-    last="L",
     inputs=(),
     results=_RESULTS,
     sheets=_SHEETS,
     details=_DETAILS,
     charts=_CHARTS,
     height=70.0,
-    also=(("Damage ledger", "M"),),
-    first="C",
 )

@@ -201,7 +201,7 @@ _RESULTS: tuple[TableSpec, ...] = (
         ),
     ),
     table(
-        "ToleranceFrequencies", sheet="Tolerance tables", caption="Natural frequencies",
+        "ToleranceFrequencies", sheet="Tolerance results", caption="Natural frequencies",
         help="Natural frequencies.",
         row_name=("Mode",), room=12,
         columns=(
@@ -215,7 +215,7 @@ _RESULTS: tuple[TableSpec, ...] = (
         ),
     ),
     table(
-        "ToleranceMargins", sheet="Tolerance tables", caption="Margins",
+        "ToleranceMargins", sheet="Tolerance results", caption="Margins",
         help="Separation margins, and the probability that each is kept.",
         row_name=("Mode", "Excitation"), changes_shown=("Probability",),
         columns=(
@@ -234,7 +234,7 @@ _RESULTS: tuple[TableSpec, ...] = (
         ),
     ),
     table(
-        "TolerancePeaks", sheet="Tolerance peaks", caption="Peaks",
+        "TolerancePeaks", sheet="Tolerance results", caption="Peaks",
         help="Largest torques and nominal stresses of the start, zero-to-peak.",
         row_name=("Element",),
         columns=(
@@ -252,7 +252,7 @@ _RESULTS: tuple[TableSpec, ...] = (
         ),
     ),
     table(
-        "ToleranceDistribution", sheet="Tolerance data", caption="Distribution",
+        "ToleranceDistribution", sheet="Tolerance results", caption="Distribution",
         help="Starts and first frequency by probability.",
         short_caption=True,
         columns=(
@@ -271,7 +271,7 @@ _RESULTS: tuple[TableSpec, ...] = (
         ),
     ),
     table(
-        "ToleranceHistogram", sheet="Tolerance data", caption="Histogram",
+        "ToleranceHistogram", sheet="Tolerance results", caption="Histogram",
         help="Allowable starts of the samples.",
         short_caption=True,
         columns=(
@@ -286,7 +286,7 @@ _RESULTS: tuple[TableSpec, ...] = (
         ),
     ),
     table(
-        "ToleranceTornado", sheet="Tolerance data", caption="Tornado",
+        "ToleranceTornado", sheet="Tolerance results", caption="Tornado",
         help="The strongest factors.",
         short_caption=True,
         columns=(
@@ -309,7 +309,7 @@ _OF_STARTS, _OF_FREQUENCIES = _RESULTS[0], _RESULTS[2]
 #: Row of the first thing below table `StartsOfSample`.
 _BELOW_STARTS = 9 + _OF_STARTS.room + 2
 #: Row of the captions below table `ToleranceFrequencies`.
-_BELOW_FREQUENCIES = 8 + _OF_FREQUENCIES.room + 2
+_BELOW_FREQUENCIES = 10 + _OF_FREQUENCIES.room + 2
 
 _SHEETS: tuple[Sheet, ...] = (
     Sheet(
@@ -332,7 +332,6 @@ _SHEETS: tuple[Sheet, ...] = (
             ChartAt("starts_distribution", f"J{_BELOW_STARTS + 10}", 570, 220),
         ),
         row_breaks=(_BELOW_STARTS + 22,),
-        freeze="A6",
         intro="Scatter of the allowable starts that follows from the input scatter on sheet "
         "Tolerances, and its main drivers. Written by torsionbook tolerances FILE.",
     ),
@@ -340,20 +339,17 @@ _SHEETS: tuple[Sheet, ...] = (
         "Tolerance tables",
         "result",
         {"A": 1.5, "B": 7, "C": 22, "D:Q": 10},
-        {"ToleranceFrequencies": "B5", "ToleranceMargins": f"B{_BELOW_FREQUENCIES}"},
-        freeze="A4",
+        {"ToleranceFrequencies": "B7", "ToleranceMargins": f"B{_BELOW_FREQUENCIES}"},
+        on="Tolerance results",
         intro="Frequencies and margins: P10, P50 and P90 of the samples and the probability that "
         "each margin is kept, with 95 % intervals.",
     ),
     Sheet(
         "Tolerance peaks",
         "result",
-        {"A": 1.5, "B": 24, "C:V": 11},
-        {"TolerancePeaks": "B5"},
-        freeze="C8",
-        header_rows=7,
-        breaks=("M",),
-        repeated="B:B",
+        {"A": 1.5, "B": 18, "C:V": 7.8},
+        {"TolerancePeaks": "B7"},
+        on="Tolerance results",
         intro="Largest torques and nominal stresses of the start, zero-to-peak, with their "
         "percentiles.",
     ),
@@ -361,9 +357,9 @@ _SHEETS: tuple[Sheet, ...] = (
         "Tolerance data",
         "result",
         {"A": 1.5, "B:D": 13, "E": 2, "F": 20, "G": 9, "H": 2, "I": 36, "J:K": 11},
-        {"ToleranceDistribution": "B5", "ToleranceHistogram": "F5", "ToleranceTornado": "I5"},
-        freeze="A8",
-        intro="Data of the charts on sheet Tolerance results; not printed.",
+        {"ToleranceDistribution": "B7", "ToleranceHistogram": "F7", "ToleranceTornado": "I7"},
+        on="Tolerance results",
+        intro="Data of the charts; not printed.",
         printed_for=NEVER,
     ),
 )  # fmt: skip
@@ -445,7 +441,6 @@ TOLERANCES = StudySpec(
     order=2,
     command="tolerances",
     sheet="Tolerance results",
-    last="R",
     inputs=_INPUTS,
     results=_RESULTS,
     sheets=_SHEETS,
