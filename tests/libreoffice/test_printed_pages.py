@@ -41,10 +41,15 @@ def sheets_of_pages(pdf: Path) -> list[str]:
     )
     sheets = []
     for page in done.stdout.split("<page ")[1:]:
-        words = re.findall(r'xMin="([\d.]+)" yMin="([\d.]+)"[^>]*>([^<]*)<', page)
-        level = max((float(y) for _, y, word in words if word == "Page"), default=0.0)
+        found = re.findall(
+            r'xMin="([\d.]+)" yMin="([\d.]+)" xMax="[\d.]+" yMax="([\d.]+)">([^<]*)<', page
+        )
+        words = [(float(x), float(top), float(end), word) for x, top, end, word in found]
+        level = max(
+            ((top, end) for _, top, end, word in words if word == "Page"), default=(0.0, 0.0)
+        )
         # LibreOffice also writes what a chart of the next page has at this height, and clips it
-        foot = sorted((float(x), word) for x, y, word in words if abs(float(y) - level) < LEVEL)
+        foot = sorted((x, word) for x, *at, word in words if math.dist(at, level) < LEVEL)
         line = " ".join(word for _, word in foot)
         sheets += re.findall(r"^\S+\.xlsx? (.+?) Page \d+ of \d+$", line)
     return sheets
