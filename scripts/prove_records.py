@@ -266,7 +266,6 @@ SCALING = StudySpec(
     order=6,
     command="scale",
     sheet="Scaled frequencies",
-    last="H",
     inputs=_INPUTS,
     results=_RESULTS,
     sheets=_SHEETS,

@@ -6,8 +6,8 @@ import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
-from addin.contract.studies.registry import EVERY_CHART
 from addin.contract.sheet import ALWAYS, NEVER, Sheet, column_letters, column_number
+from addin.contract.studies.registry import EVERY_CHART
 from addin.contract.tables import EVERY_INPUT, table
 
 #: First and last row, first and last column of an area, counted from 1.

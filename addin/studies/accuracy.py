@@ -111,7 +111,7 @@ Example: `torsionbook accuracy train.xlsx` writes train.out.xlsx."""
 
 #: The study of ``torsionbook accuracy``; its sheet is one of every workbook, made with studies or not.
 ACCURACY = Study(
-    spec=StudySpec("accuracy", 6, "accuracy", "Accuracy", "P", (), (), ()),
+    spec=StudySpec("accuracy", 6, "accuracy", "Accuracy", (), (), ()),
     calculate=_calculate,
     write=_write,
     as_json=_to_json,

@@ -22,7 +22,6 @@ from addin.contract.studies.registry import COLOUR_SCALE, STUDIES, STUDY_SHEETS,
 from addin.contract.study_spec import StudyScale
 from addin.contract.tables import TableSpec
 from addin.contract.texts import EFFECT_NOTES
-from addin.template.frames import column_number
 from addin.template.front_sheets import FrontSheets
 from addin.xlsx.references import quoted_sheet
 from engine.case.effects import EFFECTS
