@@ -13,18 +13,15 @@ from openpyxl.worksheet.worksheet import Worksheet
 from typer.testing import CliRunner
 
 from addin.cli.app import app
-from addin.contract.sheets import SHEETS
+from addin.contract.print_areas import page_columns
+from addin.contract.sheet import Sheet
 from addin.contract.shipped import template_path
-from addin.contract.studies.registry import with_studies
+from addin.contract.studies.registry import STUDIES, printed_parts
 
 #: Smallest text on paper, the widths of columns being a little different in each program. [pt]
 LEAST = 6.8
-#: Sheets with numbers behind charts alone, which nobody prints, are hidden. Those of a case: tests/libreoffice/test_printed_pages.py.
-OWN = [
-    sheet.name
-    for sheet in with_studies(SHEETS)
-    if sheet not in SHEETS and sheet.kind == "result" and not sheet.hidden
-]
+#: Parts of their sheets that are printed. Those of a case: tests/libreoffice/test_printed_pages.py.
+PARTS = [part for study in STUDIES for part in printed_parts(study)]
 
 
 @pytest.fixture(scope="module")
@@ -41,41 +38,46 @@ def pixels(sheet: Worksheet) -> dict[int, int]:
     return found
 
 
-def last_column(sheet: Worksheet) -> int:
-    if sheet.print_area:
-        return range_boundaries(str(sheet.print_area).split("!")[-1])[2]
-    return max(c for c, w in pixels(sheet).items() if w)
+@pytest.mark.parametrize("part", PARTS, ids=lambda part: part.name)
+def test_text_on_paper_can_be_read(book: openpyxl.Workbook, part: Sheet) -> None:
+    sheet = book[part.worksheet]
+    scale = sheet.page_setup.scale / 100.0
+    assert not sheet.sheet_properties.pageSetUpPr.fitToPage
+    assert scale >= 0.7, f"{scale:.0%}"
+    room = 96.0 * (11.0 - sheet.page_margins.left - sheet.page_margins.right)
+    widths = pixels(sheet)
+    pages = page_columns(part)
+    for first, last in pages:
+        assert scale * sum(widths[k] for k in range(first, last + 1)) <= room
+    columns = range(pages[0][0], pages[-1][1] + 1)
+    sizes = [
+        cell.font.sz
+        for row in sheet.iter_rows(min_col=columns[0], max_col=columns[-1])
+        for cell in row
+        if cell.value is not None
+    ]
+    assert scale * min(sizes) >= LEAST, f"{min(sizes)} pt at {scale:.0%}"
 
 
-@pytest.mark.parametrize("name", OWN)
-def test_text_on_paper_can_be_read(book: openpyxl.Workbook, name: str) -> None:
-    sheet = book[name]
-    if sheet.sheet_properties.pageSetUpPr and sheet.sheet_properties.pageSetUpPr.fitToPage:
-        assert sheet.page_setup.fitToHeight == 0, "all of it on one page shrinks without end"
-        width = sum(w for c, w in pixels(sheet).items() if c <= last_column(sheet))
-        room = 96.0 * (11.0 - sheet.page_margins.left - sheet.page_margins.right)
-        scale = min(1.0, room / width)
-    else:
-        scale = sheet.page_setup.scale / 100.0
-    sizes = [cell.font.sz for row in sheet.iter_rows() for cell in row if cell.value is not None]
-    assert scale >= 0.7, f"{name}: {scale:.0%}"
-    assert scale * min(sizes) >= LEAST, f"{name}: {min(sizes)} pt at {scale:.0%}"
-
-
-@pytest.mark.parametrize("name", OWN)
-def test_no_page_ends_within_a_chart(book: openpyxl.Workbook, name: str) -> None:
-    sheet = book[name]
-    rows = [one.id for one in sheet.row_breaks.brk]
-    columns = [one.id for one in sheet.col_breaks.brk]
-    for chart in sheet._charts:
-        first, last = chart.anchor._from, chart.anchor.to
-        assert not [r for r in rows if first.row < r <= last.row], (name, rows)
-        assert not [c for c in columns if first.col < c <= last.col], (name, columns)
-        assert last.col < last_column(sheet), name
-        for repeated in (sheet.print_title_cols,):
-            if repeated:
-                ends = repeated.replace("$", "").split(":")
-                assert first.col >= column_index_from_string(ends[1]), "repeated on each page"
+@pytest.mark.parametrize(
+    "part", [part for part in PARTS if part.charts], ids=lambda part: part.name
+)
+def test_no_page_ends_within_a_chart(book: openpyxl.Workbook, part: Sheet) -> None:
+    placed = {chart.anchor._from.col: chart.anchor for chart in book[part.worksheet]._charts}
+    names = {
+        column_index_from_string(part.at(at.cell).rstrip("0123456789")) - 1 for at in part.charts
+    }
+    assert names <= placed.keys()
+    for anchor in (chart.anchor for chart in book[part.worksheet]._charts):
+        first, last = anchor._from, anchor.to
+        if not part.columns[0] <= first.col + 1 <= part.columns[1]:
+            continue  # of another part
+        assert not [r for r in part.row_breaks if first.row + 1 < r <= last.row + 1]
+        assert [
+            1 for begin, end in page_columns(part) if begin <= first.col + 1 and last.col + 1 <= end
+        ]
+        if part.repeated:
+            assert first.col >= column_index_from_string(part.repeated.split(":")[1])
 
 
 def table(path: Path, name: str) -> list[dict[str, Any]]:

@@ -442,8 +442,8 @@ _SHEETS: tuple[Sheet, ...] = (
             "CalibratedParameters": f"B{_PARAMETERS_AT}",
         },
         (
-            ChartAt("fit", f"B{_FITS_AT}", 460, 320),
-            ChartAt("change", f"G{_FITS_AT}", 740, 320),
+            ChartAt("fit", f"B{_FITS_AT}", 460, 296),
+            ChartAt("change", f"G{_FITS_AT}", 740, 296),
         ),
         row_breaks=(_FITS_AT - 1, _MARGINS_AT - 1),
         intro="Smallest change of the uncertain inputs (sheet Tolerances) that explains the "

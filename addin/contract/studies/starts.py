@@ -312,8 +312,8 @@ _SHEETS: tuple[Sheet, ...] = (
          "R": 56},
         {"StartsByVoltage": "M7", "StartMatrix": f"B{8 + _CHART_ROWS}"},
         (
-            ChartAt("starts-voltage", "C7", 460, 330),
-            ChartAt("stress-voltage", "H7", 470, 330),
+            ChartAt("starts-voltage", "C7", 460, 300),
+            ChartAt("stress-voltage", "H7", 470, 300),
         ),
         breaks=("M",),
         repeated="B:B",

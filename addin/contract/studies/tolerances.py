@@ -327,9 +327,9 @@ _SHEETS: tuple[Sheet, ...] = (
         {"A": 1.5, "B": 27, "C": 8, "D:G": 8.4, "H:I": 10, "J:L": 8.4, "M:N": 10, "O:Q": 10, "R": 8.5},
         {"StartsOfSample": "B7", "ToleranceDrivers": f"B{_BELOW_STARTS + 22}"},
         (
-            ChartAt("tornado", f"B{_BELOW_STARTS}", 650, 420),
-            ChartAt("starts_histogram", f"J{_BELOW_STARTS}", 570, 208),
-            ChartAt("starts_distribution", f"J{_BELOW_STARTS + 10}", 570, 220),
+            ChartAt("tornado", f"B{_BELOW_STARTS}", 650, 390),
+            ChartAt("starts_histogram", f"J{_BELOW_STARTS}", 570, 176),
+            ChartAt("starts_distribution", f"J{_BELOW_STARTS + 10}", 570, 206),
         ),
         row_breaks=(_BELOW_STARTS + 22,),
         intro="Scatter of the allowable starts that follows from the input scatter on sheet "

@@ -470,9 +470,9 @@ _SHEETS: tuple[Sheet, ...] = (
             "ForbiddenBands": f"B{_BANDS}",
         },
         (
-            ChartAt("tuning-starts", f"L{_STARTS}", 490, 350),
-            ChartAt("tuning-margins", f"L{_MARGINS}", 490, 350),
-            ChartAt("tuning-modes", f"L{_MODES}", 490, 350),
+            ChartAt("tuning-starts", f"L{_STARTS}", 490, 300),
+            ChartAt("tuning-margins", f"L{_MARGINS}", 490, 300),
+            ChartAt("tuning-modes", f"L{_MODES}", 490, 300),
         ),
         row_breaks=(_MARGINS - 1, _MODES - 1),
         intro="Allowable starts and margins over the first two variables of sheet Tuning; each "
