@@ -15,6 +15,8 @@ from addin.xlsx.values import FORMULA_CUT, CellValue, Formula, are_plain_numbers
 _CELL_START = b"<c "
 # A character that no XML can hold, other than that of a cut.
 _BETWEEN = "\1"
+# Where a piece is looked for first: behind the cells and rows that usually lie between.
+_NEAR = 1500
 
 
 @dataclass(frozen=True)
@@ -31,7 +33,9 @@ class Written:
         # All rows are encoded at once; no text of a cell holds the mark between them.
         for text in _BETWEEN.join(self.texts).encode().split(_BETWEEN.encode()):
             for number, piece in enumerate(text.split(FORMULA_CUT.encode())):
-                found = part.find(piece, position)
+                found = part.find(piece, position, position + len(piece) + _NEAR)
+                if found < 0:
+                    found = part.find(piece, position)
                 # Between the pieces of a row only type and value of a formula may have come.
                 if found < 0 or (number and _CELL_START in part[position:found]):
                     return False
