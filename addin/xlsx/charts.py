@@ -326,12 +326,12 @@ def _levels_xml(areas: list[Area], shown: Shown, prefix: str) -> str:
 
 def _points_xml(points: Sequence[str | None], prefix: str) -> str:
     between = _between(prefix, max(64, 1 << (len(points) - 1).bit_length()))
-    pieces: list[str] = [""] * (2 * len(points))
-    if None in points:
+    texts = [point for point in points if point is not None]
+    if len(texts) < len(points):
         pairs = zip(between, points, strict=False)
-        pieces = [piece for pair in pairs if pair[1] is not None for piece in pair if piece]
-    else:
-        pieces[::2], pieces[1::2] = between[: len(points)], points
+        between = [start for start, point in pairs if point is not None]
+    pieces = [""] * (2 * len(texts))
+    pieces[::2], pieces[1::2] = between[: len(texts)], texts
     end = f"</{prefix}v></{prefix}pt>"
     return f"{''.join(pieces).removeprefix(end)}{end}" if pieces else ""
 

@@ -60,9 +60,8 @@ class _Block(NamedTuple):
 
     rect: Rect
     rows: Sequence[Sequence[CellValue]]
-    numbers: Sequence[
-        Sequence[str]
-    ]  #: Texts of the numbers of the first of these rows (`values.rows_xml`).
+    #: Texts of the numbers of the first of these rows (`values.rows_xml`).
+    numbers: Sequence[Sequence[str | None]]
 
 
 class SheetPart:
