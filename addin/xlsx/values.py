@@ -181,13 +181,15 @@ def rows_xml(
             all_numbers = all_numbers and are_numbers
         if not are_numbers:
             shown = tuple(
-                repr(value) if type(value) is float else _rest_of_cell(value)
-                for value in row
-                if value is not None
+                [
+                    repr(value) if type(value) is float else _rest_of_cell(value)
+                    for value in row
+                    if value is not None
+                ]
             )
         elif has_blanks:
             aligned = [None if value is None else repr(value) for value in row]
-            shown = tuple(text for text in aligned if text is not None)
+            shown = tuple([text for text in aligned if text is not None])
         else:
             aligned = shown = tuple(map(repr, row))
         if all_numbers:
