@@ -65,7 +65,9 @@ _PLAIN_POINTS = re.compile(
 _PLAIN_POINT = re.compile(rb'idx="([0-9]+)"><c:v>([^<]*)<')
 _PREFIX = b' xmlns:c="%s"' % CHART.encode()
 _NUMERIC = (bool, float)
-_MOST_KEPT_STARTS = 4096
+_MOST_KEPT_POINTS = 4096
+# What is kept of earlier charts: so many, none longer.
+_MOST_KEPT_CHARTS, _LONG_CHART = 96, 2**18
 # Some whole columns; programs draw far fewer points.
 MOST_POINTS = 4 * 2**20
 
@@ -87,26 +89,14 @@ class ChartPart:
         self._original = data
         # Points stay text, those that the file has and those of renewed caches: as elements they would cost more than
         # all the rest of it.
-        self._points: list[bytes] = []
+        without, points = (_kept_points if len(data) <= _LONG_CHART else _without_points)(data)
+        self._points = list(points)
         try:
-            self._root = parse_part(self._without_points(data), part)
+            self._root = parse_part(without, part)
         except WorkbookRefused:
             # Said of the part as it is stored, with the places in it.
             self._root = parse_part(data, part)
         self._points_left = MOST_POINTS
-
-    def _without_points(self, data: bytes) -> bytes:
-        """The part with places for its plain points, where what looks like a point is one."""
-        declared_once = data.count(b"xmlns:c=") == 1 and _PREFIX in data
-        misleading = has_misleading_tags(data) or _PLACE_INDEX.encode() in data
-        if not declared_once or misleading or not is_utf8(data):
-            return data
-
-        def place(found: re.Match[bytes]) -> bytes:
-            self._points.append(found[0])
-            return b'<c:pt idx="%s%d"/>' % (_PLACE_INDEX.encode(), len(self._points) - 1)
-
-        return _PLAIN_POINTS.sub(place, data)
 
     def retarget(self, sheet: str, old: Rect, new: Rect) -> None:
         """Let ranges that covered exactly the old rows of a block cover its new rows."""
@@ -238,6 +228,25 @@ class ChartPart:
         return index
 
 
+def _without_points(data: bytes) -> tuple[bytes, tuple[bytes, ...]]:
+    """A chart with places for its plain points, where what looks like a point is one; and these points."""
+    points: list[bytes] = []
+    declared_once = data.count(b"xmlns:c=") == 1 and _PREFIX in data
+    misleading = has_misleading_tags(data) or _PLACE_INDEX.encode() in data
+    if not declared_once or misleading or not is_utf8(data):
+        return data, ()
+
+    def place(found: re.Match[bytes]) -> bytes:
+        points.append(found[0])
+        return b'<c:pt idx="%s%d"/>' % (_PLACE_INDEX.encode(), len(points) - 1)
+
+    return _PLAIN_POINTS.sub(place, data), tuple(points)
+
+
+# Charts of one template, and of a workbook calculated again, are the same.
+_kept_points = lru_cache(maxsize=_MOST_KEPT_CHARTS)(_without_points)
+
+
 def _rows_of_areas(reference: str) -> Iterator[tuple[str, int, int]]:
     for area in split_areas(reference):
         sheet, text = split_sheet(area)
@@ -285,12 +294,11 @@ def _cache_xml(kind: str, areas: list[Area], shown: Shown, prefix: str) -> str:
         points = [_text_point(value) for value in values]
         return f'<{prefix}ptCount val="{len(points)}"/>{_points_xml(points, prefix)}'
     # Text and errors have none, as a spreadsheet program leaves them out too.
-    if are_plain_numbers(values):
-        return _numbers_xml(values, prefix)
-    return _numbers_xml([_number_of(value) for value in values], prefix)
+    numbers = values if are_plain_numbers(values) else map(_number_of, values)
+    return _numbers_xml([None if one is None else repr(one) for one in numbers], prefix)
 
 
-def _numbers_xml(numbers: Sequence[str | float | None], prefix: str) -> str:
+def _numbers_xml(numbers: Sequence[str | None], prefix: str) -> str:
     xml = f'<{prefix}ptCount val="{len(numbers)}"/>{_points_xml(numbers, prefix)}'
     # Whole numbers without a point, as `number_text` writes them.
     return xml.replace(f".0</{prefix}v>", f"</{prefix}v>")
@@ -316,29 +324,31 @@ def _levels_xml(areas: list[Area], shown: Shown, prefix: str) -> str:
     return f'<{prefix}ptCount val="{count}"/>' + "".join(levels)
 
 
-def _points_xml(points: Sequence[str | float | None], prefix: str) -> str:
+def _points_xml(points: Sequence[str | None], prefix: str) -> str:
+    between = _between(prefix, max(64, 1 << (len(points) - 1).bit_length()))
+    texts = [point for point in points if point is not None]
+    if len(texts) < len(points):
+        pairs = zip(between, points, strict=False)
+        between = [start for start, point in pairs if point is not None]
+    pieces = [""] * (2 * len(texts))
+    pieces[::2], pieces[1::2] = between[: len(texts)], texts
     end = f"</{prefix}v></{prefix}pt>"
-    starts = _starts(prefix, max(64, 1 << (len(points) - 1).bit_length()))
-    return "".join(
-        [
-            f"{start}{point}{end}"
-            for start, point in zip(starts, points, strict=False)
-            if point is not None
-        ]
-    )
+    return f"{''.join(pieces).removeprefix(end)}{end}" if pieces else ""
 
 
-def _all_starts(prefix: str, count: int) -> list[str]:
-    """What stands before the value of each of so many points."""
-    return [f'<{prefix}pt idx="{index}"><{prefix}v>' for index in range(count)]
+def _all_between(prefix: str, count: int) -> list[str]:
+    """What stands between the values of so many points and the points before them."""
+    return [
+        f'</{prefix}v></{prefix}pt><{prefix}pt idx="{index}"><{prefix}v>' for index in range(count)
+    ]
 
 
-_kept_starts = lru_cache(maxsize=8)(_all_starts)
+_kept_between = lru_cache(maxsize=8)(_all_between)
 
 
-def _starts(prefix: str, count: int) -> list[str]:
-    """The same; those of the charts that are usual are kept."""
-    return (_kept_starts if count <= _MOST_KEPT_STARTS else _all_starts)(prefix, count)
+def _between(prefix: str, count: int) -> list[str]:
+    """The same; that of the charts that are usual is kept."""
+    return (_kept_between if count <= _MOST_KEPT_POINTS else _all_between)(prefix, count)
 
 
 def _number_of(value: Constant) -> float | None:

@@ -11,6 +11,7 @@ import io
 import re
 import stat
 import struct
+import sys
 import zipfile
 import zlib
 from collections.abc import Collection, Mapping
@@ -40,7 +41,7 @@ _UNPACKING = (
     RuntimeError,
 )
 
-_CELLS = re.compile(rb"<(\w+:)?sheetData>.*?</(?:\w+:)?sheetData>", re.DOTALL)
+_CELLS_BEGIN = re.compile(rb"<(\w+:)?sheetData>")
 
 _LOCAL_HEADER = struct.Struct("<4s5H3L2H")
 _CENTRAL_HEADER = struct.Struct("<4s4B4H3L5H2L")
@@ -158,22 +159,14 @@ class Container:
     def charged(self, name: str) -> bytes:
         """A part that is about to be parsed; refused when all parsed parts together would take too much memory."""
         data = self.read(name)
-        self._marks += _marks(data)
-        if self._marks > self.limits.marks:
-            raise WorkbookRefused(
-                "too large",
-                f"With the part {shown_name(name)} of {self.path.name}, the workbook exceeds about "
-                "300,000 cells on sheets with inputs, results or formulas, the limit of torsionbook. "
-                "Move bulk data to another workbook.",
-            )
+        self._charge(name, _marks(data))
         return data
 
     def charged_beside_cells(self, name: str) -> bytes:
         """The same of the workbook part or a sheet, in which names, merged ranges and formats are counted by themselves."""
         data = self.read(name)
-        # Where comments or another encoding than UTF-8 hide its tags, all of a sheet counts as beside its cells.
-        cells = None if has_misleading_tags(data) else _CELLS.search(data)
-        self._other_marks += _marks(data) - (_marks(cells[0]) if cells else 0)
+        marks, inside = _marks(data), _marks(data, *_cells_of(data))
+        self._other_marks += marks - inside
         if self._other_marks > self.limits.other_marks:
             raise WorkbookRefused(
                 "too large",
@@ -182,8 +175,18 @@ class Container:
                 "or start from a new template.",
             )
         # A row takes as much memory as five more marks.
-        self._marks += 5 * (data.count(b"<row") + data.count(b":row "))
-        return self.charged(name)
+        self._charge(name, marks + 5 * (data.count(b"<row") + data.count(b":row ")))
+        return data
+
+    def _charge(self, name: str, marks: int) -> None:
+        self._marks += marks
+        if self._marks > self.limits.marks:
+            raise WorkbookRefused(
+                "too large",
+                f"With the part {shown_name(name)} of {self.path.name}, the workbook exceeds about "
+                "300,000 cells on sheets with inputs, results or formulas, the limit of torsionbook. "
+                "Move bulk data to another workbook.",
+            )
 
     def write(
         self,
@@ -372,8 +375,21 @@ def _check_places(entries: list[zipfile.ZipInfo], data: bytes, directory: int, p
             raise _damaged(path, f"the part {shown_name(entry.filename)} has two different names")
 
 
-def _marks(data: bytes) -> int:
-    return data.count(b"<") + 2 * data.count(b"=")
+def _cells_of(data: bytes) -> tuple[int, int]:
+    """Where the cells of a sheet begin and end; nowhere in a part that has none.
+
+    Where comments or another encoding than UTF-8 hide its tags, all of a sheet counts as beside its cells.
+    """
+    begin = None if has_misleading_tags(data) else _CELLS_BEGIN.search(data)
+    if begin is None:
+        return 0, 0
+    closing = b"</%ssheetData>" % (begin[1] or b"")
+    end = data.find(closing, begin.end())
+    return (0, 0) if end < 0 else (begin.start(), end + len(closing))
+
+
+def _marks(data: bytes, begin: int = 0, end: int = sys.maxsize) -> int:
+    return data.count(b"<", begin, end) + 2 * data.count(b"=", begin, end)
 
 
 def shown_name(name: str) -> str:

@@ -29,7 +29,7 @@ from addin.xlsx.references import (
 )
 from addin.xlsx.sheet_ranges import read_range, resize_ranges, retarget_sparklines
 from addin.xlsx.sheet_row import Row, index_row
-from addin.xlsx.text_row import TextFormula, TextRow, text_row, with_places
+from addin.xlsx.text_row import PLACE_NAME, PlainRows, TextFormula, TextRow, plain_rows
 from addin.xlsx.values import (
     FORMULA_CUT,
     CellValue,
@@ -46,8 +46,6 @@ from addin.xlsx.values import (
 from addin.xlsx.xml_part import MAIN, Element, main, parse_part, serialise
 
 _C, _F, _V, _ROW = (main(tag) for tag in ("c", "f", "v", "row"))
-# Where the cells of a row go that are text: a cell with a name that no cell has.
-_PLACE_NAME = "written-"
 _PLACE = re.compile(rb'><c r="written-([0-9]{1,9})"/>(</row>)?')
 _XML_SPACE = "{http://www.w3.org/XML/1998/namespace}space"
 
@@ -62,9 +60,8 @@ class _Block(NamedTuple):
 
     rect: Rect
     rows: Sequence[Sequence[CellValue]]
-    numbers: Sequence[
-        Sequence[str]
-    ]  #: Texts of the numbers of the first of these rows (`values.rows_xml`).
+    #: Texts of the numbers of the first of these rows (`values.rows_xml`).
+    numbers: Sequence[Sequence[str | None]]
 
 
 class SheetPart:
@@ -93,8 +90,8 @@ class SheetPart:
         # writes its tags with a prefix cannot take text as it is built here, and one in which something bears the name
         # of a place would be mistaken.
         self._texts: list[bytes | TextRow] = []
-        self._text_rows_with_formulas: list[int] = []
-        self._may_wait = _PLACE_NAME.encode() not in data
+        self._plain = PlainRows(b"")
+        self._may_wait = PLACE_NAME.encode() not in data
         self._root = self._parsed(data) if self._may_wait else parse_part(data, part)
         self._may_wait = self._may_wait and self._root.prefix is None
         self._data = self._root.find(main("sheetData"))
@@ -113,22 +110,15 @@ class SheetPart:
 
     def _parsed(self, data: bytes) -> Element:
         """The part as a tree, with places for the cells of plain rows."""
-
-        def place(cells: bytes, with_formulas: int | None) -> bytes:
-            self._texts.append(cells)
-            if with_formulas is not None:
-                self._text_rows_with_formulas.append(with_formulas)
-            return b'<c r="%s%d"/>' % (_PLACE_NAME.encode(), len(self._texts) - 1)
-
-        with_text = with_places(data, place)
+        plain = plain_rows(data)
         try:
-            root = parse_part(with_text, self.part)
+            root = parse_part(plain.data, self.part)
             if root.prefix is None:
+                self._plain = plain
+                self._texts += plain.cells
                 return root
         except WorkbookRefused:
             pass  # it is said of the part as it is stored, with the places in it
-        self._texts.clear()
-        self._text_rows_with_formulas.clear()
         return parse_part(data, self.part)
 
     @property
@@ -241,7 +231,7 @@ class SheetPart:
     def formulas(self) -> dict[tuple[int, int], Element | TextFormula]:
         """Cells with a formula, by row and column, as elements or, in rows that are text, their formulas."""
         places: list[tuple[tuple[int, int], Element | TextFormula]] = []
-        for number in self._text_rows_with_formulas:
+        for number in self._plain.rows_with_formulas:
             row = self._as_text(number)
             if row is not None:
                 places += (((number, column), one) for column, one in row.formulas.items())
@@ -599,16 +589,15 @@ class SheetPart:
         """A row whose cells are text; one that is out of order gets elements, of which it is said when they are met."""
         element = self._rows[number]
         name = element[0].get("r") if self._texts and len(element) else None
-        if name is None or not name.startswith(_PLACE_NAME):
+        if name is None or not name.startswith(PLACE_NAME):
             return None
-        place = int(name.removeprefix(_PLACE_NAME))
+        place = int(name.removeprefix(PLACE_NAME))
         stored = self._texts[place]
         if isinstance(stored, TextRow):
             return stored
-        cells = stored.decode()
-        row = text_row(number, cells)
+        row = self._plain.row(place, number)
         if row is None:
-            self._put_elements(number, cells)
+            self._put_elements(number, stored.decode())
         else:
             self._texts[place] = self._indexed[number] = row
         return row
@@ -637,7 +626,7 @@ class SheetPart:
         """Put in rows without cells, which are text."""
         rows = [TextRow(number) for number in numbers]
         places = "".join(
-            f'<row r="{row.number}"><c r="{_PLACE_NAME}{k}"/></row>'
+            f'<row r="{row.number}"><c r="{PLACE_NAME}{k}"/></row>'
             for k, row in enumerate(rows, len(self._texts))
         )
         elements = list(etree.fromstring(f'<d xmlns="{MAIN}">{places}</d>'))
@@ -740,7 +729,7 @@ class SheetPart:
                 return False
             if not text:
                 return True
-            place = row.element.makeelement(_C, r=f"{_PLACE_NAME}{len(self._texts)}")
+            place = row.element.makeelement(_C, r=f"{PLACE_NAME}{len(self._texts)}")
             row.element.append(place)
             row = self._indexed[number] = TextRow(number, states_span=True)
             self._texts.append(row)

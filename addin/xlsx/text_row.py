@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from bisect import bisect_left
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import lru_cache
 from html import escape
@@ -37,27 +37,64 @@ _NO_CHARACTERS = ("\ufffe", "\uffff")
 _CELL_START = '<c r="'
 # Column and style of a cell.
 _COLUMN_AND_STYLE = re.compile(rf'{_CELL_START}([A-Z]+)[0-9]+"(?: s="([0-9]+)")?')
+#: Where the cells of a row go that are text: a cell with a name that no cell has.
+PLACE_NAME = "written-"
+# What is kept of earlier sheets: so many, none longer.
+_MOST_KEPT_SHEETS, _LONG_SHEET = 64, 2**20
+
+_CutRow = tuple[
+    str, tuple[int, ...], tuple[str | None, ...], tuple[tuple[int, tuple[str, str, str]], ...]
+]
 
 
-def with_places(data: bytes, place: Callable[[bytes, int | None], bytes]) -> bytes:
-    """A sheet with places for the cells of its plain rows.
+class PlainRows:
+    """A sheet with places for the cells of its plain rows: in the tree, one cell stands for those of a row.
+
+    Workbooks of one template, and a workbook calculated again, share it.
 
     Parameters
     ----------
     data : bytes
         The part.
-    place : callable
-        Takes the cells of a row, and the number of the row if it holds formulas, and gives what stands for them.
     """
 
-    def with_place(row: re.Match[bytes]) -> bytes:
-        tag, number, cells = row.groups()
-        return tag + place(cells, int(number) if b"<f>" in cells else None)
+    def __init__(self, data: bytes) -> None:
+        #: Cells of each plain row.
+        self.cells: list[bytes] = []
+        #: Numbers of those rows that hold formulas.
+        self.rows_with_formulas: list[int] = []
+        self._rows: dict[int, _CutRow] = {}
+        #: The part with places: cells named `PLACE_NAME` and a number.
+        self.data = data
+        start, end = data.find(b"<sheetData>"), data.rfind(b"</sheetData>")
+        hidden = has_misleading_tags(data) or not is_utf8(data) or not _is_text(data)
+        if 0 <= start < end and not hidden:
+            self.data = data[:start] + _ROW.sub(self._place, data[start:end]) + data[end:]
 
-    start, end = data.find(b"<sheetData>"), data.rfind(b"</sheetData>")
-    if not 0 <= start < end or has_misleading_tags(data) or not is_utf8(data) or not _is_text(data):
-        return data
-    return data[:start] + _ROW.sub(with_place, data[start:end]) + data[end:]
+    def _place(self, row: re.Match[bytes]) -> bytes:
+        tag, number, cells = row.groups()
+        self.cells.append(cells)
+        if b"<f>" in cells:
+            self.rows_with_formulas.append(int(number))
+        return b'%s<c r="%s%d"/>' % (tag, PLACE_NAME.encode(), len(self.cells) - 1)
+
+    def row(self, place: int, number: int) -> TextRow | None:
+        """The row of a place as text; None where its cells are out of order."""
+        if place not in self._rows:
+            self._rows[place] = _cut(self.cells[place].decode())
+        stored, columns, styles, formulas = self._rows[place]
+        if not columns:
+            return None
+        own = {column: TextFormula(*formula) for column, formula in formulas}
+        return TextRow(number, stored, columns, styles, formulas=own, states_span=True)
+
+
+_kept_rows = lru_cache(maxsize=_MOST_KEPT_SHEETS)(PlainRows)
+
+
+def plain_rows(data: bytes) -> PlainRows:
+    """The plain rows of a sheet; those of the last sheets are kept."""
+    return (_kept_rows if len(data) <= _LONG_SHEET else PlainRows)(data)
 
 
 def _is_text(data: bytes) -> bool:
@@ -192,31 +229,30 @@ class TextRow:
         return self._cut
 
 
-def text_row(number: int, cells: str) -> TextRow | None:
-    """A plain row as text; None where its cells are out of order."""
+def _cut(cells: str) -> _CutRow:
+    """A row cut where values of formulas go, its columns, styles and formulas."""
     columns, styles = _columns_and_styles(cells)
-    if not columns:
-        return None
-    row = TextRow(number, cells, columns, styles, states_span=True)
-    if "<f>" in cells:
+    formulas = []
+    if columns and "<f>" in cells:
         pieces = _cells_of(cells)
         for k, piece in enumerate(pieces):
             if "<f>" in piece:
-                pieces[k], row.formulas[columns[k]] = _without_value(piece)
-        row.stored = "".join(pieces)
-    return row
+                pieces[k], formula = _without_value(piece)
+                formulas.append((columns[k], formula))
+        cells = "".join(pieces)
+    return cells, columns, styles, tuple(formulas)
 
 
 def _cells_of(text: str) -> list[str]:
     return [_CELL_START + cell for cell in text.split(_CELL_START)[1:]]
 
 
-def _without_value(cell: str) -> tuple[str, TextFormula]:
-    """A cell with a formula, cut where type and value go, and the formula with its value."""
+def _without_value(cell: str) -> tuple[str, tuple[str, str, str]]:
+    """A cell with a formula, cut where type and value go, and what `TextFormula` holds of it."""
     tag, _, rest = cell.partition("><f>")
     tag, _, kind = tag.partition(' t="')
     text, _, value = rest.removesuffix("</c>").partition("</f>")
-    formula = TextFormula(unescaped(text), kind.removesuffix('"'), value)
+    formula = unescaped(text), kind.removesuffix('"'), value
     return f"{tag}{FORMULA_CUT}><f>{text}</f>{FORMULA_CUT}</c>", formula
 
 

@@ -20,7 +20,6 @@ from addin.xlsx.xml_part import Element, main
 #: Stands in the cells of a row where type and value of a formula go: before the end of the tag, and behind the formula. No
 #: XML can hold this character.
 FORMULA_CUT = "\0"
-_NUMBERS = frozenset([float])
 _NUMBERS_AND_BLANKS = frozenset([float, type(None)])
 MAX_TEXT = 32_767
 MAX_FORMULA = 8_192
@@ -149,11 +148,11 @@ def rows_xml(
     starts: tuple[str, ...],
     styles: Sequence[tuple[str | None, ...]],
     rows: Sequence[Sequence[CellValue]],
-) -> tuple[list[str], list[tuple[str, ...]]]:
+) -> tuple[list[str], list[Sequence[str | None]]]:
     """The ``<c>`` elements of each row in the default namespace; nothing for blank cells without a style.
 
-    Beside them stand the texts of its numbers, as long as all rows so far hold nothing but numbers; whole ones end
-    in ``.0``.
+    Beside them stand the texts of its numbers, as long as all rows so far hold nothing but numbers and blanks; whole ones
+    end in ``.0``.
 
     Parameters
     ----------
@@ -166,28 +165,35 @@ def rows_xml(
     rows : sequence of sequence of CellValue
         Their values.
     """
-    texts, numbers = [], []
+    texts: list[str] = []
+    numbers: list[Sequence[str | None]] = []
+    aligned: Sequence[str | None] = ()
     alike = None
     form: list[str] = []
-    are_numbers = all_numbers = True
+    are_numbers = has_blanks = all_numbers = True
     for number, (style, row) in enumerate(zip(styles, rows, strict=True), top):
         kinds = tuple(map(type, row))
         if alike != (style, kinds):
             alike = style, kinds
             form = _row_form(starts, style, kinds).split("#")
-            are_numbers = _NUMBERS.issuperset(kinds)
+            are_numbers = _NUMBERS_AND_BLANKS.issuperset(kinds)
+            has_blanks = type(None) in kinds
             all_numbers = all_numbers and are_numbers
-        shown = tuple(
-            map(repr, row)
-            if are_numbers
-            else [
-                repr(value) if type(value) is float else _rest_of_cell(value)
-                for value in row
-                if value is not None
-            ]
-        )
+        if not are_numbers:
+            shown = tuple(
+                [
+                    repr(value) if type(value) is float else _rest_of_cell(value)
+                    for value in row
+                    if value is not None
+                ]
+            )
+        elif has_blanks:
+            aligned = [None if value is None else repr(value) for value in row]
+            shown = tuple([text for text in aligned if text is not None])
+        else:
+            aligned = shown = tuple(map(repr, row))
         if all_numbers:
-            numbers.append(shown)
+            numbers.append(aligned)
         # Numbers as `number_text` writes them.
         texts.append((str(number).join(form) % shown).replace(".0</v>", "</v>"))
     return texts, numbers

@@ -25,7 +25,7 @@ from addin.xlsx.state import WorkbookState
 from addin.xlsx.table_writing import TableData, TablePlan, carry_out, obstacles_of, plan_table
 from addin.xlsx.values import CellValue, Constant
 from addin.xlsx.workbook_part import WorkbookPart
-from addin.xlsx.written import cleaned, misread
+from addin.xlsx.written import cleaned, misread, places_of_rows
 
 
 def open_workbook(
@@ -420,7 +420,8 @@ class Workbook(WorkbookState):
         for name, written in self.written.items():
             part = self._sheets[name].part
             data = parts.get(part) or self.container.read(part)
-            if not all(one.stands_in(data) for one in written):
+            rows = places_of_rows(data)
+            if not all(one.stands_in(data, rows) for one in written):
                 # Prefixed names, cells written twice, renewed values: read these sheets cell by cell.
                 again = SheetPart(name, part, data, self.shared_texts.text)
                 wrong += [f"{name}!{cell}" for cell in misread(again, written)]

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import re
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite
 from typing import Any
@@ -15,6 +16,7 @@ from addin.xlsx.values import FORMULA_CUT, CellValue, Formula, are_plain_numbers
 _CELL_START = b"<c "
 # A character that no XML can hold, other than that of a cut.
 _BETWEEN = "\1"
+_ROW_START = re.compile(rb'<row [^<>]*?\br="([0-9]{1,7})"')
 
 
 @dataclass(frozen=True)
@@ -25,15 +27,24 @@ class Written:
     grid: Sequence[Sequence[CellValue]]
     texts: Sequence[str]
 
-    def stands_in(self, part: bytes) -> bool:
-        """Whether the rows stand in the part as they were built, in their order; a formula may have got its value."""
-        position = 0
+    def stands_in(self, part: bytes, rows: Mapping[int, tuple[int, int]]) -> bool:
+        """Whether the cells stand in the rows of the part as they were built; a formula may have got its value.
+
+        Parameters
+        ----------
+        part : bytes
+            The part.
+        rows : mapping of int to tuple of int
+            Its rows, see `places_of_rows`.
+        """
         # All rows are encoded at once; no text of a cell holds the mark between them.
-        for text in _BETWEEN.join(self.texts).encode().split(_BETWEEN.encode()):
-            for number, piece in enumerate(text.split(FORMULA_CUT.encode())):
-                found = part.find(piece, position)
+        encoded = _BETWEEN.join(self.texts).encode().split(_BETWEEN.encode())
+        for number, text in enumerate(encoded, self.rect.top):
+            position, end = rows.get(number, (0, 0))
+            for k, piece in enumerate(text.split(FORMULA_CUT.encode()) if text else ()):
+                found = part.find(piece, position, end)
                 # Between the pieces of a row only type and value of a formula may have come.
-                if found < 0 or (number and _CELL_START in part[position:found]):
+                if found < 0 or (k and _CELL_START in part[position:found]):
                     return False
                 position = found + len(piece)
         return True
@@ -45,6 +56,13 @@ class Written:
             row = self.grid[offset] if offset < len(self.grid) else blank
             for shift, value in enumerate(row):
                 yield (self.rect.top + offset, self.rect.left + shift), value
+
+
+def places_of_rows(part: bytes) -> dict[int, tuple[int, int]]:
+    """Where each row begins and the next one does, by its number, in a part without prefixes."""
+    found = [(int(row[1]), row.start()) for row in _ROW_START.finditer(part)]
+    ends = [*(start for _, start in found[1:]), len(part)]
+    return {number: (start, end) for (number, start), end in zip(found, ends, strict=False)}
 
 
 def cleaned(sheet: str, row: int, column: int, value: Any) -> CellValue:

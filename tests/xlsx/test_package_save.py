@@ -21,7 +21,7 @@ from addin.xlsx.errors import SaveRefused, SourceChanged, WorkbookLocked
 from addin.xlsx.references import Rect
 from addin.xlsx.values import FORMULA_CUT, rows_xml
 from addin.xlsx.whole_files import write_json
-from addin.xlsx.written import Written
+from addin.xlsx.written import Written, places_of_rows
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -95,16 +95,21 @@ def test_a_workbook_opened_for_reading_is_saved_after_the_checks(train: Path) ->
         (lambda sheet: sheet.replace(b"<f>A1*2</f>", b"", 1), False),
         (lambda sheet: sheet.replace(b"<v>7</v>", b"<v>8</v>"), False),
         (lambda sheet: sheet.replace(b'<c r="C2"><f>A1*2</f></c>', b""), False),
+        (lambda sheet: sheet.replace(b'<row r="2">', b'<row r="3">'), False),
+        (lambda sheet: sheet.replace(b"<row ", b"<x:row "), False),  # then cell by cell
     ],
 )
 def test_written_rows_are_found_again(change: Callable[[bytes], bytes], stands: bool) -> None:
     grid = [[7.0, "a", Formula("A1*2")], [8.0, None, Formula("A1*2")]]
     starts = ('<c r="A', '<c r="B', '<c r="C')
     texts, _ = rows_xml(1, starts, [(None,) * 3] * len(grid), grid)
-    sheet = "<sheetData>" + "".join(f"<row>{text}</row>" for text in texts) + "</sheetData>"
-    sheet = sheet.replace(FORMULA_CUT, "")
+    sheet = "<sheetData>" + "".join(
+        f'<row r="{number}">{text}</row>' for number, text in enumerate(texts, 1)
+    )
+    sheet = f"{sheet}</sheetData>".replace(FORMULA_CUT, "")
     written = Written(Rect(1, 1, 2, 3), grid, texts)
-    assert written.stands_in(change(sheet.encode())) is stands
+    part = change(sheet.encode())
+    assert written.stands_in(part, places_of_rows(part)) is stands
 
 
 @pytest.mark.parametrize("when", ["write", "flush", "replace", "permission", "read back", "check"])
