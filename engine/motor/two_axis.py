@@ -18,7 +18,7 @@ import numpy as np
 from engine.arrays import Floats
 from engine.errors import ModelError
 from engine.motor.circuit import Circuit, Winding
-from engine.numerics.same_bits import atan2, cos, hypot, matrix_exponential, product, sin, solve
+from engine.numerics.same_bits import atan2, cos, half_and_whole, hypot, product, sin, solve
 
 
 @dataclass(frozen=True, eq=False)
@@ -375,15 +375,15 @@ def torque_rate(system: FluxSystem, flux: Floats, slope: Floats) -> Floats:
 
 
 class FluxStep(NamedTuple):
-    """Exact step of the fluxes; voltages are a + b s + c s², 0 ≤ s ≤ 1 over the step. [1]"""
+    """Exact step of the fluxes; voltages are a + b s + c s² over a whole step, 0 ≤ s ≤ 1. [1]"""
 
     free: Floats  #: From the fluxes before. Shape (n, n).
     forced: Floats  #: From a, b and c of each axis. Shape (n, 2, 3).
     steady: Floats  #: From the field. Shape (n,).
 
 
-def flux_step(system: FluxSystem, h: float) -> FluxStep:
-    """Exact step of the fluxes under voltages that are parabolas (Van Loan's block exponential).
+def flux_steps(system: FluxSystem, h: float) -> tuple[FluxStep, FluxStep]:
+    """Exact steps of the fluxes under voltages that are parabolas (Van Loan's block exponential).
 
     Parameters
     ----------
@@ -394,8 +394,8 @@ def flux_step(system: FluxSystem, h: float) -> FluxStep:
 
     Returns
     -------
-    FluxStep
-        [1]
+    half, whole : FluxStep
+        To the middle of the step, and to its end. [1]
     """
     n = len(system.rate)
     a = np.zeros((n + 7, n + 7))  # fluxes, voltages and their two derivatives, field
@@ -403,6 +403,11 @@ def flux_step(system: FluxSystem, h: float) -> FluxStep:
     a[:n, n : n + 2] = h * system.voltage
     a[n : n + 2, n + 2 : n + 4] = a[n + 2 : n + 4, n + 4 : n + 6] = np.eye(2)
     a[:n, n + 6] = h * system.field
-    step = matrix_exponential(a)[:n]
-    forced = step[:, n : n + 6].reshape(n, 3, 2).swapaxes(1, 2) * np.array([1.0, 1.0, 2.0])
-    return FluxStep(step[:, :n], forced, step[:, n + 6])
+    factor = np.array([1.0, 1.0, 2.0])
+    half, whole = (
+        FluxStep(
+            step[:n, :n], step[:n, n : n + 6].reshape(n, 3, 2).swapaxes(1, 2) * factor, step[:n, n + 6]
+        )
+        for step in half_and_whole(a)
+    )
+    return half, whole
