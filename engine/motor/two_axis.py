@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -31,12 +32,12 @@ class FluxSystem:
     voltage: Floats  #: Of the stator's voltages; zero while it is open. [1/s] Shape (n, 2).
     field: Floats  #: From the voltage of the field. [1/s] Shape (n,).
 
-    @property
+    @cached_property
     def stator_current(self) -> Floats:
         """Currents of the stator's axes from fluxes. [1] Shape (2, n)."""
         return self.current[[0, self.q]]
 
-    @property
+    @cached_property
     def current_rate(self) -> Floats:
         """Rates of these per flux, from the field, and per voltage. [1/s] Shape (2, n + 3)."""
         drives = np.column_stack([self.rate, self.field, self.voltage])
@@ -58,6 +59,7 @@ def _windings(circuit: Circuit) -> tuple[tuple[Winding, ...], tuple[Winding, ...
     return (*field, *circuit.dampers_d), circuit.dampers_q
 
 
+@lru_cache(maxsize=64)
 def _reactances(circuit: Circuit) -> Floats:
     """Fluxes from currents."""
     axes = []
@@ -108,9 +110,9 @@ def with_same_currents(circuit: Circuit, other: Circuit, flux: Floats) -> Floats
     ndarray
         [pu]
     """
-    before, after = _reactances(circuit), _reactances(other)
-    if before.shape == after.shape and np.array_equal(before, after):
+    if circuit == other:
         return flux
+    before, after = _reactances(circuit), _reactances(other)
     current = solve(before, flux.reshape(len(before), -1))
     if len(after) > len(before):
         current = np.insert(current, 1, 0.0, axis=0)
@@ -137,6 +139,7 @@ def field_flux(circuit: Circuit, closed: Circuit) -> Floats:
     return np.asarray(with_same_currents(circuit, closed, np.eye(number_of_fluxes(circuit)))[1])
 
 
+@lru_cache(maxsize=64)
 def flux_system(
     circuit: Circuit, line_omega: float, speed: float, field_voltage: float, *, is_open: bool
 ) -> FluxSystem:

@@ -318,7 +318,7 @@ class Stretch:
         circuit, behind = self.machine.circuit, self.machine.behind(self.supply)
         flux[0] = with_same_currents(circuit, behind, now[2])
         described = self.prepared(h) if prepared is None else prepared
-        described.angle = self.angle
+        described.angle, described.axis = self.angle, self.supply.axis or 0.0
         described.forward[0:2], described.backward[0:2] = self.supply.forward, self.supply.backward
         room = np.empty(library.machine_room(described))
         made = library.advance_machine(
@@ -339,7 +339,7 @@ class Stretch:
         return MachineMotion(time, q, v, rotor, flux, base * torque, base * rate)
 
     def prepared(self, h: float) -> Any:
-        """``machine_t`` for steps of one length, but for the supply and the angle of the rotor."""
+        """``machine_t`` for steps of one length, but for angles and voltages of the supply and the angle of the rotor."""
         machine, fluxes, block = self.machine, self.fluxes, _block(self.system)
         (half, pushed), (free, forced) = _train_steps(self.system, block, h)
         rotor = _rotor_rows(self.system, block)
@@ -363,7 +363,6 @@ class Stretch:
             arrays["rows"] = terminal_rows(self.supply, machine.source, machine.line_omega)
         return struct(
             "machine_t",
-            axis=self.supply.axis or 0.0,
             **{name: np.ascontiguousarray(a) for name, a in arrays.items()},
             n_blocks=len(free), block=2 * block, n_flux=len(fluxes.rate), q=fluxes.q,
             line_omega=machine.line_omega, axes_speed=self.speed, pole_pairs=machine.pole_pairs,
@@ -383,9 +382,10 @@ class Stretch:
             u_d, u_q = self._unlike_voltages(axis, ahead, beyond, moved, flux)
         else:
             back = supply.backward[1] - (1.0 + self.speed) * line - turned
-            size, against = supply.forward[0], supply.backward[0]
-            u_d = size * cos(ahead) + against * cos(back)
-            u_q = size * sin(ahead) + against * sin(back)
+            u_d, u_q = np.zeros((2, len(time)))
+            for size, angle in ((supply.forward[0], ahead), (supply.backward[0], back)):
+                if size:
+                    u_d, u_q = u_d + size * cos(angle), u_q + size * sin(angle)
         u_d, u_q = u_d + moved[0], u_q + moved[1]
         slope = product(fluxes.rate, flux) + product(fluxes.voltage, np.stack([u_d, u_q]))
         return np.asarray(slope + fluxes.field[:, None])

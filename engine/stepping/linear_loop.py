@@ -444,9 +444,9 @@ def samples_to_end(t: Floats, torque: Floats, rate: Floats, end: float) -> list[
         outputs, n, *map(address, samples), end, *map(address, (room, when, value)),
         address(count, "int64_t"),
     )  # fmt: skip
-    last = np.cumsum(count)
-    parts = (np.split(a[: int(count.sum())].copy(), last[:-1]) for a in (when, value))
-    return list(zip(*parts, strict=True)) if outputs else []
+    ends = np.cumsum(count).tolist()
+    when, value = (a[: int(count.sum())].copy() for a in (when, value))
+    return [(when[i:j], value[i:j]) for i, j in zip([0, *ends], ends, strict=False)]
 
 
 def difference_of_extremes(
