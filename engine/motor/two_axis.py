@@ -409,7 +409,9 @@ def flux_steps(system: FluxSystem, h: float) -> tuple[FluxStep, FluxStep]:
     factor = np.array([1.0, 1.0, 2.0])
     half, whole = (
         FluxStep(
-            step[:n, :n], step[:n, n : n + 6].reshape(n, 3, 2).swapaxes(1, 2) * factor, step[:n, n + 6]
+            step[:n, :n],
+            step[:n, n : n + 6].reshape(n, 3, 2).swapaxes(1, 2) * factor,
+            step[:n, n + 6],
         )
         for step in half_and_whole(a)
     )

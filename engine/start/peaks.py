@@ -283,8 +283,11 @@ def judge_run(
     change = largest(
         {
             i: difference_of_extremes(
-                turning[i], coarse.turning[i],
-                with_impacts=with_impacts, guard_share=guard_share, same_until=same_until,
+                turning[i],
+                coarse.turning[i],
+                with_impacts=with_impacts,
+                guard_share=guard_share,
+                same_until=same_until,
             )
             for i in used
         }

@@ -419,7 +419,9 @@ def turning_to_end(
     return when[:count].copy(), value[:count].copy()
 
 
-def samples_to_end(t: Floats, torque: Floats, rate: Floats, end: float) -> list[tuple[Floats, Floats]]:
+def samples_to_end(
+    t: Floats, torque: Floats, rate: Floats, end: float
+) -> list[tuple[Floats, Floats]]:
     """Turning points of each torque of a run from rest to its end, with the values there, from its samples.
 
     Parameters

@@ -143,7 +143,9 @@ def test_lesser_extremes_count_in_full_unless_contacts_were_the_same() -> None:
         told = difference_of_extremes(*late, guard_share=0.5, same_until=until)
         assert told == pytest.approx(share * 0.7)
     moved = np.array([5.0, 7.0, 10.5])
-    assert difference_of_extremes((when, a), (when, moved), guard_share=1.0 / 7.0) == pytest.approx(0.5)
+    assert difference_of_extremes((when, a), (when, moved), guard_share=1.0 / 7.0) == pytest.approx(
+        0.5
+    )
 
 
 def a_run(*values: float) -> Any:
