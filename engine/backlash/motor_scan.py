@@ -12,10 +12,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cache
 from itertools import product as every_pair
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -27,12 +27,12 @@ from engine.case.defaults import DEFAULT_LATEST_CLEARING, DEFAULT_TOLERANCE_PEAK
 from engine.model.excitation import transmitted_torque
 from engine.model.modal_train import ModalTrain
 from engine.model.train import Train
-from engine.start.machine_motion import MachineMotion, machine_motion, stretch_of
+from engine.start.machine_motion import MachineMotion, Stretch, machine_motion, stretch_of
 from engine.start.prescribed import first_step
 from engine.start.start_fatigue import judged_shafts, largest_damage, sn_slope
 from engine.start.time_response import ModalSystem, modal_system
 from engine.start.worst_phase import PHASES as PULSATIONS
-from engine.stepping.linear_loop import turning_points
+from engine.stepping.linear_loop import samples_to_end
 
 #: Phases of a whole turn. [count]
 PHASES = 24
@@ -387,6 +387,8 @@ class _Together:
     system: ModalSystem
     step: float  #: [s]
     offset: Floats  #: Torques of the outputs in operation. [N m]
+    #: Of each supply in turn and each step: what the loop takes, but for what differs between instants. [struct]
+    prepared: dict[tuple[int, float], Any] = field(default_factory=dict)
 
     @classmethod
     def of(cls, case: CaseData, modal: ModalTrain, grid: _Grid) -> _Together:
@@ -423,22 +425,22 @@ class _Together:
         stretch, now = stretch_of(system, machine, changed, state, (*before, state.flux), balance)
         earliest, sooner = grid.limits[0], []
         if earliest:
-            motion = stretch.motion(now, earliest, self.step)
+            motion = stretch.motion(now, earliest, self.step)  # its steps are those of no other
             sooner = [self._turning(motion, event.held)]
             now = motion.q[:, -1], motion.v[:, -1], motion.flux[:, -1]
             changed = replace(changed, begins=earliest)
             stretch, now = stretch_of(system, machine, changed, state, now, balance)
-        motion = stretch.motion(now, max(float(times[-1] or 0.0), earliest + step), step)
+        latest = max(float(times[-1] or 0.0), earliest + step)
+        motion = stretch.motion(now, latest, step, self._prepared(0, stretch, step))
         until = self._turning(motion, event.held)
-        follows, prepared, found = math.ceil(FOLLOWED / step) * step, None, []
+        follows, found = math.ceil(FOLLOWED / step) * step, []
         for time in times:
             i = round((float(time or 0.0) - earliest) / step)
             begins = float(motion.time[i])
             reached = motion.q[:, i], motion.v[:, i], motion.flux[:, i]
             supply = replace(cleared, begins=begins)
             stretch, now = stretch_of(system, machine, supply, state, reached, balance)
-            prepared = stretch.prepared(step) if prepared is None else prepared
-            after = stretch.motion(now, begins + follows, step, prepared)
+            after = stretch.motion(now, begins + follows, step, self._prepared(1, stretch, step))
             so_far = [
                 (when, value[: np.searchsorted(when, begins, "right")]) for when, value in until
             ]
@@ -448,13 +450,16 @@ class _Together:
     def _turning(self, motion: MachineMotion, held: float) -> list[tuple[Floats, Floats]]:
         """Times and values where each output and the torque of the motor turn, their beginning included. [s, N m]"""
         response = motion.response(self.system, held)
-        torque = [*(self.offset[:, None] + response.torque), motion.torque]
-        rate = [*response.torque_rate, motion.torque_rate]
-        turning = []
-        for y, slope in zip(torque, rate, strict=True):
-            when, value = turning_points(motion.time, y, slope)
-            turning.append((np.append(motion.time[0], when), np.append(y[0], value)))
-        return turning
+        torque = np.concatenate([self.offset[:, None] + response.torque, motion.torque[None]])
+        rate = np.concatenate([response.torque_rate, motion.torque_rate[None]])
+        turning = samples_to_end(motion.time, torque, rate, float(motion.time[-1]))
+        return [(when[:-1], value[:-1]) for when, value in turning]
+
+    def _prepared(self, supply: int, stretch: Stretch, step: float) -> Any:
+        key = supply, step
+        if key not in self.prepared:
+            self.prepared[key] = stretch.prepared(step)
+        return self.prepared[key]
 
     def _answers(self, *parts: Sequence[tuple[Floats, Floats]]) -> Floats:
         """What a combination answers whose parts follow each other."""

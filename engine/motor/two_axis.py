@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -18,7 +19,7 @@ import numpy as np
 from engine.arrays import Floats
 from engine.errors import ModelError
 from engine.motor.circuit import Circuit, Winding
-from engine.numerics.same_bits import atan2, cos, hypot, matrix_exponential, product, sin, solve
+from engine.numerics.same_bits import atan2, cos, half_and_whole, hypot, product, sin, solve
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,12 +32,12 @@ class FluxSystem:
     voltage: Floats  #: Of the stator's voltages; zero while it is open. [1/s] Shape (n, 2).
     field: Floats  #: From the voltage of the field. [1/s] Shape (n,).
 
-    @property
+    @cached_property
     def stator_current(self) -> Floats:
         """Currents of the stator's axes from fluxes. [1] Shape (2, n)."""
         return self.current[[0, self.q]]
 
-    @property
+    @cached_property
     def current_rate(self) -> Floats:
         """Rates of these per flux, from the field, and per voltage. [1/s] Shape (2, n + 3)."""
         drives = np.column_stack([self.rate, self.field, self.voltage])
@@ -58,6 +59,7 @@ def _windings(circuit: Circuit) -> tuple[tuple[Winding, ...], tuple[Winding, ...
     return (*field, *circuit.dampers_d), circuit.dampers_q
 
 
+@lru_cache(maxsize=64)
 def _reactances(circuit: Circuit) -> Floats:
     """Fluxes from currents."""
     axes = []
@@ -108,9 +110,9 @@ def with_same_currents(circuit: Circuit, other: Circuit, flux: Floats) -> Floats
     ndarray
         [pu]
     """
-    before, after = _reactances(circuit), _reactances(other)
-    if before.shape == after.shape and np.array_equal(before, after):
+    if circuit == other:
         return flux
+    before, after = _reactances(circuit), _reactances(other)
     current = solve(before, flux.reshape(len(before), -1))
     if len(after) > len(before):
         current = np.insert(current, 1, 0.0, axis=0)
@@ -137,6 +139,7 @@ def field_flux(circuit: Circuit, closed: Circuit) -> Floats:
     return np.asarray(with_same_currents(circuit, closed, np.eye(number_of_fluxes(circuit)))[1])
 
 
+@lru_cache(maxsize=64)
 def flux_system(
     circuit: Circuit, line_omega: float, speed: float, field_voltage: float, *, is_open: bool
 ) -> FluxSystem:
@@ -375,15 +378,15 @@ def torque_rate(system: FluxSystem, flux: Floats, slope: Floats) -> Floats:
 
 
 class FluxStep(NamedTuple):
-    """Exact step of the fluxes; voltages are a + b s + c s², 0 ≤ s ≤ 1 over the step. [1]"""
+    """Exact step of the fluxes; voltages are a + b s + c s² over a whole step, 0 ≤ s ≤ 1. [1]"""
 
     free: Floats  #: From the fluxes before. Shape (n, n).
     forced: Floats  #: From a, b and c of each axis. Shape (n, 2, 3).
     steady: Floats  #: From the field. Shape (n,).
 
 
-def flux_step(system: FluxSystem, h: float) -> FluxStep:
-    """Exact step of the fluxes under voltages that are parabolas (Van Loan's block exponential).
+def flux_steps(system: FluxSystem, h: float) -> tuple[FluxStep, FluxStep]:
+    """Exact steps of the fluxes under voltages that are parabolas (Van Loan's block exponential).
 
     Parameters
     ----------
@@ -394,8 +397,8 @@ def flux_step(system: FluxSystem, h: float) -> FluxStep:
 
     Returns
     -------
-    FluxStep
-        [1]
+    half, whole : FluxStep
+        To the middle of the step, and to its end. [1]
     """
     n = len(system.rate)
     a = np.zeros((n + 7, n + 7))  # fluxes, voltages and their two derivatives, field
@@ -403,6 +406,13 @@ def flux_step(system: FluxSystem, h: float) -> FluxStep:
     a[:n, n : n + 2] = h * system.voltage
     a[n : n + 2, n + 2 : n + 4] = a[n + 2 : n + 4, n + 4 : n + 6] = np.eye(2)
     a[:n, n + 6] = h * system.field
-    step = matrix_exponential(a)[:n]
-    forced = step[:, n : n + 6].reshape(n, 3, 2).swapaxes(1, 2) * np.array([1.0, 1.0, 2.0])
-    return FluxStep(step[:, :n], forced, step[:, n + 6])
+    factor = np.array([1.0, 1.0, 2.0])
+    half, whole = (
+        FluxStep(
+            step[:n, :n],
+            step[:n, n : n + 6].reshape(n, 3, 2).swapaxes(1, 2) * factor,
+            step[:n, n + 6],
+        )
+        for step in half_and_whole(a)
+    )
+    return half, whole

@@ -28,6 +28,7 @@ __all__ = [
     "cos",
     "eigenvalues",
     "exp",
+    "half_and_whole",
     "hypot",
     "interp",
     "log",
@@ -550,6 +551,23 @@ def matrix_exponential(a: Floats) -> Floats:
     for _ in range(halvings):
         found = product(found, found)
     return np.asarray(found)
+
+
+def half_and_whole(a: Floats) -> tuple[Floats, Floats]:
+    """Exponentials of half a square matrix and of all of it.
+
+    Parameters
+    ----------
+    a : ndarray, shape (n, n)
+        Real matrix. [1]
+
+    Returns
+    -------
+    half, whole : ndarray, shape (n, n)
+        [1]
+    """
+    half = matrix_exponential(0.5 * a)
+    return half, product(half, half)
 
 
 def _pade(a: Floats, multiply: Callable[[Floats, Floats], Floats]) -> tuple[Floats, Floats]:

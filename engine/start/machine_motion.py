@@ -23,7 +23,7 @@ from engine.motor.two_axis import (
     FluxSystem,
     MachineState,
     air_gap_torque,
-    flux_step,
+    flux_steps,
     flux_system,
     opened,
     residual_voltage,
@@ -318,7 +318,7 @@ class Stretch:
         circuit, behind = self.machine.circuit, self.machine.behind(self.supply)
         flux[0] = with_same_currents(circuit, behind, now[2])
         described = self.prepared(h) if prepared is None else prepared
-        described.angle = self.angle
+        described.angle, described.axis = self.angle, self.supply.axis or 0.0
         described.forward[0:2], described.backward[0:2] = self.supply.forward, self.supply.backward
         room = np.empty(library.machine_room(described))
         made = library.advance_machine(
@@ -339,20 +339,19 @@ class Stretch:
         return MachineMotion(time, q, v, rotor, flux, base * torque, base * rate)
 
     def prepared(self, h: float) -> Any:
-        """``machine_t`` for steps of one length, but for the supply and the angle of the rotor."""
+        """``machine_t`` for steps of one length, but for angles and voltages of the supply and the angle of the rotor."""
         machine, fluxes, block = self.machine, self.fluxes, _block(self.system)
-        free, forced = _train_step(self.system, block, h)
-        half, pushed = _train_step(self.system, block, 0.5 * h)
+        (half, pushed), (free, forced) = _train_steps(self.system, block, h)
         rotor = _rotor_rows(self.system, block)
-        maps = [flux_step(fluxes, share * h) for share in (0.5, 1.0)]
-        voltages = np.stack([maps[0].forced * HALVED, maps[1].forced])
+        maps = flux_steps(fluxes, h)
+        voltages = np.stack([m.forced for m in maps])
         arrays = {
             "free": free,
             "forced": _at_points(forced),
             "rotor": rotor,
             "rotor_free": np.concatenate([_rows_times(rotor, half), _rows_times(rotor, free)]),
             "rotor_forced": np.concatenate(
-                [product(rotor, _at_points(p).reshape(-1, 3)) for p in (pushed * HALVED, forced)]
+                [product(rotor, _at_points(p).reshape(-1, 3)) for p in (pushed, forced)]
             ),
             "flux_free": np.stack([m.free for m in maps]),
             "flux_forced": _at_points(voltages).swapaxes(-1, -2),
@@ -364,7 +363,6 @@ class Stretch:
             arrays["rows"] = terminal_rows(self.supply, machine.source, machine.line_omega)
         return struct(
             "machine_t",
-            axis=self.supply.axis or 0.0,
             **{name: np.ascontiguousarray(a) for name, a in arrays.items()},
             n_blocks=len(free), block=2 * block, n_flux=len(fluxes.rate), q=fluxes.q,
             line_omega=machine.line_omega, axes_speed=self.speed, pole_pairs=machine.pole_pairs,
@@ -384,9 +382,10 @@ class Stretch:
             u_d, u_q = self._unlike_voltages(axis, ahead, beyond, moved, flux)
         else:
             back = supply.backward[1] - (1.0 + self.speed) * line - turned
-            size, against = supply.forward[0], supply.backward[0]
-            u_d = size * cos(ahead) + against * cos(back)
-            u_q = size * sin(ahead) + against * sin(back)
+            u_d, u_q = np.zeros((2, len(time)))
+            for size, angle in ((supply.forward[0], ahead), (supply.backward[0], back)):
+                if size:
+                    u_d, u_q = u_d + size * cos(angle), u_q + size * sin(angle)
         u_d, u_q = u_d + moved[0], u_q + moved[1]
         slope = product(fluxes.rate, flux) + product(fluxes.voltage, np.stack([u_d, u_q]))
         return np.asarray(slope + fluxes.field[:, None])
@@ -453,19 +452,21 @@ def _at_points(forced: Floats) -> Floats:
     return np.asarray(product(forced.reshape(-1, 3), PARABOLA).reshape(forced.shape))
 
 
-def _train_step(system: ModalSystem, block: int, h: float) -> tuple[Floats, Floats]:
-    """Exact step of the modes under a torque that is a parabola, a block of modes at a time.
+def _train_steps(system: ModalSystem, block: int, h: float) -> list[tuple[Floats, Floats]]:
+    """Exact steps of the modes to the middle and to the end, under a torque that is a parabola over the whole step.
 
-    Shapes (n_blocks, 2 block, 2 block) and (n_blocks, 2 block, 3).
+    A block of modes at a time, shapes (n_blocks, 2 block, 2 block) and (n_blocks, 2 block, 3).
     """
-    omega, reach = system.omega, system.reach[:, 0]
+    omega, reach = system.omega, system.reach
     if system.coupled:
-        free, forced = coupled_step(omega, system.damping, h)
-        pushed = product(reach, forced[:, :, :3].transpose(1, 0, 2).reshape(len(omega), -1))
-        return free[None], pushed.reshape(1, -1, 3)
+        steps = coupled_step(omega, system.damping, reach, h, 3)
+        return [(free[None], push[None, :, :, 0]) for free, push in steps]
     rate = np.ascontiguousarray(np.diag(system.damping))
-    free, forced = polynomial_step(omega * omega, rate, h)
-    return free, np.ascontiguousarray(forced[:, :, :3] * reach[:, None, None])
+    steps = [polynomial_step(omega * omega, rate, share * h) for share in (0.5, 1.0)]
+    return [
+        (free, forced[:, :, :3] * (reach[:, :, None] * shares))
+        for (free, forced), shares in zip(steps, (HALVED, np.ones(3)), strict=True)
+    ]
 
 
 def _rotor_rows(system: ModalSystem, block: int) -> Floats:

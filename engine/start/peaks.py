@@ -15,9 +15,8 @@ from engine.model.train import Train
 from engine.numerics.same_bits import interp
 from engine.start.settings import NEGLIGIBLE
 from engine.start.trajectory import SingleRun, Trajectory, Turning
+from engine.stepping.linear_loop import difference_of_extremes
 
-#: Maxima, and minima, of two runs that are compared to estimate the error of the largest.
-COMPARED_EXTREMES = 6
 #: No element is taken to be more accurate than this share of the worst, nor than `LEAST_PEAK_ERROR`.
 SHARED_ERROR = 0.05
 
@@ -165,53 +164,6 @@ def sections_of(run: SingleRun) -> dict[int, tuple[int, int, int]]:
     return dict(sorted(found.items()))
 
 
-def _difference(
-    a: tuple[Floats, Floats],
-    b: tuple[Floats, Floats],
-    with_impacts: bool = False,
-    guard_share: float = 1.0,
-    same_until: float = math.inf,
-) -> float:
-    """Largest difference of the extremes of two runs, a share of that of the next smaller ones included.
-
-    Two curves that differ may by chance share their largest value; they hardly share six. Those
-    after the largest are compared with the nearest of the other run, not rank by rank: where one
-    run has a ripple the other has not, all ranks below it would be compared with their neighbours.
-    After many impacts two runs go their own ways: what comes after both the largest value and `same_until`
-    says nothing about it. The share is all of it where the largest value comes after `same_until`. Extremes up to the
-    largest are compared by themselves, too, as among many one that differs finds a near one.
-    """
-    worst = 0.0
-    for sign in (1.0, -1.0):
-        largest = [float(when[int(np.argmax(sign * value))]) for when, value in (a, b)]
-        share = guard_share if max(largest) < same_until else 1.0
-        until = [max(*largest, same_until)] * 2
-        for ends in (until, largest) if with_impacts else (until,):
-            x, y = (
-                _highest(sign * value[when <= end])
-                for (when, value), end in zip((a, b), ends, strict=True)
-            )
-            worst = max(
-                worst,
-                abs(x[0] - y[0]),
-                share * _distance(x[:COMPARED_EXTREMES], y),
-                share * _distance(y[:COMPARED_EXTREMES], x),
-            )
-    return worst
-
-
-def _highest(value: Floats) -> list[float]:
-    """The largest values that are compared, in falling order."""
-    if len(value) > 2 * COMPARED_EXTREMES:
-        value = np.partition(value, -2 * COMPARED_EXTREMES)[-2 * COMPARED_EXTREMES :]
-    return sorted(value.tolist(), reverse=True)
-
-
-def _distance(values: Sequence[float], others: Sequence[float]) -> float:
-    """Largest distance of any of the values from the nearest of the others."""
-    return max(min(abs(v - other) for other in others) for v in values)
-
-
 def change_of_peaks(peaks: Sequence[ElementPeak], others: Sequence[ElementPeak]) -> float:
     """Largest relative change of an extreme of any element.
 
@@ -330,7 +282,13 @@ def judge_run(
     bound = largest({i: float(truncation[i]) for i in used})
     change = largest(
         {
-            i: _difference(turning[i], coarse.turning[i], with_impacts, guard_share, same_until)
+            i: difference_of_extremes(
+                turning[i],
+                coarse.turning[i],
+                with_impacts=with_impacts,
+                guard_share=guard_share,
+                same_until=same_until,
+            )
             for i in used
         }
     )

@@ -21,7 +21,7 @@ from engine.errors import ModelError
 from engine.model.modes import Modes, modal_damping_matrix
 from engine.model.train import Train
 from engine.numerics.distinct import distinct
-from engine.numerics.same_bits import along_first, interp, matrix_exponential, product
+from engine.numerics.same_bits import along_first, half_and_whole, interp, product
 from engine.start.torque_outputs import TorqueOutputs, force_reach, torque_outputs
 from engine.stepping import linear_loop as kernels
 
@@ -434,7 +434,7 @@ def _integrate(
     out[0][:, 0], out[1][:, 0] = q, v
     steps = _steps(grid)
     changes = np.flatnonzero(np.diff(steps)) + 1 if system.coupled else np.zeros(0, dtype=np.int64)
-    by_length = _CoupledSteps(omega, system.damping, _slack(grid))
+    by_length = _CoupledSteps(system, _slack(grid))
     rate = np.diag(system.damping).copy()
     for i, j in zip([0, *changes], [*changes, len(steps)], strict=True):
         for a in range(i, j, CHUNK):
@@ -442,20 +442,13 @@ def _integrate(
             over = torques(grid[a : b + 1])
             if system.coupled:
                 if a == i:
-                    free, forced = by_length.step(float(steps[i]), j - i)
-                    push = _pushes(forced[..., : len(over)], system.reach)
+                    free, push = by_length.step(float(steps[i]), j - i, len(over))
                 states = np.empty((b - a, 2 * n))
                 kernels.drive_coupled(free, push, over, state, states)
                 out[0][:, a + 1 : b + 1], out[1][:, a + 1 : b + 1] = states.T[:n], states.T[n:]
             else:
                 modes = kernels.prescribed_struct(omega**2, rate, system.reach, len(over))
                 kernels.drive_modes(modes, steps[a:b], over, (q, v), both, a + 1)
-
-
-def _pushes(forced: Floats, reach: Floats) -> Floats:
-    """What coefficients of torques do over a step, shape (n_state, terms, n_stations), from what those of modes do."""
-    rows = forced.transpose(0, 2, 1)
-    return np.asarray(product(rows.reshape(-1, len(reach)), reach).reshape(*rows.shape[:2], -1))
 
 
 def _steps(grid: Floats) -> Floats:
@@ -506,28 +499,31 @@ class _CoupledSteps:
     is taken while all steps together end within `slack` of where they should.
     """
 
-    def __init__(self, omega: Floats, matrix: Floats, slack: float) -> None:
-        self._system, self._slack = (omega, matrix), slack
+    def __init__(self, system: ModalSystem, slack: float) -> None:
+        self._system, self._slack = system, slack
         self._known: dict[float, tuple[Floats, Floats]] = {}  # the latest one last
         self._ahead = 0.0
 
-    def step(self, h: float, count: int) -> tuple[Floats, Floats]:
-        """What `coupled_step` gives, for a number of steps in a row."""
+    def step(self, h: float, count: int, terms: int) -> tuple[Floats, Floats]:
+        """What `coupled_step` gives for a whole step, for a number of them in a row."""
         near = min(self._known, key=lambda known: abs(known - h), default=np.inf)
         ahead = self._ahead + count * (near - h)
         if abs(ahead) <= self._slack:
             self._ahead = ahead
             found = self._known.pop(near)
         else:
-            near, found = h, coupled_step(*self._system, h)
+            s = self._system
+            near, (_, found) = h, coupled_step(s.omega, s.damping, s.reach, h, terms)
         self._known[near] = found
         if len(self._known) > KNOWN_STEPS:
             del self._known[next(iter(self._known))]
         return found
 
 
-def coupled_step(omega: Floats, matrix: Floats, h: float) -> tuple[Floats, Floats]:
-    """Exact step of the coupled system under cubic modal forces (Van Loan's block exponential).
+def coupled_step(
+    omega: Floats, matrix: Floats, reach: Floats, h: float, terms: int
+) -> tuple[tuple[Floats, Floats], tuple[Floats, Floats]]:
+    """Exact steps of the coupled system under torques that are polynomials (Van Loan's block exponential).
 
     Parameters
     ----------
@@ -535,34 +531,39 @@ def coupled_step(omega: Floats, matrix: Floats, h: float) -> tuple[Floats, Float
         Natural frequencies. [rad/s]
     matrix : ndarray, shape (n, n)
         Damping matrix of the modes. [1/s]
+    reach : ndarray, shape (n, n_stations)
+        Torques to modes. [rad/√(kg m²)]
     h : float
         Step. [s]
+    terms : int
+        Coefficients of each torque over the step, of s⁰, s¹, … with s = t/h. [count]
 
     Returns
     -------
-    free, forced : ndarray, shapes (2 n, 2 n) and (2 n, n, 4)
-        Of positions and velocities before, and of the coefficients of the modal forces over the step. [SI]
+    half, whole : tuple of (ndarray, ndarray)
+        Maps to the middle of the step and to its end: of positions and velocities before, shape (2 n, 2 n), and of the
+        coefficients of the torques over the whole step, shape (2 n, terms, n_stations). [SI]
     """
-    n = len(omega)
-    A = np.zeros((6 * n, 6 * n))
-    eye = np.eye(n)
+    n, m = reach.shape
+    a = np.zeros((2 * n + terms * m,) * 2)
     size = np.maximum(omega * h, 1.0)  # state (size · q, h q̇), so that no entry exceeds ωh
-    A[:n, n : 2 * n] = np.diag(size)
-    A[n : 2 * n, :n] = -np.diag((omega * h) ** 2 / size)
-    A[n : 2 * n, n : 2 * n] = -matrix * h
-    A[n : 2 * n, 2 * n : 3 * n] = eye
-    for i in range(3):
-        A[(2 + i) * n : (3 + i) * n, (3 + i) * n : (4 + i) * n] = eye
-    E = matrix_exponential(A)[: 2 * n]
-    free = E[:, : 2 * n].copy()
-    forced = E[:, 2 * n :].reshape(2 * n, 4, n).transpose(0, 2, 1) * np.array([1.0, 1.0, 2.0, 6.0])
-    free[:, :n] *= size
-    free[:n] /= size[:, None]
-    free[:n, n:] *= h
-    free[n:, :n] /= h
-    forced[:n] *= (h * h / size)[:, None, None]
-    forced[n:] *= h
-    return np.ascontiguousarray(free), np.ascontiguousarray(forced)
+    unit = float(np.ldexp(1.0, np.frexp(np.max(np.abs(reach).sum(axis=0), initial=0.0))[1]))
+    a[:n, n : 2 * n] = np.diag(size)
+    a[n : 2 * n, :n] = -np.diag((omega * h) ** 2 / size)
+    a[n : 2 * n, n : 2 * n] = -matrix * h
+    a[n : 2 * n, 2 * n : 2 * n + m] = reach / unit
+    follows = np.arange(2 * n, len(a) - m)
+    a[follows, follows + m] = 1.0
+    factor = np.cumprod([1.0, *range(1, terms)])[:, None]
+    state = np.concatenate([h / size, np.ones(n)])[:, None]  # (q, q̇) over what is stepped, times h
+    half, whole = (
+        (
+            step[:, : 2 * n] * state / state.T,
+            step[:, 2 * n :].reshape(2 * n, terms, m) * (factor * (h * unit) * state[:, :, None]),
+        )
+        for step in (e[: 2 * n] for e in half_and_whole(a))
+    )
+    return half, whole
 
 
 def _slope(p: PrescribedTorque, t: Floats) -> Floats:

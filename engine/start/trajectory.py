@@ -223,7 +223,13 @@ def turning_of(trajectory: Trajectory, end: float) -> list[Turning]:
     list of (ndarray, ndarray)
         Times and torques. [s, N m]
     """
-    return [_turning(trajectory, i, end) for i in range(len(trajectory.output_element))]
+    t, torque, rate = trajectory.time, trajectory.torque, trajectory.torque_rate
+    if trajectory.turning is None:
+        return kernels.samples_to_end(t, torque, rate, end)
+    return [
+        _to_end(found, t, y, slope, end)
+        for found, y, slope in zip(trajectory.turning, torque, rate, strict=True)
+    ]
 
 
 @dataclass(frozen=True, eq=False)
@@ -265,18 +271,13 @@ class SingleRun:
         return replace(self, trajectory=replace(self.trajectory, torque=none, torque_rate=none))
 
 
-def _turning(trajectory: Trajectory, output: int, end: float) -> Turning:
+def _to_end(turning: Turning, t: Floats, y: Floats, slope: Floats, end: float) -> Turning:
     """Turning points of one output up to `end`, with the values at rest and at the end."""
-    t, y, slope = trajectory.time, trajectory.torque[output], trajectory.torque_rate[output]
-    if trajectory.turning is None:
-        when, value = kernels.turning_points(t, y, slope)
-    else:
-        when, value = trajectory.turning[output]
     size = float(np.max(np.abs(y), initial=0.0))
     at = int(np.clip(np.searchsorted(t, end) - 1, 0, max(len(t) - 2, 0)))
     around = [at, min(at + 1, len(t) - 1)]
     last = np.stack([t[around], y[around], slope[around]])
-    return kernels.turning_to_end((when, value), size, float(y[0]), end, last)
+    return kernels.turning_to_end(turning, size, float(y[0]), end, last)
 
 
 def hermite_at(t: Floats, y: Floats, slope: Floats, at: Floats) -> Floats:

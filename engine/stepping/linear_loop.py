@@ -7,6 +7,7 @@ lane: what varies by lane then has one more axis, the last one; of curves and ta
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -22,12 +23,14 @@ __all__ = [
     "SPEED",
     "advance_starts",
     "begin_starts",
+    "difference_of_extremes",
     "drive_coupled",
     "drive_modes",
     "drive_struct",
     "lane_to_end",
     "prescribed_struct",
     "room_for",
+    "samples_to_end",
     "start_forces",
     "system_struct",
     "torques_struct",
@@ -414,6 +417,79 @@ def turning_to_end(
         address(value),
     )
     return when[:count].copy(), value[:count].copy()
+
+
+def samples_to_end(
+    t: Floats, torque: Floats, rate: Floats, end: float
+) -> list[tuple[Floats, Floats]]:
+    """Turning points of each torque of a run from rest to its end, with the values there, from its samples.
+
+    Parameters
+    ----------
+    t : ndarray, shape (n,)
+        Rising times. [s]
+    torque, rate : ndarray, shape (n_outputs, n)
+        Torques and their rates. [N m, N m/s]
+    end : float
+        Time of the end, within the samples. [s]
+
+    Returns
+    -------
+    list of (ndarray, ndarray)
+        Times and values of each. [s, N m]
+    """
+    outputs, n = torque.shape
+    when, value = np.empty((2, outputs * (2 * n + 2)))
+    count, room = np.empty(outputs, dtype=np.int64), np.empty(4 * n)
+    samples = (np.ascontiguousarray(a) for a in (t, torque, rate))
+    library.samples_to_end(
+        outputs, n, *map(address, samples), end, *map(address, (room, when, value)),
+        address(count, "int64_t"),
+    )  # fmt: skip
+    ends = np.cumsum(count).tolist()
+    when, value = (a[: int(count.sum())].copy() for a in (when, value))
+    return [(when[i:j], value[i:j]) for i, j in zip([0, *ends], ends, strict=False)]
+
+
+def difference_of_extremes(
+    a: tuple[Floats, Floats],
+    b: tuple[Floats, Floats],
+    *,
+    with_impacts: bool = False,
+    guard_share: float = 1.0,
+    same_until: float = math.inf,
+) -> float:
+    """Largest difference of the extremes of two runs, a share of that of the next smaller ones included.
+
+    Two curves that differ may by chance share their largest value; they hardly share six. Those
+    after the largest are compared with the nearest of the other run, not rank by rank: where one
+    run has a ripple the other has not, all ranks below it would be compared with their neighbours.
+    After many impacts two runs go their own ways: what comes after both the largest value and `same_until`
+    says nothing about it. The share is all of it where the largest value comes after `same_until`. Extremes up to the
+    largest are compared by themselves, too, as among many one that differs finds a near one.
+
+    Parameters
+    ----------
+    a, b : tuple of ndarray
+        Times and values of all turning points of each run. [s, N m]
+    with_impacts : bool
+        Whether to compare those up to the largest by themselves, too. [flag]
+    guard_share : float
+        That share. [1]
+    same_until : float
+        Until when the runs are known to go together. [s]
+
+    Returns
+    -------
+    float
+        [N m]
+    """
+    return float(
+        library.difference_of_extremes(
+            len(a[0]), *map(address, a), len(b[0]), *map(address, b), with_impacts, guard_share,
+            same_until,
+        )
+    )  # fmt: skip
 
 
 def lane_to_end(

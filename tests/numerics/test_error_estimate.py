@@ -19,12 +19,13 @@ from engine.model.load import loads_of
 from engine.model.modal_train import ModalTrain
 from engine.model.motor import motors_of
 from engine.start.event_results import Repeatability, prediction_interval
-from engine.start.peaks import _difference, judge_run
+from engine.start.peaks import judge_run
 from engine.start.settings import settings_of
 from engine.start.simulation import simulate
 from engine.start.start import run_start
 from engine.start.start_model import start_model
 from engine.start.trajectory import turning_of
+from engine.stepping.linear_loop import difference_of_extremes
 from tests.random_clearances import start_with_clearances
 from tests.random_starts import random_start
 from tests.trains import prepared
@@ -129,20 +130,22 @@ def test_lesser_extremes_count_in_full_unless_contacts_were_the_same() -> None:
     """Two runs that agree on the largest torque, not on the next, are not taken for accurate."""
     when = np.array([0.1, 0.2, 0.3])
     a, b = np.array([5.0, 7.0, 10.0]), np.array([5.0, 7.7, 10.0])
-    assert _difference((when, a), (when, b)) == pytest.approx(0.7)
-    assert _difference((when, a), (when, b), guard_share=1.0 / 7.0) == pytest.approx(0.1)
+    assert difference_of_extremes((when, a), (when, b)) == pytest.approx(0.7)
+    assert difference_of_extremes((when, a), (when, b), guard_share=1.0 / 7.0) == pytest.approx(0.1)
     # contacts that differ after the largest torque have no part in it; before it they have
     for until, share in ((0.31, 1.0 / 7.0), (0.3, 1.0)):
-        told = _difference((when, a), (when, b), guard_share=1.0 / 7.0, same_until=until)
+        told = difference_of_extremes((when, a), (when, b), guard_share=1.0 / 7.0, same_until=until)
         assert told == pytest.approx(share * 0.7)
     # what comes after the largest counts as long as the runs are together
     for until, share in ((0.25, 0.5), (0.15, 0.0)):
         times = np.array([0.05, 0.1, 0.2])
         late = [(times, np.array([0.0, 10.0, value])) for value in (7.0, 7.7)]
-        told = _difference(*late, guard_share=0.5, same_until=until)
+        told = difference_of_extremes(*late, guard_share=0.5, same_until=until)
         assert told == pytest.approx(share * 0.7)
     moved = np.array([5.0, 7.0, 10.5])
-    assert _difference((when, a), (when, moved), guard_share=1.0 / 7.0) == pytest.approx(0.5)
+    assert difference_of_extremes((when, a), (when, moved), guard_share=1.0 / 7.0) == pytest.approx(
+        0.5
+    )
 
 
 def a_run(*values: float) -> Any:

@@ -117,8 +117,10 @@ def check_responses(seed: int) -> list[float]:
     return ratios
 
 
-def test_the_stated_error_of_a_forced_response_holds() -> None:
-    ratios = check_responses(201)
+@pytest.mark.parametrize("seed", [201, 214])
+def test_the_stated_error_of_a_forced_response_holds(seed: int) -> None:
+    """The worst section of the second train lies between two pieces."""
+    ratios = check_responses(seed)
     assert len(ratios) >= 10
     assert max(ratios) <= 1.0
 
@@ -130,6 +132,4 @@ def test_the_stated_error_of_a_forced_response_holds() -> None:
 def test_stated_errors_of_forced_responses_hold_in_many_trains(seeds: range) -> None:
     ratios = np.array([ratio for seed in seeds for ratio in check_responses(seed)])
     assert len(ratios) > 8 * len(seeds)
-    # one of a hundred, and one of a sample of fewer: seed 214 has one whose worst section lies between pieces
-    assert np.sum(ratios > 1.0) <= math.ceil(0.01 * len(ratios))
-    assert max(ratios) < 1.5
+    assert max(ratios) <= 1.0

@@ -259,6 +259,10 @@ int64_t advance_machine(int64_t n_steps, double time, double h, const machine_t 
                         double *room); /* (n_steps + 1, …), the first row given; steps made */
 int64_t turning_points(int64_t n, const double *t, const double *y, const double *slope, double *when,
                        double *value);
+void samples_to_end(int64_t n_outputs, int64_t n, const double *t, const double *torque, const double *rate, double end,
+                    double *room, double *to_when, double *to_value, int64_t *to_count);
+double difference_of_extremes(int64_t n, const double *when, const double *value, int64_t m, const double *other_when,
+                              const double *other_value, int64_t with_impacts, double guard_share, double same_until);
 int64_t turning_to_end(int64_t n, const double *when, const double *value, double size, double first, double end,
                        const double *last, double *to_when, double *to_value);
 void lane_to_end(int64_t n, int64_t lanes, int64_t lane, const samples_t *out, const double *first, const double *time,

@@ -127,6 +127,26 @@ int64_t turning_to_end(int64_t n, const double *when, const double *value, doubl
     return k;
 }
 
+/* The same of each torque of a run from its samples, torque and rate (n_outputs, n), one after the other in to_when and
+ * to_value; room: 4 n. */
+void samples_to_end(int64_t n_outputs, int64_t n, const double *t, const double *torque, const double *rate, double end,
+                    double *room, double *to_when, double *to_value, int64_t *to_count)
+{
+    double *when = room, *value = room + 2 * n;
+    int64_t at = 0, next;
+    while (at + 2 < n && t[at + 1] < end) at++;
+    next = at + 1 < n ? at + 1 : at;
+    for (int64_t i = 0; i < n_outputs; i++, torque += n, rate += n) {
+        const double last[] = {t[at], t[next], torque[at], torque[next], rate[at], rate[next]};
+        const int64_t turns = turning_points(n, t, torque, rate, when, value);
+        double size = 0.0;
+        for (int64_t j = 0; j < n; j++) size = fabs(torque[j]) > size ? fabs(torque[j]) : size;
+        to_count[i] = turning_to_end(turns, when, value, size, torque[0], end, last, to_when, to_value);
+        to_when += to_count[i];
+        to_value += to_count[i];
+    }
+}
+
 /* The same of each torque of one lane, from what the loop left; time: those of its last two rows; to_when and to_value:
  * (n, longest). */
 void lane_to_end(int64_t n, int64_t lanes, int64_t lane, const samples_t *out, const double *first, const double *time,
@@ -138,4 +158,61 @@ void lane_to_end(int64_t n, int64_t lanes, int64_t lane, const samples_t *out, c
         to_count[i] = turning_to_end(out->count[k], out->when + k * out->room, out->value + k * out->room,
                                      out->largest[k], first[k], end, last, to_when + i * longest, to_value + i * longest);
     }
+}
+
+/* Of the extremes of two runs so many are compared, each with so many of the other run. */
+enum { COMPARED = 6, NEAR = 2 * COMPARED };
+
+/* Turning points of one torque; sign: −1 where minima are the largest. */
+typedef struct { int64_t n; const double *when, *value; double sign; } extremes_t;
+
+static double time_of_largest(extremes_t x)
+{
+    int64_t top = 0;
+    for (int64_t i = 1; i < x.n; i++) top = x.sign * x.value[i] > x.sign * x.value[top] ? i : top;
+    return x.when[top];
+}
+
+/* The largest until a time, falling; how many. */
+static int64_t highest(extremes_t x, double until, double *top)
+{
+    int64_t k = 0;
+    for (int64_t i = 0; i < x.n; i++) {
+        const double value = x.sign * x.value[i];
+        int64_t j;
+        if (!(x.when[i] <= until) || (k == NEAR && value <= top[k - 1])) continue;
+        if (k < NEAR) k++;
+        for (j = k - 1; j > 0 && top[j - 1] < value; j--) top[j] = top[j - 1];
+        top[j] = value;
+    }
+    return k;
+}
+
+/* Largest distance of any of the values from the nearest of the others. */
+static double distance(int64_t n, const double *values, int64_t m, const double *others)
+{
+    double largest = 0.0;
+    for (int64_t i = 0; i < n && i < COMPARED; i++) {
+        double nearest = HUGE_VAL;
+        for (int64_t j = 0; j < m; j++) nearest = fmin(nearest, fabs(values[i] - others[j]));
+        largest = fmax(largest, nearest);
+    }
+    return largest;
+}
+
+double difference_of_extremes(int64_t n, const double *when, const double *value, int64_t m, const double *other_when,
+                              const double *other_value, int64_t with_impacts, double guard_share, double same_until)
+{
+    double worst = 0.0, x[NEAR], y[NEAR];
+    for (double sign = 1.0; sign >= -1.0; sign -= 2.0) {
+        const extremes_t a = {n, when, value, sign}, b = {m, other_when, other_value, sign};
+        const double of_a = time_of_largest(a), of_b = time_of_largest(b), last = fmax(of_a, of_b);
+        const double share = last < same_until ? guard_share : 1.0, until = fmax(last, same_until);
+        for (int alone = 0; alone <= (with_impacts != 0); alone++) {
+            const int64_t k = highest(a, alone ? of_a : until, x), l = highest(b, alone ? of_b : until, y);
+            worst = fmax(worst, fabs(x[0] - y[0]));
+            worst = fmax(worst, share * fmax(distance(k, x, l, y), distance(l, y, k, x)));
+        }
+    }
+    return worst;
 }

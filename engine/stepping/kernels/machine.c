@@ -57,13 +57,19 @@ static void unlike_voltages(const machine_t *m, sincos_t axis, double beyond, co
     u[1] = first * along[0][1] + second * along[1][1];
 }
 
+/* Of a voltage that turns, if there is one. */
+static sincos_t direction(const double *voltage, double angle)
+{
+    return voltage[0] != 0.0 ? sin_cos(angle) : (sincos_t){0.0, 0.0};
+}
+
 /* Angle and speed are those of the rotor beyond the axes. */
 static inputs_t inputs_at(const machine_t *m, double time, double angle, double speed, const double *flux)
 {
     const double turned = m->angle + m->pole_pairs * angle, line = m->line_omega * time;
     const double beyond = m->pole_pairs * speed / m->line_omega;
-    const sincos_t ahead = sin_cos(m->forward[1] + (1.0 - m->axes_speed) * line - turned);
-    const sincos_t back = sin_cos(m->backward[1] - (1.0 + m->axes_speed) * line - turned);
+    const sincos_t ahead = direction(m->forward, m->forward[1] + (1.0 - m->axes_speed) * line - turned);
+    const sincos_t back = direction(m->backward, m->backward[1] - (1.0 + m->axes_speed) * line - turned);
     const double d = flux[0], q = flux[m->q];
     inputs_t in;
     if (m->current_rate) {

@@ -40,7 +40,7 @@ def test_a_length_that_comes_again_is_calculated_once(monkeypatch):
     calculated = []
     real = responses.coupled_step
     monkeypatch.setattr(
-        responses, "coupled_step", lambda *words: calculated.append(words[-1]) or real(*words)
+        responses, "coupled_step", lambda *words: calculated.append(words[-2]) or real(*words)
     )
     interrupted = torque_at(np.linspace(0.0, 0.5, 5001))
     assert len(calculated) <= 3, calculated  # the step, a third and two thirds of it
