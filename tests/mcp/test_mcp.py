@@ -93,7 +93,7 @@ def test_a_workbook_is_read_calculated_explained_and_written_as_on_the_command_l
     )
     assert of_recalculation == stages_here
     assert of_run == stages_here[1:-1]  # without reading and writing
-    assert told["verify"][0][2] == "reading"
+    assert "reading" in [words for _, _, words in told["verify"]]
     for tool in seen["tools"].values():
         assert "context" not in tool.input_schema["properties"]
     assert seen["check"]["problems"] == []
