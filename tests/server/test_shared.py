@@ -167,7 +167,7 @@ def test_servers_behind_a_balancer_are_restarted_one_by_one_without_a_lost_call(
 
     def ask_on_by_line():
         """The same over one WebSocket: one that ends, and one that takes no more calls, is opened anew and asked again."""
-        line, lap = None, 0
+        line, lap, lines = None, 0, ExitStack()
         while not ended.wait(0.1):
             lap += 1
             rows = [*arguments[2], ["Remark", f"line {lap}", None]]
@@ -175,7 +175,10 @@ def test_servers_behind_a_balancer_are_restarted_one_by_one_without_a_lost_call(
             asked += [{"name": "TV_MODEL", "arguments": [*arguments[:2], rows, *arguments[3:]]}]
             while asked:
                 try:
-                    line = line or connect(f"ws{balancer.address[4:]}/api/v1/stream")
+                    if line is None:
+                        line = lines.enter_context(
+                            connect(f"ws{balancer.address[4:]}/api/v1/stream")
+                        )
                     line.send(json.dumps({**asked[0], "id": lap}))
                     *_, last = until_the_end(line, lap)
                 except ConnectionClosed as cut:
@@ -197,6 +200,7 @@ def test_servers_behind_a_balancer_are_restarted_one_by_one_without_a_lost_call(
                     kind = "peaks" if wanted == "TV_PEAKS" else "frequencies"
                     answers.append((kind, last["value"]))
                     by_line.append(kind)
+        lines.close()
 
     def starts_calculated(where):
         with urllib.request.urlopen(f"{where}/metrics", timeout=60) as said:
