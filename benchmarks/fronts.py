@@ -238,25 +238,33 @@ def compare_windows() -> None:
         under_wine = ["scripts/windows.py", "--python", script, f"Z:{there}".replace("/", "\\")]
         subprocess.run([sys.executable, *under_wine], cwd=ROOT, check=True)
         both = [json.loads(path.read_text(encoding="utf-8")) for path in (here, there)]
-    _keep("windows", equal_functions(*both))
+    _keep("windows", *differences(*both))
 
 
-def equal_functions(here: list[Any], there: list[Any]) -> list[str]:
-    """Functions of which every answer is the same."""
+def differences(here: list[Any], there: list[Any]) -> tuple[list[str], dict[str, float]]:
+    """Functions of which every answer is the same; of the others the largest difference of two doubles, relative. [1]"""
     assert [name for name, _ in here] == [name for name, _ in there]
-    differs = {
-        name for (name, ours), (_, theirs) in zip(here, there, strict=True) if ours != theirs
-    }
-    return sorted({name for name, _ in here} - differs)
+    differs: dict[str, float] = {}
+    for (name, ours), (_, theirs) in zip(here, there, strict=True):
+        if ours == theirs:
+            continue
+        pairs = [
+            (float.fromhex(a), float.fromhex(b))
+            for row, other in zip(ours, theirs, strict=True)
+            for a, b in zip(row, other, strict=True)
+            if a != b
+        ]
+        largest = max(abs(a - b) / max(abs(a), abs(b)) for a, b in pairs)
+        differs[name] = max(largest, differs.get(name, 0.0))
+    return sorted({name for name, _ in here} - set(differs)), differs
 
 
-def _keep(what: str, equal: Any) -> None:
+def _keep(what: str, equal: Any, differs: dict[str, float] | None = None) -> None:
     record = json.loads(RECORD.read_text(encoding="utf-8")) if RECORD.exists() else {}
     git = ["git", "rev-parse", "--short=8", "HEAD"]
     commit = subprocess.run(git, cwd=ROOT, capture_output=True, text=True, check=True).stdout
-    record[what] = {
-        "equal": equal, "date": time.strftime("%Y-%m-%d"), "commit": commit.strip(),
-    }  # fmt: skip
+    when = {"date": time.strftime("%Y-%m-%d"), "commit": commit.strip()}
+    record[what] = {"equal": equal, **when} | ({} if differs is None else {"differs": differs})
     RECORD.write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
 
 
@@ -277,6 +285,9 @@ def bits() -> Section:
         for name, fronts in equal.items()
     ]
     notes = "; ".join(f"{letter}: {words}" for letter, (_, words) in _REASONS.items())
+    others = [f"`{name}` {much:.2g}" for name, much in windows["differs"].items()]
+    if others:
+        notes += f"; ≠: differs; largest relative difference of two numbers: {', '.join(others)}; the cause was not traced"
     return Section(
         _BITS,
         f"All {len(rows)} functions, with every argument that the test has, on one train with a fault and two conditions "
