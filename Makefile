@@ -34,7 +34,7 @@ TRIALS :=
 
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help demo test test-long test-machines explore validate kills fuzz check format docs bench goals calibration-study sensitivity-study mutations generated templates wheel wheels same-bits sanitize smoke windows zips lock clean distclean moved
+.PHONY: help demo test test-long test-machines explore validate kills fuzz check format docs bench goals calibration-study sensitivity-study mutations generated templates wheel wheels same-bits sanitize smoke windows front-windows zips lock clean distclean moved
 
 help:
 	@echo "make demo           recalculate two example workbooks into build/demo"
@@ -60,6 +60,7 @@ help:
 	@echo "make sanitize       the tests of the loops with memory and arithmetic watched (needs gcc)"
 	@echo "make smoke          install that wheel outside the checkout and use it"
 	@echo "make windows        tests in a Windows Python under Wine (ARGS=\"tests/xlsx\"; default: a sample)"
+	@echo "make front-windows  every worksheet function under Wine, to the bit, into docs/fronts.md"
 	@echo "make zips           zips for Windows and Linux with their own Python, into build/zips"
 	@echo "make lock           lock the dependencies anew (LOCK=--upgrade for newer versions)"
 	@echo "make clean          remove what was built; make distclean removes .venv as well"
@@ -150,6 +151,10 @@ smoke: wheel
 windows: $(DEV_READY) $(LOOPS)
 	$(PY) -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements/build.txt
 	$(PY) scripts/windows.py $(ARGS)
+
+front-windows: $(DEV_READY) $(LOOPS)
+	$(PY) -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements/build.txt
+	$(PY) -m benchmarks.fronts --windows --write-docs
 
 zips: $(DEV_READY) $(LOOPS)
 	$(PY) -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements/build.txt

@@ -1,14 +1,17 @@
 """Worksheet functions through their fronts, bits and times: `python -m benchmarks.fronts`.
 
-Bits are those that tests/libreoffice/test_every_front.py compares; it is run. Times are medians of repeated calls in one run. The model is at hand and its start calculated: what is measured
+Bits are those that tests/libreoffice/test_every_front.py compares; it is run. `--windows` asks the registry in a CPython for Windows
+under Wine instead and compares with the registry here; both are kept in benchmarks/records/fronts.json with date and commit. Times are medians of repeated calls in one run. The model is at hand and its start calculated: what is measured
 is the way of the cells to the function and back.
 """
 
 from __future__ import annotations
 
 import argparse
+import json
 import os
 import statistics
+import subprocess
 import sys
 import tempfile
 import time
@@ -30,7 +33,7 @@ from benchmarks.report import Section, Table  # noqa: E402
 
 __all__ = ["PAGE", "measured"]
 
-PAGE = ROOT / "docs" / "fronts.md"
+PAGE, RECORD = ROOT / "docs" / "fronts.md", ROOT / "benchmarks" / "records" / "fronts.json"
 #: Repeats of a call, cells of one batch, and cells of the sheet that Calc calculates. [count]
 REPEATS, BATCH, SHEET = 50, 100, 2000
 
@@ -108,7 +111,6 @@ def _calls() -> dict[str, list[Any]]:
 def _in_calc() -> float | None:
     """Time of a cell with TV_STIFFNESS beyond that of a plain formula; None without LibreOffice."""
     import shutil
-    import subprocess
 
     from flat_sheets import Formula, write_sheets
 
@@ -216,27 +218,76 @@ _REASONS = {
 }  # fmt: skip
 
 
-def bits() -> Section:
-    """A row for each function, a column for each front, from a run of the test."""
-    import json
-    import subprocess
-
-    from addin.worksheet.registry import FUNCTIONS
-
+def compare_fronts() -> None:
+    """Run the test, and keep through which fronts each function was equal."""
     with tempfile.TemporaryDirectory() as folder:
         place = Path(folder, "fronts.json")
         test = "tests/libreoffice/test_every_front.py"
         more = {"TORSIONBOOK_FRONTS": str(place), "TORSIONBOOK_RUN_SLOW": "1"}
         words = [sys.executable, "-m", "pytest", "-q", "-p", "no:xdist", test]
         subprocess.run(words, cwd=ROOT, env={**os.environ, **more}, check=True)
-        equal = json.loads(place.read_text(encoding="utf-8"))
+        _keep("here", json.loads(place.read_text(encoding="utf-8")))
+
+
+def compare_windows() -> None:
+    """Ask the registry here and in a Python for Windows, and keep which functions answer the same bits."""
+    script = "scripts/front_answers.py"
+    with tempfile.TemporaryDirectory() as folder:
+        here, there = Path(folder, "here.json"), Path(folder, "there.json")
+        subprocess.run([sys.executable, script, str(here)], cwd=ROOT, check=True)
+        under_wine = ["scripts/windows.py", "--python", script, f"Z:{there}".replace("/", "\\")]
+        subprocess.run([sys.executable, *under_wine], cwd=ROOT, check=True)
+        both = [json.loads(path.read_text(encoding="utf-8")) for path in (here, there)]
+    _keep("windows", *differences(*both))
+
+
+def differences(here: list[Any], there: list[Any]) -> tuple[list[str], dict[str, float]]:
+    """Functions of which every answer is the same; of the others the largest difference of two doubles, relative. [1]"""
+    assert [name for name, _ in here] == [name for name, _ in there]
+    differs: dict[str, float] = {}
+    for (name, ours), (_, theirs) in zip(here, there, strict=True):
+        if ours == theirs:
+            continue
+        pairs = [
+            (float.fromhex(a), float.fromhex(b))
+            for row, other in zip(ours, theirs, strict=True)
+            for a, b in zip(row, other, strict=True)
+            if a != b
+        ]
+        largest = max(abs(a - b) / max(abs(a), abs(b)) for a, b in pairs)
+        differs[name] = max(largest, differs.get(name, 0.0))
+    return sorted({name for name, _ in here} - set(differs)), differs
+
+
+def _keep(what: str, equal: Any, differs: dict[str, float] | None = None) -> None:
+    record = json.loads(RECORD.read_text(encoding="utf-8")) if RECORD.exists() else {}
+    git = ["git", "rev-parse", "--short=8", "HEAD"]
+    commit = subprocess.run(git, cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    when = {"date": time.strftime("%Y-%m-%d"), "commit": commit.strip()}
+    record[what] = {"equal": equal, **when} | ({} if differs is None else {"differs": differs})
+    RECORD.write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
+
+
+def bits() -> Section:
+    """A row for each function, a column for each front, from the record."""
+    from addin.worksheet.registry import FUNCTIONS
+
+    record = json.loads(RECORD.read_text(encoding="utf-8"))
+    equal, windows = record["here"]["equal"], record["windows"]
     assert set(equal) == set(FUNCTIONS)
     assert {name for names, _ in _REASONS.values() for name in names} <= set(FUNCTIONS)
     rows = [
-        (f"`{name}`", *("=" if front in fronts else _reason(name) for front in _FRONTS))
+        (
+            f"`{name}`",
+            *("=" if front in fronts else _reason(name) for front in _FRONTS),
+            "=" if name in windows["equal"] else "≠",
+        )
         for name, fronts in equal.items()
     ]
     notes = "; ".join(f"{letter}: {words}" for letter, (_, words) in _REASONS.items())
+    others = [f"`{name}` {much:.2g}" for name, much in windows["differs"].items()]
+    if others:
+        notes += f"; ≠: differs; largest relative difference of two numbers: {', '.join(others)}; the cause was not traced"
     return Section(
         _BITS,
         f"All {len(rows)} functions, with every argument that the test has, on one train with a fault and two conditions "
@@ -244,8 +295,17 @@ def bits() -> Section:
         "workbook. `=`: every double has the same 64 bits as in the registry, every text is the same; of `TV_EFFECTS` "
         "the measured time is left out, in Python numbers alone are compared. Excel is xlwings' own machinery without "
         "COM; the Office add-in runs in Chromium with a stand-in for its host; Calc is LibreOffice; MCP is asked by the "
-        "client of its SDK. Neither a real Excel nor a Mac was at hand.",
-        (Table("Function by front", ("Function", *_FRONTS.values()), tuple(rows), notes + "."),),
+        "client of its SDK. Windows is the registry itself in a CPython 3.13 for Windows under Wine 8, asked on "
+        f"{windows['date']} at commit {windows['commit']} (`make front-windows`); the other columns on {record['here']['date']} at "
+        f"{record['here']['commit']}. Neither a real Excel nor Windows nor a Mac was at hand.",
+        (
+            Table(
+                "Function by front",
+                ("Function", *_FRONTS.values(), "Windows (Wine)"),
+                tuple(rows),
+                notes + ".",
+            ),
+        ),
     )
 
 
@@ -258,7 +318,13 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.fronts")
     parser.add_argument("--write-docs", action="store_true", help=f"write {PAGE.name}")
     parser.add_argument("--bits", action="store_true", help="the bits alone; times stay")
+    parser.add_argument("--windows", action="store_true", help="the bits under Wine alone")
     args = parser.parse_args()
+    if args.windows:
+        compare_windows()
+        args.bits = True
+    else:
+        compare_fronts()
     sections = [bits()] if args.bits else [*measured(), bits()]
     report.show(sections)
     if args.write_docs:

@@ -87,7 +87,7 @@ def _annotation(option: Option) -> Any:
     kind: Any = option.kind if option.default is not None else option.kind | None
     if option.file_endings:  # a number and a file, in any order: read by `_number_and_file`
         declared = typer.Option(
-            f"--{option.name}", help=f"{option.help} [default: {option.default}]",
+            f"--{option.name}", help=f"{option.help} {option.file_help} [default: {option.default}]",
             metavar=option.metavar, show_default=False,
         )  # fmt: skip
         return Annotated[list[str] | None, declared]

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable, Callable, Sequence
-from contextlib import closing
+from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
+from contextlib import asynccontextmanager, closing
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from mcp.server.mcpserver import MCPServer
+from mcp.server.mcpserver import Context, MCPServer
 from mcp.server.mcpserver.exceptions import ToolError
 from mcp.types import ToolAnnotations
 
@@ -19,7 +19,7 @@ from addin.mcp.places import PlaceRefused, Places
 from addin.mcp.tasks import answer_of
 from addin.server.calls import NO_RESULT, Asked, Calls, read_call, without_result
 from addin.server.processes import Work
-from addin.server.running_starts import Starts, waited_for
+from addin.server.running_starts import Starts, Tell, waited_for
 from addin.server.settings import OURS, Limits
 from addin.worksheet.models import MODELS
 from addin.worksheet.registry import FUNCTIONS
@@ -37,6 +37,31 @@ INSTRUCTIONS = (
 _ALWAYS = ("verdicts", "case_verdicts", "full_speed", "startup", "warnings", "errors")
 _READS = ToolAnnotations(read_only_hint=True, open_world_hint=False)
 _WRITES = ToolAnnotations(read_only_hint=False, destructive_hint=False, open_world_hint=False)
+
+
+@asynccontextmanager
+async def _stages(context: Context[Any] | None) -> AsyncIterator[Tell]:
+    """Something to tell the stages of a task, which are reported in order and before its answer.
+
+    Progress counts the stages that were told; how many there will be is not known, and no total is given.
+    A client that asked for no progress gets none.
+    """
+    told: asyncio.Queue[str | None] = asyncio.Queue()
+
+    async def report() -> None:
+        number = 0
+        while (stage := await told.get()) is not None:
+            number += 1
+            if context is not None:
+                await context.report_progress(number, message=stage)
+
+    reporting = asyncio.create_task(report())
+    try:
+        yield told.put_nowait
+        told.put_nowait(None)
+        await reporting
+    finally:
+        reporting.cancel()
 
 
 class Tools:
@@ -71,10 +96,10 @@ class Tools:
             if started in vars(self):
                 vars(self)[started].close()
 
-    async def check(self, path: str) -> dict[str, Any]:
+    async def check(self, path: str, context: Context[Any] | None = None) -> dict[str, Any]:
         """Read a workbook or case JSON without calculating: errors with their cells, notes, what is missing, the inputs in SI."""
         source = self._source(path)
-        checked, inputs = await self._done("check", str(source))
+        checked, inputs = await self._done("check", str(source), context)
         return {
             "problems": _problems(checked.problems)["errors"],
             "notes": list(checked.notes),
@@ -83,12 +108,15 @@ class Tools:
             "inputs": inputs,
         }
 
-    async def run(self, path: str, tables: list[str] | None = None) -> dict[str, Any]:
+    async def run(
+        self, path: str, tables: list[str] | None = None, context: Context[Any] | None = None
+    ) -> dict[str, Any]:
         """Calculate a workbook or case JSON and give verdicts, warnings and the result tables named; SI, nothing is written."""
         problems, warnings, model = await self._model(path)
         if problems:
             return _problems(problems, warnings)
-        result = await self._waited(self._starts.ready(model))
+        async with _stages(context) as tell:
+            result = await self._waited(self._starts.ready(model, tell))
         if isinstance(result, Exception):
             raise ToolError(str(result))
         content = results_to_json(result, product_version())
@@ -103,7 +131,9 @@ class Tools:
             "other_tables": left_out,
         }
 
-    async def explain(self, path: str, result: str) -> dict[str, Any]:
+    async def explain(
+        self, path: str, result: str, context: Context[Any] | None = None
+    ) -> dict[str, Any]:
         """Explain a result of a workbook, calculated anew from its inputs: meaning, equation, and the cells it comes from.
 
         `result` is the beginning of a check in the verdicts (Separation margin), a table (SteadyState), a column
@@ -112,12 +142,13 @@ class Tools:
         source = self._source(path)
         with temporary_folder() as folder:
             target = Path(folder, f"calculated{source.suffix}")
-            problems, lines = await self._done("explain", (str(source), str(target), result))
+            asked = str(source), str(target), result
+            problems, lines = await self._done("explain", asked, context)
         return _problems(problems) if problems else {"trace": lines}
 
-    async def verify(self, path: str) -> dict[str, Any]:
+    async def verify(self, path: str, context: Context[Any] | None = None) -> dict[str, Any]:
         """Calculate from the inputs in a workbook and compare every result recorded in it."""
-        found = await self._done("verify", str(self._source(path)))
+        found = await self._done("verify", str(self._source(path)), context)
         return dict(found)
 
     async def model(self, path: str) -> dict[str, Any]:
@@ -134,16 +165,21 @@ class Tools:
             for name, one in FUNCTIONS.items()
         }
 
-    async def call(self, function: str, arguments: list[Any]) -> dict[str, Any]:
+    async def call(
+        self, function: str, arguments: list[Any], context: Context[Any] | None = None
+    ) -> dict[str, Any]:
         """The cells a worksheet function shows: rows. An argument is a value, a row or rows; null is a blank."""
         wanted = read_call({"name": function, "arguments": arguments}, "The call")
         with closing(self._calls.new_unsent_cells()) as room:
-            (answer,) = await self._calls.answers(Asked([wanted], room))
+            async with _stages(context) as tell:
+                (answer,) = await self._calls.answers(Asked([wanted], room, tell=tell))
         if "error" in answer:
             raise ToolError(f"{answer['error']['code']}: {answer['error']['message']}")
         return answer
 
-    async def recalculate(self, path: str, name: str) -> dict[str, Any]:
+    async def recalculate(
+        self, path: str, name: str, context: Context[Any] | None = None
+    ) -> dict[str, Any]:
         """Write a workbook with its result sheets filled to a new file of the folder this server may write to."""
         source = self._source(path)
         if source.suffix.lower() == ".json":
@@ -151,7 +187,8 @@ class Tools:
         target = self._place(lambda: self._places.target(name, source))
         with temporary_folder() as folder:
             inner = Path(folder, target.name)
-            problems, warnings, _ = await self._done("workbook", (str(source), str(inner)))
+            paths = str(source), str(inner)
+            problems, warnings, _ = await self._done("workbook", paths, context)
             if problems:
                 return _problems(problems, warnings)
             try:
@@ -178,8 +215,9 @@ class Tools:
         model = None if problems else await asyncio.to_thread(MODELS.add_case, case, system)
         return problems, warnings, model
 
-    async def _done(self, task: str, payload: Any) -> Any:
-        return await self._waited(waited_for(self._work.submit(task, payload)))
+    async def _done(self, task: str, payload: Any, context: Context[Any] | None = None) -> Any:
+        async with _stages(context) as tell:
+            return await self._waited(waited_for(self._work.submit(task, payload), tell))
 
     async def _waited(self, ending: Awaitable[Any]) -> Any:
         """What a task gives, or why there is nothing as what an assistant reads."""

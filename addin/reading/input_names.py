@@ -80,6 +80,41 @@ def named_input(
         raise WrongName(error.message) from error
 
 
+def named_row(
+    name: str, base: TypedCase, tables: Sequence[TableSpec] = INPUT_TABLES
+) -> tuple[TableSpec, int | None] | None:
+    """The table and row that a name such as ``Elements[LS coupling]`` stands for.
+
+    Parameters
+    ----------
+    name : str
+        Table and row; ``+`` in place of the row is a new one. [words]
+    base : TypedCase
+        The case. [as typed]
+    tables : sequence of TableSpec, optional
+        Tables whose rows may be named; default those of the case.
+
+    Returns
+    -------
+    tuple or None
+        Table and row, counted from 1; None in place of the row for a new one. None for what is no row of a table.
+
+    Raises
+    ------
+    WrongName
+        If the table has no such row.
+    """
+    whole, match = _NAME.fullmatch(name), _ROW_NAME.fullmatch(name)
+    if match is None or (whole is not None and whole["column"] is not None):
+        return None
+    word, row = match.group("table", "row")
+    table = next((t for t in tables if word.casefold() in (t.name.casefold(), t.key)), None)
+    if table is None:
+        return None
+    return table, None if row.strip() == "+" else _row(table, row, base)
+
+
+_ROW_NAME = re.compile(r"(?P<table>\w+)\s*\[(?P<row>.*)\]")
 _T = TypeVar("_T", Field, TableSpec)
 
 

@@ -173,6 +173,8 @@ class WorkbookInput(CaseInput):
     locations: Locations  #: Where everything stands.
     #: The open workbook; results are written into what the inputs were read from.
     workbook: Workbook = field(repr=False, compare=False)
+    #: Where the study tables stand.
+    study_locations: Locations = field(default_factory=Locations, repr=False, compare=False)
 
     def locate(self, problem: Problem) -> CellProblem:
         """A problem of the engine with its sheet and cell."""
@@ -258,6 +260,7 @@ class _Reading:
         of_reader = self.findings.without()
         data = to_case_data(self.typed, self.findings)
         problems = all_problems(data, self.findings)
+        studies, study_locations = self._studies()
         return WorkbookInput(
             path=self.workbook.path,
             sha256=self.workbook.container.sha256,
@@ -266,21 +269,22 @@ class _Reading:
             warnings=tuple(self.warnings),
             template_version=version,
             typed=self.typed,
-            studies=self._studies(),
+            studies=studies,
             findings=of_reader,
             locations=self.locations,
             workbook=self.workbook,
+            study_locations=study_locations,
         )
 
-    def _studies(self) -> StudiesRead | None:
-        """The study sheets, where the workbook has any: read apart, so that they spoil no case."""
+    def _studies(self) -> tuple[StudiesRead | None, Locations]:
+        """The study sheets, where the workbook has any, and where they are: read apart, so that they spoil no case."""
         present = [spec for spec in STUDY_INPUT_TABLES if spec.name.casefold() in self.tables]
         if not present:
-            return None
+            return None, Locations()
         apart = _Reading(self.workbook)
         for table in present:
             apart._read_table(table)
-        return studies_read(
+        read = studies_read(
             {table.name for table in present},
             apart.typed,
             self.typed,
@@ -288,6 +292,7 @@ class _Reading:
             lambda problem: _located(problem, apart.typed, apart.locations),
             tuple(apart.warnings),
         )
+        return read, apart.locations
 
     # ---- scalars -------------------------------------------------------------------------------
 

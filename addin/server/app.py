@@ -37,8 +37,8 @@ from addin.worksheet.models import MODELS
 
 #: Scripts of the page; functions.js is filled in.
 MODULES = (
-    "taskpane", "page", "results", "curves", "plot", "charts", "motion", "inputs", "tools", "kept", "lines", "theme",
-    "open_workbook",
+    "taskpane", "page", "results", "curves", "plot", "charts", "motion", "inputs", "study_forms", "tools", "kept",
+    "lines", "theme", "open_workbook",
 )  # fmt: skip
 #: Files of the page: name → media type.
 FILES = {

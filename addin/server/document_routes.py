@@ -21,7 +21,7 @@ from addin.server.file_tasks import REPORTS, FileTask
 from addin.server.processes import Busy, TooLong, Work
 from addin.server.running_starts import Tell, waited_for
 from addin.server.settings import Limits
-from addin.server.studies import STUDIES
+from addin.server.studies import STUDIES, limited
 from addin.server.uploads import (
     MEDIA,
     TemporaryPaths,
@@ -34,6 +34,7 @@ from addin.server.uploads import (
     without_folder,
     wrong_file,
 )
+from addin.studies.study import wrong_setting
 from addin.worksheet.registry import FunctionError
 from addin.xlsx.temporary import temporary_folder
 
@@ -50,27 +51,36 @@ EXAMPLES = {
 
 
 async def inputs(request: Request, reading: Work, limits: Limits) -> Response:
-    """Answer with everything typed in a file."""
+    """Answer with everything typed in a file, or with what a study of it reads: its tables and settings."""
+    what, settings = _of_study(request, "inputs", {})
     body, name = await sent_file(request, limits)
     with temporary_folder() as folder:
-        task, paths = await _task(folder, body, name, {})
-        problems, warnings, value = await done(request, reading, "inputs", task)
+        task, paths = await _task(folder, body, name, settings)
+        problems, warnings, value = await done(request, reading, what, task)
     return wrong_file(problems, warnings, paths) if problems else answer(value)
 
 
 async def edited(request: Request, reading: Work, limits: Limits) -> Response:
-    """Answer with the file, some of its inputs typed anew."""
+    """Answer with the file, some of its inputs typed anew; with those of a study it gets the sheets that it lacks."""
     changes = _changes(request.query_params.get("changes", ""))
+    what, settings = _of_study(request, "edited", {"changes": changes})
     body, name = await sent_file(request, limits)
     with temporary_folder() as folder:
-        task, paths = await _task(folder, body, name, changes)
-        problems, warnings, _ = await done(request, reading, "edited", task)
+        task, paths = await _task(folder, body, name, settings)
+        problems, warnings, _ = await done(request, reading, what, task)
         if problems:
             return wrong_file(problems, warnings, paths)
         content = await asyncio.to_thread(task.target.read_bytes)
     media = MEDIA.get(Path(name).suffix.lower(), "application/json")
     headers = {"Content-Disposition": f"attachment; filename*=UTF-8''{quote(name)}"}
     return Response(content, media_type=media, headers=headers)
+
+
+def _of_study(request: Request, task: str, settings: dict[str, Any]) -> tuple[str, dict[str, Any]]:
+    """A task and its settings; where a study is named, the task of that name for studies."""
+    if not request.query_params.get("study"):
+        return task, settings
+    return f"study_{task}", settings | {"study": _one_of("study", request, STUDIES)}
 
 
 def _changes(text: str) -> dict[str, Any]:
@@ -107,7 +117,22 @@ async def verify(request: Request, work: Work, limits: Limits) -> Response:
 async def study(request: Request, work: Work, limits: Limits) -> Response:
     """Answer with stages and the study, a JSON object a line."""
     command = _one_of("study", request, STUDIES)
-    return await _document(request, work, limits, "studied", {"study": command})
+    settings = _settings(command, request.query_params.get("settings", "{}"))
+    asked = {"study": command, "settings": settings}
+    return await _document(request, work, limits, "studied", asked)
+
+
+def _settings(command: str, text: str) -> dict[str, Any]:
+    """The settings of a study, as on the command line."""
+    try:
+        settings = json.loads(text) if len(text) <= LONGEST_CHANGES else None
+    except ValueError:
+        settings = None
+    if not isinstance(settings, dict):
+        raise Refused(400, 'Give settings as a JSON object, such as {"samples": 1000}.')
+    if wrong := wrong_setting(command, [*map(limited, STUDIES[command].options)], settings):
+        raise Refused(400, wrong)
+    return settings
 
 
 async def diff(request: Request, work: Work, limits: Limits) -> Response:

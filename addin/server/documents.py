@@ -1,4 +1,4 @@
-"""What is verified, compared and studied for the page. Runs in the processes that are asked for it.
+"""What is verified, compared and studied for the page, and the inputs of studies. Runs in the processes that are asked for it.
 
 Each task gives problems, warnings and a value. A document is a list of blocks, ``{"text"}`` or ``{"title", "rows"}`` with
 cells as people read them, the file that goes with it, and how it ends.
@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from addin.contract.studies.registry import missing_sheets
 from addin.contract.study_spec import StudySpec
 from addin.contract.tables import table
 from addin.diff.changes import Change, Differences
@@ -16,10 +17,11 @@ from addin.diff.compare import compare_files
 from addin.diff.files import CannotBeCompared
 from addin.diff.wording import change_in_words, in_words, telling
 from addin.reading.one_file import WORKBOOK_ENDINGS, Unreadable
+from addin.reading.typed_case import CaseInput
 from addin.reading.workbook import WorkbookInput
 from addin.server.bounded_reading import WRITING, bounded_read
 from addin.server.file_tasks import Block, FileTask, Outcome, Tell, file_block, within_memory
-from addin.server.studies import STUDIES
+from addin.server.studies import STUDIES, limited
 from addin.studies.run_study import StudyFiles, study_one
 from addin.template.study_sheets import with_study_sheets
 from addin.verify.file import verify_file
@@ -27,7 +29,11 @@ from addin.verify.wording import lines
 from addin.workers.parallel_map import serial_map
 from addin.workers.processes import bounded_memory
 from addin.worksheet.registry import FunctionError
+from addin.writing.edited_inputs import WrongEdit, edit_inputs, typed_inputs
+from addin.xlsx import PackageError
 
+#: What the start matrix, which has no tables of its own, is made from.
+_CONDITIONS = ("StartConditions",)
 #: Media types of files that a study writes.
 _MEDIA = {
     ".xlsx": "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet",
@@ -66,6 +72,56 @@ def compared(task: FileTask, tell: Tell) -> Outcome:
 
 
 @within_memory
+def study_inputs(task: FileTask, tell: Tell) -> Outcome:
+    """What a study of a file reads beside the train: its tables, with the usual rows where the file lacks them, and settings."""
+    study = STUDIES[task.settings["study"]]
+    with bounded_memory(WRITING):
+        read = _with_inputs(task, tell)
+        if isinstance(read, Unreadable) or read.problems:
+            return read.problems, read.warnings, None
+        names = _CONDITIONS if study.command == "starts" else study.spec.input_names
+        tables = typed_inputs(read, names)["tables"]
+    settings = [
+        {
+            "name": option.name, "help": option.help, "default": option.default, "words": list(option.words),
+            "least": option.least, "most": option.most,
+        }
+        for option in map(limited, study.options) if option.is_setting
+    ]  # fmt: skip
+    return (), (), {"tables": tables, "settings": settings}
+
+
+@within_memory
+def study_edited(task: FileTask, tell: Tell) -> Outcome:
+    """The file with some inputs of a study typed anew, at the target; sheets it lacks are added."""
+    with bounded_memory(WRITING):
+        read = _with_inputs(task, tell)
+        if isinstance(read, Unreadable):
+            return read.problems, read.warnings, None
+        try:
+            edit_inputs(read, task.source, task.settings["changes"], task.target)
+        except WrongEdit as wrong:
+            raise FunctionError(str(wrong)) from None
+    return (), (), {}
+
+
+def _with_inputs(task: FileTask, tell: Tell) -> CaseInput | Unreadable:
+    """A file, with the sheets of a study."""
+    study = STUDIES[task.settings["study"]].spec
+    tell("reading")
+    read = bounded_read(task.source)
+    if isinstance(read, WorkbookInput) and not read.problems:
+        lacking = missing_sheets(read.workbook.tables, study)
+        if lacking.sheets:
+            (folder := task.target.with_suffix("")).mkdir()
+            try:
+                return with_study_sheets(read, study, folder)
+            except PackageError as wrong:
+                raise FunctionError(str(wrong)) from None
+    return read
+
+
+@within_memory
 def studied(task: FileTask, tell: Tell) -> Outcome:
     """A study of a file, which comes back with the study in it; sheets it lacks are added with usual rows."""
     study = STUDIES[task.settings["study"]]
@@ -77,14 +133,15 @@ def studied(task: FileTask, tell: Tell) -> Outcome:
     with bounded_memory(WRITING):
         if isinstance(read := bounded_read(task.source), Unreadable):
             return read.problems, read.warnings, None
-        outcome = study_one(study, task.source, serial_map(), {}, files, tell)
+        settings = task.settings["settings"]
+        outcome = study_one(study, task.source, serial_map(), settings, files, tell)
     made = [file_block(path, _MEDIA[path.suffix]) for path in outcome.written]
     if outcome.result is None:
         if not made:
             return outcome.problems, outcome.warnings, None
         texts = [problem.message for problem in outcome.problems]
         return (), outcome.warnings, {"blocks": [{"text": text} for text in texts], "files": made}
-    options = {option.name: option.default for option in study.options}
+    options = {option.name: option.default for option in study.options} | settings
     blocks: list[Block] = [
         {"text": block.strip()}
         if isinstance(block, str)

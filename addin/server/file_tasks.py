@@ -79,7 +79,7 @@ def edited(task: FileTask, tell: Tell) -> Outcome:
         if isinstance(read, Unreadable):
             return read.problems, read.warnings, None
         try:
-            edit_inputs(read, task.source, task.settings, task.target)
+            edit_inputs(read, task.source, task.settings["changes"], task.target)
         except WrongEdit as wrong:
             raise FunctionError(str(wrong)) from None
     return (), (), {}

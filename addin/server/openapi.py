@@ -111,11 +111,22 @@ def _documents() -> dict[str, Any]:
             "What differs between two files, sent one behind the other.",
             _query("split", "Size of the first."),
         ),
-        "study": ("A study of a file.", _query("study", "Its command.")),
+        "study": (
+            "A study of a file.",
+            (
+                *_query("study", "Its command."),
+                *_query("settings", "JSON object: settings as on the command line.", False),
+            ),
+        ),
     }
-    edit = _query("changes", "JSON object: values by the names of inputs.")
+    of_study = _query("study", "Command of a study: what it reads instead.", False)
+    edit = (
+        *_query("changes", "JSON object: values by the names of inputs; rows added and removed."),
+        *of_study,
+    )
+    typed_post = _post("Inputs as typed.", body, typed, is_file=True, more=of_study)
     return {
-        "/api/v1/inputs": {"post": _post("Inputs as typed.", body, typed, is_file=True)},
+        "/api/v1/inputs": {"post": typed_post},
         "/api/v1/edited": {
             "post": _post("The file with other inputs.", body, file, is_file=True, more=edit)
         },
@@ -128,9 +139,15 @@ def _documents() -> dict[str, Any]:
     }
 
 
-def _query(name: str, description: str) -> tuple[dict[str, Any], ...]:
+def _query(name: str, description: str, required: bool = True) -> tuple[dict[str, Any], ...]:
     return (
-        {"name": name, "in": "query", "required": True, "description": description, "schema": TEXT},
+        {
+            "name": name,
+            "in": "query",
+            "required": required,
+            "description": description,
+            "schema": TEXT,
+        },
     )
 
 

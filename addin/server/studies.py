@@ -53,13 +53,13 @@ def read_study(message: Mapping[str, Any]) -> StudyRequest:
     settings = message.get("settings", {})
     if not isinstance(settings, dict):
         raise Refused(400, 'settings is not an object. Give one such as {"samples": 1000}.')
-    options = [_limited(option) for option in STUDIES[command].options]
+    options = [limited(option) for option in STUDIES[command].options]
     if wrong := wrong_setting(command, options, settings):
         raise Refused(400, wrong)
     return StudyRequest(command, case, settings)
 
 
-def _limited(option: Option) -> Option:
+def limited(option: Option) -> Option:
     """An option as a client may set it: no more samples than one request may calculate."""
     return replace(option, most=MOST_SAMPLES) if option.name == "samples" else option
 

@@ -134,6 +134,8 @@ LATER = {
     "verified": "addin.server.documents",
     "compared": "addin.server.documents",
     "studied": "addin.server.documents",
+    "study_inputs": "addin.server.documents",
+    "study_edited": "addin.server.documents",
 }
 
 

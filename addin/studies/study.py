@@ -109,6 +109,7 @@ class Option:
     #: Endings of a file that may be named instead of, or beside, its number; it is kept under the name of the
     #: option and ``_file``.
     file_endings: tuple[str, ...] = ()
+    file_help: str = ""  #: What the command says of that file, behind the other help.
     #: Whether it changes what is calculated; other options are for the terminal and further files.
     is_setting: bool = True
 

@@ -171,9 +171,9 @@ TOLERANCES = Study(
     options=(
         Option(
             "samples", int, 1000,
-            "Number of samples, and likewise a file for the raw samples (.csv or .parquet); may be "
-            "given twice.",
+            "Number of samples.",
             least=30, most=1_000_000, metavar="N|FILE", file_endings=SAMPLE_ENDINGS,
+            file_help="Likewise a file for the raw samples (.csv or .parquet); may be given twice.",
         ),
         Option("seed", int, 1, "The same seed gives the same samples.", least=0),
         Option(

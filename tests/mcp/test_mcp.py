@@ -35,10 +35,23 @@ def test_a_workbook_is_read_calculated_explained_and_written_as_on_the_command_l
     shutil.copy(TEMPLATES / "example_proposed.xlsx", trains / "train.xlsx")
     (trains / "broken.json").write_text('{"format": 1}')
     source = trains / "train.xlsx"
-    recalculate(source, destination=tmp_path / "train.out.xlsx", json_file=tmp_path / "train.json")
+    stages_here = []
+    recalculate(
+        source, destination=tmp_path / "train.out.xlsx", json_file=tmp_path / "train.json",
+        on_stage=stages_here.append,
+    )  # fmt: skip
     wanted = json.loads((tmp_path / "train.json").read_text())
     handle = MODELS.add(read_checked(source)).handle
-    seen = {}
+    seen, told = {}, {}
+
+    def stages_of(name):
+        """Takes progress notifications: how far, of how much, and in words."""
+        told[name] = []
+
+        async def take(progress, total, message):
+            told[name].append((progress, total, message))
+
+        return take
 
     async def ask():
         async with client("--read", trains, "--folder", results) as server:
@@ -46,7 +59,9 @@ def test_a_workbook_is_read_calculated_explained_and_written_as_on_the_command_l
             seen["check"] = await said(server, "check", path="train.xlsx")
             seen["broken"] = await said(server, "run", path="broken.json")
             tables = ["startup_peaks", "separation_margins"]
-            seen["run"] = await said(server, "run", path=str(source), tables=tables)
+            seen["run"] = await said(
+                server, "run", stages_of("run"), path=str(source), tables=tables
+            )
             seen["no table"] = await said(server, "run", path="train.xlsx", tables=["peaks"])
             seen["explain"] = await said(
                 server, "explain", path="train.xlsx", result="separation margin"
@@ -56,15 +71,31 @@ def test_a_workbook_is_read_calculated_explained_and_written_as_on_the_command_l
             for name in SAME_CELLS:
                 seen[name] = await said(server, "call", function=name, arguments=[handle])
             seen["no function"] = await said(server, "call", function="TV_NONE", arguments=[])
-            written = await said(server, "recalculate", path="train.xlsx", name="a.xlsx")
+            written = await said(
+                server, "recalculate", stages_of("written"), path="train.xlsx", name="a.xlsx"
+            )
             seen["written"] = written
             seen["again"] = await said(server, "recalculate", path="train.xlsx", name="a.xlsx")
-            seen["verify"] = await said(server, "verify", path=written["written"])
+            seen["verify"] = await said(
+                server, "verify", stages_of("verify"), path=written["written"]
+            )
             seen["outside"] = await said(server, "check", path="../train.out.xlsx")
 
     asyncio.run(ask())
     assert set(seen["tools"]) == {*READING, "recalculate"}
     assert {n for n, t in seen["tools"].items() if t.annotations.read_only_hint} == READING
+    for stages in told.values():  # each once and in order; how many there will be is not known
+        assert [(far, whole) for far, whole, _ in stages] == [
+            (number, None) for number in range(1, len(stages) + 1)
+        ]
+    of_run, of_recalculation = (
+        [words for _, _, words in told[name]] for name in ("run", "written")
+    )
+    assert of_recalculation == stages_here
+    assert of_run == stages_here[1:-1]  # without reading and writing
+    assert "reading" in [words for _, _, words in told["verify"]]
+    for tool in seen["tools"].values():
+        assert "context" not in tool.input_schema["properties"]
     assert seen["check"]["problems"] == []
     assert seen["check"]["inputs"]["stations"][0]["station"] == "Motor"
     assert seen["check"]["full_speed"]

@@ -37,7 +37,7 @@ def redis(port: int) -> Iterator[str]:
 
 
 class Balancer(ThreadingHTTPServer):
-    """Gives each request to the next server that says it is ready, in turn, and looks ten times a second."""
+    """Gives each request and each WebSocket to the next server that says it is ready, in turn, and looks ten times a second."""
 
     daemon_threads = True
     request_queue_size = 100
@@ -101,5 +101,27 @@ class _Handler(BaseHTTPRequestHandler):
         self.end_headers()
         self.wfile.write(content)
 
+    def do_GET(self) -> None:
+        """A WebSocket: bytes go both ways until one side ends."""
+        host, _, port = self.server.next().removeprefix("http://").partition(":")
+        self.headers.replace_header("Host", f"{host}:{port}")
+        self.close_connection = True
+        with socket.create_connection((host, int(port)), 10) as backend:
+            backend.settimeout(None)
+            backend.sendall(f"{self.requestline}\r\n{self.headers.as_string()}".encode("latin-1"))
+            back = threading.Thread(target=_pass, args=(backend, self.connection), daemon=True)
+            back.start()
+            _pass(self.connection, backend)
+            back.join()
+
     def log_message(self, format: str, *args: object) -> None:
         """Nothing."""
+
+
+def _pass(source: socket.socket, target: socket.socket) -> None:
+    with contextlib.suppress(OSError):
+        while content := source.recv(65_536):
+            target.sendall(content)
+    for one in (source, target):
+        with contextlib.suppress(OSError):
+            one.shutdown(socket.SHUT_RDWR)

@@ -25,8 +25,8 @@ async def client(*words: object) -> AsyncIterator[Client]:
         yield found
 
 
-async def said(server: Client, tool: str, **arguments: Any) -> Any:
-    """What a tool gives, or its refusal as text."""
-    answer = await server.call_tool(tool, arguments)
+async def said(server: Client, tool: str, progress: Any = None, **arguments: Any) -> Any:
+    """What a tool gives, or its refusal as text; its progress notifications go to `progress`."""
+    answer = await server.call_tool(tool, arguments, progress_callback=progress)
     (content,) = answer.content
     return content.text if answer.is_error else json.loads(content.text)

@@ -172,30 +172,27 @@ def test_a_blank_that_excel_hands_over_as_zero_stays_blank(excel):
     assert "blank" in shown["message"]
 
 
-@pytest.mark.parametrize(
-    ("given", "addresses", "words"),
-    [
-        ([[0, 1]], None, "Argument 1 contains a 0"),  # a host that gives no addresses at all
-        (0, None, "Argument 1 contains a 0"),
-        (
-            [[0, 1]],
-            ["", "", ""],
-            "the cells of the sheet themselves",
-        ),  # a table that was calculated
-        ([[0, 1]], [], "the cells of the sheet themselves"),
-        ([[0, 1]], ["'My sheet''s'!B3:C3", "", ""], "is not what"),  # another value
-        ([[0, 7]], ["'My sheet''s'!B2:C2", "", ""], "is not what"),  # a number where a blank is
-        ([[0, 0]], ["'My sheet''s'!B2:B3", "", ""], "is not what"),  # another shape
-        ([[0, 0]], ["Nowhere!B2:C2", "", ""], "did not report"),  # no such sheet
-    ],
+#: Arguments with a zero of which nothing is known, what the host says of their addresses, and the words of the answer.
+ZEROS = (
+    ([[0, 1]], None, "Argument 1 contains a 0"),  # a host that gives no addresses at all
+    (0, None, "Argument 1 contains a 0"),
+    ([[0, 1]], ["", "", ""], "the cells of the sheet themselves"),  # a table that was calculated
+    ([[0, 1]], [], "the cells of the sheet themselves"),
+    ([[0, 1]], ["'My sheet''s'!B3:C3", "", ""], "is not what"),  # another value
+    ([[0, 7]], ["'My sheet''s'!B2:C2", "", ""], "is not what"),  # a number where a blank is
+    ([[0, 0]], ["'My sheet''s'!B2:B3", "", ""], "is not what"),  # another shape
+    ([[0, 0]], ["Nowhere!B2:C2", "", ""], "did not report"),  # no such sheet
 )
-@pytest.mark.parametrize("name", ["TV_CONVERT", "TV_SN_LIFE"])
-def test_a_zero_of_which_the_host_tells_nothing_has_no_answer(excel, given, addresses, words, name):
+
+
+def test_a_zero_of_which_the_host_tells_nothing_has_no_answer(excel):
     """Neither for a function that is answered at once nor for one that may calculate a start."""
     excel.evaluate(SHEET)
-    shown = cell(excel, name, [given, "m", "mm"], addresses=addresses)
-    assert shown["error"] == "#N/A", shown
-    assert words in shown["message"]
+    for name in ("TV_CONVERT", "TV_SN_LIFE"):
+        for given, addresses, words in ZEROS:
+            shown = cell(excel, name, [given, "m", "mm"], addresses=addresses)
+            assert shown["error"] == "#N/A", (name, given, addresses, shown)
+            assert words in shown["message"], (name, given, addresses)
 
 
 def test_a_zero_that_is_none_but_typed_is_one(excel):
@@ -263,10 +260,16 @@ def test_a_long_cell_shows_its_stages_and_can_be_cancelled(excel):
     assert len(cell(excel, "TV_PEAKS", [other])["value"]) > 2
 
 
+#: Pauses before a server that does not answer is asked again, as many of them, are a twentieth as long.
+QUICK = """const wait = setTimeout;
+window.setTimeout = (work, time, ...given) => wait(work, time > 100 ? time / 20 : time, ...given);"""
+
+
 @pytest.mark.slow
 def test_a_server_that_is_gone_is_told(browser):
     with outside() as address:
         context = browser.new_context(base_url=address)
+        context.add_init_script(QUICK)
         page = context.new_page()
         office = (HERE / "office_host.js").read_text(encoding="utf-8")
         page.route("https://appsforoffice.microsoft.com/**", lambda r: r.fulfill(body=office))

@@ -518,9 +518,49 @@ def test_what_cannot_be_changed_is_refused_by_its_name(client):
     for path, words in (
         ("report?form=xls", "form must be one of pdf, docx."),
         ("study?study=guess", "study must be one of tune"),
+        ("inputs?study=guess", "study must be one of tune"),
+        ("study?study=tolerances&settings=[]", "settings as a JSON object"),
+        (
+            'study?study=tolerances&settings={"samples": 9}',
+            "samples must be a whole number from 30",
+        ),
+        ('study?study=tune&settings={"top": 3}', "tune has no setting 'top'"),
         ("diff?split=x", "split must be the size"),
     ):
         assert words in told(client.post(f"/api/v1/{path}", content=body), 400)
+
+
+def test_a_file_without_sheets_of_a_study_shows_its_usual_rows_and_gets_them_with_an_edit(client):
+    body = (TEMPLATES / "example_modified.xlsx").read_bytes()
+
+    def rows(name, content):
+        said = client.post("/api/v1/inputs", params={"study": name}, content=content).json()
+        settings = {one["name"]: one["default"] for one in said["settings"]}
+        return settings, {
+            table["name"]: [
+                {
+                    column["name"]: cell["value"]
+                    for column, cell in zip(table["columns"], row["cells"], strict=True)
+                    if cell["value"] is not None
+                }
+                for row in table["rows"]
+            ]
+            for table in said["tables"]
+        }
+
+    settings, tables = rows("tolerances", body)
+    assert settings == {"samples": 1000, "seed": 1, "method": "lhs", "replan": False}
+    stiffness, damping = tables["Scatter"]
+    assert stiffness == {"Quantity": "stiffness", "Distribution": "normal", "Spread": 5.0}
+    edit = {
+        "study": "tolerances",
+        "changes": json.dumps({"Scatter[1].Spread": 8, "Scatter[2]": None}),
+    }
+    now = client.post("/api/v1/edited", params=edit, content=body)
+    assert now.status_code == 200
+    assert rows("tolerances", now.content)[1] == {"Scatter": [stiffness | {"Spread": 8.0}]}
+    assert rows("starts", now.content) == ({"standard": False}, {"StartConditions": []})
+    assert rows("sensitivities", now.content) == ({}, {})
 
 
 # --- descriptions ---------------------------------------------------------------------------------

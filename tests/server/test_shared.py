@@ -11,8 +11,11 @@ from contextlib import ExitStack
 import pytest
 import valkey
 from balancer import Balancer, free_port, redis
+from messages import until_the_end
 from servers import outside
 from sheet_ranges import model_arguments
+from websockets.exceptions import ConnectionClosed
+from websockets.sync.client import connect
 
 from addin.calculation.calculation import calculate
 from addin.server import shared
@@ -133,6 +136,7 @@ def test_no_password_is_told(caplog):
 
 @pytest.mark.slow
 def test_servers_behind_a_balancer_are_restarted_one_by_one_without_a_lost_call(address, tmp_path):
+    """Neither of those sent by POST nor of those over a WebSocket that stays open."""
     secret = tmp_path / "secret"
     secret.write_text(SECRET.replace(" ", "-"))
     words = ("--shared", address, "--shared-key-file", str(secret), "--drain", "1", "--grace", "60")
@@ -161,6 +165,43 @@ def test_servers_behind_a_balancer_are_restarted_one_by_one_without_a_lost_call(
             except Exception as lost:
                 answers.append(("lost", repr(lost)))
 
+    def ask_on_by_line():
+        """The same over one WebSocket: one that ends, and one that takes no more calls, is opened anew and asked again."""
+        line, lap, lines = None, 0, ExitStack()
+        while not ended.wait(0.1):
+            lap += 1
+            rows = [*arguments[2], ["Remark", f"line {lap}", None]]
+            asked = [{"name": "TV_PEAKS", "arguments": [handle]}]
+            asked += [{"name": "TV_MODEL", "arguments": [*arguments[:2], rows, *arguments[3:]]}]
+            while asked:
+                try:
+                    if line is None:
+                        line = lines.enter_context(
+                            connect(f"ws{balancer.address[4:]}/api/v1/stream")
+                        )
+                    line.send(json.dumps({**asked[0], "id": lap}))
+                    *_, last = until_the_end(line, lap)
+                except ConnectionClosed as cut:
+                    cuts.append(cut.rcvd.code if cut.rcvd else None)
+                    line = None
+                    continue
+                except Exception as lost:
+                    answers.append(("lost", repr(lost)))
+                    return
+                if last.get("error", {}).get("busy"):
+                    cuts.append("busy")
+                    line.close()
+                    line = None
+                    continue
+                wanted = asked.pop(0)["name"]
+                if wanted == "TV_MODEL":
+                    asked += [{"name": "TV_FREQUENCIES", "arguments": last["value"][0]}]
+                else:
+                    kind = "peaks" if wanted == "TV_PEAKS" else "frequencies"
+                    answers.append((kind, last["value"]))
+                    by_line.append(kind)
+        lines.close()
+
     def starts_calculated(where):
         with urllib.request.urlopen(f"{where}/metrics", timeout=60) as said:
             found = re.findall(
@@ -175,6 +216,7 @@ def test_servers_behind_a_balancer_are_restarted_one_by_one_without_a_lost_call(
             time.sleep(0.05)
 
     answers, ended, balancer = [], threading.Event(), Balancer()
+    cuts, by_line = [], []
     with ExitStack() as all_servers:
         first = [ExitStack(), ExitStack()]
         for one in first:
@@ -185,6 +227,7 @@ def test_servers_behind_a_balancer_are_restarted_one_by_one_without_a_lost_call(
         ((handle,),) = post("TV_MODEL", arguments)
         peaks = post("TV_PEAKS", [handle])
         asking = [threading.Thread(target=ask_on) for _ in range(2)]
+        asking.append(threading.Thread(target=ask_on_by_line))
         for thread in asking:
             thread.start()
         try:
@@ -205,6 +248,10 @@ def test_servers_behind_a_balancer_are_restarted_one_by_one_without_a_lost_call(
         calculated = list(map(starts_calculated, balancer.backends))
     lost = [what for kind, what in answers if kind == "lost"]
     assert lost == []
+    assert len(by_line) > 4
+    # each server that left said so: its line ended as one that is started anew, or took no more calls
+    assert len(cuts) >= 1
+    assert set(cuts) <= {"busy", 1012}, cuts
     assert call("TV_MODEL", arguments) == [[handle]]
     wanted = {
         "peaks": peaks,

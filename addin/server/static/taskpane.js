@@ -1,11 +1,12 @@
 // The page: open a model, show it, calculate its start with progress, give the workbook back.
 // Inside Office it can take the open workbook; in a browser it is a page like any other.
 import { chosen, redraw } from "./curves.js";
-import { edited, showInputs } from "./inputs.js";
+import { drafts, edited, showInputs } from "./inputs.js";
 import { forget, recall, remember } from "./kept.js";
 import { fill, openName, openWorkbook, putBack, resultsOf } from "./open_workbook.js";
 import { ask, at, key, made, makeReachable, say, setKey, stream } from "./page.js";
 import { show } from "./results.js";
+import { settings, showStudy } from "./study_forms.js";
 import { setUp } from "./tools.js";
 
 const ENDINGS = /\.(xlsx|xlsm|json)$/i;
@@ -41,6 +42,7 @@ function busy(isBusy) {
 /** Open a file; what was open before is closed. */
 async function take(name, bytes) {
   if (!ENDINGS.test(name)) { say(`${name} is not a workbook: choose an .xlsx or .xlsm file, or a case .json.`, "bad"); return; }
+  drafts.rows = {};
   await load({ name, bytes, original: bytes });
 }
 
@@ -51,12 +53,13 @@ async function load({ name, bytes, original }, isSame = false, isAgain = false) 
   if (!isSame) {
     at("results").hidden = true;
     at("document").replaceChildren();
-    inputsOf = null;
+    inputsOf = studyOf = null;
   }
   at("problems").hidden = true;
   busy(false);
   keep();
   if (at("inputs").open) typed();
+  if (at("study-inputs").open) typedOfStudy();
   say(`reading ${name}`, "busy");
   try {
     const response = await ask(`/api/v1/model?name=${encodeURIComponent(name)}`, { body: bytes });
@@ -75,14 +78,16 @@ async function load({ name, bytes, original }, isSame = false, isAgain = false) 
 /** Keep what is open over a reload. */
 function keep() {
   const { name, bytes, original } = open;
-  if (bytes && !isInExcel) remember({ name, bytes, original, chosen: chosen.names });
+  if (bytes && !isInExcel) remember({ name, bytes, original, chosen: chosen.names, drafts: drafts.rows, settings: settings.of });
 }
-chosen.changed = keep;
+chosen.changed = drafts.changed = settings.changed = keep;
 
 async function close() {
   if (open.running) open.running.cancel();
   Object.assign(open, { name: "", bytes: null, original: null, model: null });
   chosen.names = [];
+  drafts.rows = {};
+  settings.of = {};
   at("results").hidden = at("problems").hidden = true;
   at("handle").textContent = "";
   busy(false);
@@ -92,24 +97,58 @@ async function close() {
 
 // --- inputs that are changed here -----------------------------------------------------------------
 
-/** The file whose inputs are drawn, and the last change. */
-let inputsOf = null, lastChange = Promise.resolve();
+/** The file whose inputs are drawn, that and the study whose forms are, and the last change. */
+let inputsOf = null, studyOf = null, lastChange = Promise.resolve();
+
+/** Who draws inputs says what was typed; of a study its name. */
+const hostOf = (study, draw) => ({
+  change: (name, value, wrong) => {
+    if (wrong) { say(wrong, "bad"); return Promise.resolve(false); }
+    return edit({ [name]: value }, `${name}: changing`, study);
+  },
+  async changeRows(changes, words, table, row = Infinity) {
+    const isDone = await edit(changes, words, study);
+    if (isDone) {
+      inputsOf = studyOf = null;
+      await draw();
+      focusIn(table, row);
+    }
+    return isDone;
+  },
+  refuse: sentence => say(sentence, "bad"),
+});
+
+/** The row that took the place of one that was removed has the focus, or what adds one. */
+function focusIn(table, row) {
+  const block = document.querySelector(`details[open] > .tables [data-table="${table}"]`);
+  const places = block ? block.querySelectorAll(".remove") : [];
+  const next = places[Math.min(row, places.length - 1)];
+  const target = row < Infinity && next ? next : block && block.querySelector(".add");
+  if (target) target.focus();
+}
 
 /** Draw the inputs, unless they are those that are drawn. */
 async function typed() {
   if (!open.bytes || inputsOf === open.original) return;
   inputsOf = open.original;
-  try { await showInputs(open.name, open.bytes, change); } catch (failed) { inputsOf = null; showProblems(failed); }
+  try { await showInputs(open.name, open.bytes, hostOf("", typed)); } catch (failed) { inputsOf = null; showProblems(failed); }
 }
 
-/** Type an input anew, one after another, and calculate; whether it was taken. */
-function change(name, value, wrong) {
-  if (wrong) { say(wrong, "bad"); return Promise.resolve(false); }
+/** Draw the forms of the study that is chosen, unless they are those that are drawn. */
+async function typedOfStudy() {
+  const study = at("study").value, mine = { study, original: open.original };
+  if (!open.bytes || (studyOf && studyOf.study === study && studyOf.original === open.original)) return;
+  studyOf = mine;
+  try { await showStudy(study, open.name, open.bytes, hostOf(study, typedOfStudy)); } catch (failed) { studyOf = null; showProblems(failed); }
+}
+
+/** Type inputs anew, one change after another, and calculate; whether it was taken. */
+function edit(changes, words, study) {
   const done = lastChange.then(async () => {
     const { name: file, bytes, original } = open;
-    say(`${name}: changing`, "busy");
+    say(words, "busy");
     try {
-      const now = await edited(file, bytes, { [name]: value });
+      const now = await edited(file, bytes, changes, study);
       if (open.bytes !== bytes) return false;
       load({ name: file, bytes: now, original }, true);
       return true;
@@ -124,7 +163,8 @@ function change(name, value, wrong) {
 
 function asOpened() {
   const { name, original } = open;
-  inputsOf = null;
+  inputsOf = studyOf = null;
+  drafts.rows = {};
   return load({ name, bytes: original, original }, true);
 }
 
@@ -192,6 +232,9 @@ at("print").addEventListener("click", () => window.print());
 at("close").addEventListener("click", close);
 at("as-opened").addEventListener("click", asOpened);
 at("inputs").addEventListener("toggle", () => { if (at("inputs").open) typed(); });
+for (const [id, kind] of [["study-inputs", "toggle"], ["study", "change"]]) {
+  at(id).addEventListener(kind, () => { if (at("study-inputs").open) typedOfStudy(); });
+}
 setUp(() => open, during);
 for (const kind of ["dragover", "dragleave", "drop"]) {
   addEventListener(kind, event => { // anywhere: a file beside the box would be opened instead of the page
@@ -307,6 +350,8 @@ async function begin() {
   const kept = await recall();
   if (!kept || open.bytes) return;
   chosen.names = kept.chosen || [];
+  drafts.rows = kept.drafts || {};
+  settings.of = kept.settings || {};
   const isEdited = kept.bytes.byteLength !== kept.original.byteLength || !isEqual(kept.bytes, kept.original);
   await load({ name: kept.name, bytes: isEdited ? kept.bytes : kept.original, original: kept.original });
 }

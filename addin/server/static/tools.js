@@ -1,13 +1,15 @@
 // What is made of the open file beside its results: report, verification, comparison, studies.
 import { lastLine } from "./lines.js";
 import { ask, at, made, table } from "./page.js";
+import { settings } from "./study_forms.js";
 
 /** Buttons of the tools, with what they ask for. */
 export function setUp(current, during) {
   for (const button of document.querySelectorAll("[data-task]")) {
     button.addEventListener("click", () => {
       const { task, form } = button.dataset, { name, bytes } = current();
-      const query = { form, study: task === "study" ? at("study").value : undefined };
+      const study = task === "study" ? at("study").value : undefined, own = settings.of[study];
+      const query = { form, study, settings: own && JSON.stringify(own) };
       during(signal => documentOf(task, query, name, bytes, signal));
     });
   }
