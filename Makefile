@@ -44,7 +44,7 @@ help:
 	@echo "make explore        run the properties with fresh examples (MINUTES=30)"
 	@echo "make validate       write every kind of file and have programs of others judge them (needs Java, Maven, npm)"
 	@echo "make kills          kill commands at every file call, fail calls, fill disks, cut the power (needs Linux, a C compiler)"
-	@echo "make fuzz           50,000 spoiled workbooks (COUNT=1000)"
+	@echo "make fuzz           50,000 spoiled workbooks (FIRST=2000 COUNT=1000)"
 	@echo "make check          style, formatting and types"
 	@echo "make format         put the formatting right"
 	@echo "make docs           the pages of docs/ as a site with search, in build/site"
@@ -52,7 +52,7 @@ help:
 	@echo "make goals          the goals of the compiled loops, beside a checkout of 011f76f (OTHER=/path/to/it)"
 	@echo "make calibration-study  how often the intervals of a calibration hold the truth (TRIALS=1000)"
 	@echo "make sensitivity-study  how often the stated errors of sensitivities hold (TRIALS=100)"
-	@echo "make mutations      calculate spoiled cases: named problems or finite results (CASES=50000)"
+	@echo "make mutations      calculate spoiled cases: named problems or finite results (FIRST=2000 CASES=1000)"
 	@echo "make templates      rebuild the workbooks in templates/"
 	@echo "make wheel          build the wheel into build/dist"
 	@echo "make wheels         build the wheels of all systems into build/wheels, and look into each"
@@ -86,13 +86,13 @@ explore: $(DEV_READY) $(LOOPS)
 	$(PYTEST_PY) scripts/explore.py $(MINUTES) $(PROCESSES) $(ARGS)
 
 validate: $(DEV_READY) $(LOOPS)
-	$(PY) scripts/validate.py $(ARGS)
+	$(PY) scripts/validate.py --record $(ARGS)
 
 kills: $(DEV_READY) $(LOOPS)
 	$(PY) -m benchmarks.file_calls --record $(ARGS)
 
 fuzz: $(DEV_READY) $(LOOPS)
-	$(PY) -m benchmarks.workbook_fuzz --run 2 --count $(or $(COUNT),50000) $(ARGS)
+	$(PY) -m benchmarks.workbook_fuzz --run 2 --first $(or $(FIRST),0) --count $(or $(COUNT),50000) --record $(ARGS)
 
 check: $(DEV_READY) $(LOOPS)
 	$(PY) -m ruff check .
@@ -121,7 +121,7 @@ sensitivity-study: $(DEV_READY) $(LOOPS)
 	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(PY) -m benchmarks.sensitivity_errors $(TRIALS:%=--trains %)
 
 mutations: $(DEV_READY) $(LOOPS)
-	$(PY) -m benchmarks.mutated_cases $(CASES:%=--cases %)
+	$(PY) -m benchmarks.mutated_cases $(FIRST:%=--first %) $(CASES:%=--cases %) --record
 
 generated: $(DEV_READY) $(LOOPS)
 	$(PY) scripts/generated.py

@@ -34,7 +34,7 @@ import tempfile
 import time
 import zipfile
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Sequence, Set
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -50,6 +50,8 @@ CREATED, TRUNCATED, WRITTEN, FLUSHED, RENAMED, REMOVED, FOLDER_MADE, FOLDER_FLUS
 )
 CONTROL, ENTRY = struct.Struct("7q1024s1024s"), struct.Struct("6q")
 ERRORS = (errno.ENOSPC, errno.EIO, errno.EACCES, errno.EDQUOT)
+#: The folder of a batch for its own files.
+OWN = ".torsionbook-batch"
 WAYS = ("killed", "error", "full disk", "power lost")
 BOOKS, WHOLE = (".xlsx", ".xlsm"), (".docx", ".oxt")
 
@@ -64,39 +66,51 @@ class Command:
     again: tuple[str, ...] = ()  #: Words of the second run where they differ, once `made` is there.
     made: str = ""
     watches: bool = False  #: Whether it runs until Ctrl-C.
+    every: int = 1  #: One of so many of its calls is hindered, for slow ones.
 
 
-def _study(name: str, *more: str) -> Command:
-    return Command(name, (name, "studies.xlsx", "--in-place", *more), ("studies.xlsx",))
-
-
+_BATCH = ("batch", "train.xlsx", "--out", "results", "--jobs", "1")
+_VARY = ("batch", "train.xlsx", "--vary", "table.csv", "--csv", "--out", "results", "--jobs", "1")
 COMMANDS = (
     Command("recalc", ("recalc", "train.xlsx", "--json", "train.json")),
     Command("recalc --in-place", ("recalc", "train.xlsx", "--in-place")),
-    Command("batch", ("batch", "train.xlsx", "--out", "results", "--jobs", "1"),
-            again=("batch", "train.xlsx", "--out", "results", "--jobs", "1", "--resume"), made="results"),
-    Command("batch --watch", ("batch", "train.xlsx", "--out", "results", "--jobs", "1", "--watch"),
-            again=("batch", "train.xlsx", "--out", "results", "--jobs", "1", "--resume"), made="results", watches=True),
-    Command("batch --vary", ("batch", "train.xlsx", "--vary", "table.csv", "--csv", "--out", "results", "--jobs", "1"),
-            ("train.xlsx", "table.csv"),
-            again=("batch", "train.xlsx", "--vary", "table.csv", "--csv", "--out", "results", "--jobs", "1", "--resume"),
-            made="results"),
-    Command("tolerances", ("tolerances", "studies.xlsx", "--samples", "30", "--samples", "samples.csv", "--jobs", "1",
-            "--out", "studied.xlsx", "--json", "study.json"), ("studies.xlsx",)),
-    _study("tune", "--jobs", "1"),
-    _study("starts", "--jobs", "1"),
-    Command("report", ("report", "train.xlsx", "--pdf", "report.pdf", "--docx", "report.docx", "--force")),
-    Command("new --force", ("new", "made.xlsx", "--from", "train.xlsx", "--force")),
-    Command("upgrade", ("upgrade", "example.xlsx"), ("example.xlsx",)),
+    Command("recalc of a JSON", ("recalc", "case.json", "--json", "results.json"), ("case.json",)),
+    Command("batch", _BATCH, again=(*_BATCH, "--resume"), made="results", every=8),
+    Command("batch --summary", (*_BATCH, "--summary", "sum.xlsx", "--json", "results"),
+            again=(*_BATCH, "--summary", "sum.xlsx", "--json", "results", "--resume"), made="results", every=12),
+    Command("batch --watch", (*_BATCH, "--watch"), again=(*_BATCH, "--resume"), made="results", watches=True, every=24),
+    Command("batch --vary", _VARY, ("train.xlsx", "table.csv"), again=(*_VARY, "--resume"), made="results", every=24),
+    Command("tolerances", ("tolerances", "train.xlsx", "--add", "--samples", "30", "--samples", "samples.csv", "--jobs", "1",
+            "--out", "studied.xlsx", "--json", "study.json"), every=4),
+    Command("tune", ("tune", "train.xlsx", "--add", "--in-place", "--jobs", "1", "--json", "study.json", "--cases", "best"), every=6),
+    Command("sensitivities", ("sensitivities", "train.xlsx", "--in-place", "--jobs", "1"), every=4),
+    Command("calibrate", ("calibrate", "measured.xlsx", "--in-place", "--jobs", "1", "--case", "calibrated.json"),
+            ("measured.xlsx",), every=4),
+    Command("starts", ("starts", "studies.xlsx", "--in-place", "--jobs", "1"), ("studies.xlsx",), every=8),
+    Command("accuracy", ("accuracy", "studies.xlsx", "--in-place", "--quick"), ("studies.xlsx",), every=24),
+    Command("report", ("report", "train.xlsx", "--pdf", "report.pdf", "--docx", "report.docx", "--force"), every=8),
+    Command("new --force", ("new", "made.xlsx", "--from", "train.xlsx", "--force"), every=2),
+    Command("upgrade", ("upgrade", "example.xlsx"), ("example.xlsx",), every=2),
     Command("excel install", ("excel", "install", "train.xlsx", "--out", "installed.xlsm", "--force")),
     Command("excel upgrade", ("excel", "upgrade", "macros.xlsm"), ("macros.xlsm",)),
     Command("calc install", ("calc", "install", "--to", "made.oxt", "--force"), ()),
-    Command("import", ("import", "train.csv", "--out", "imported.xlsx", "--force"), ("train.csv",)),
+    Command("import", ("import", "train.csv", "--out", "imported.xlsx", "--force"), ("train.csv",), every=2),
     Command("export", ("export", "train.xlsx", "case.json")),
     Command("diff", ("diff", "train.xlsx", "example.xlsx", "--xlsx", "diff.xlsx", "--json", "diff.json"),
             ("train.xlsx", "example.xlsx")),
     Command("verify", ("verify", "train.xlsx", "--json", "verified.json")),
 )  # fmt: skip
+#: Of which a run of the tests takes one.
+QUICK = (
+    "recalc",
+    "recalc --in-place",
+    "recalc of a JSON",
+    "excel install",
+    "excel upgrade",
+    "calc install",
+    "export",
+    "verify",
+)
 
 
 @dataclass(frozen=True)
@@ -465,8 +479,24 @@ def faults_of(run: Ended, allowed: Sequence[int]) -> list[str]:
     """What is wrong with how a command ended."""
     wrong = "Traceback" in run.said or "[Errno" in run.said or not run.said.strip()
     return (
-        [f"exit status {run.status}: {run.said[-600:]}"] if wrong or run.status not in allowed else []
+        [f"exit status {run.status}: {run.said.replace(chr(9472), '')[-600:]}"] if wrong or run.status not in allowed else []
     )  # fmt: skip
+
+
+def _digest(folder: Path) -> bytes:
+    """Of all files; the name of a temporary one is chance."""
+    parts = []
+    for path in folder.rglob("*"):
+        name = path.relative_to(folder)
+        shown = (
+            str(name.parent / ("temporary" + name.suffix))
+            if "torsionbook-" in name.name and name.name != OWN
+            else str(name)
+        )
+        parts.append(
+            f"{shown} {hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else ''}"
+        )
+    return hashlib.sha256("\n".join(sorted(parts)).encode()).digest()
 
 
 def names_in(folder: Path) -> set[str]:
@@ -487,6 +517,7 @@ class Trial:
     study: Study
     names: set[str] = field(default_factory=set)
     status: int = 0
+    seen: set[bytes] = field(default_factory=set)
 
     def undisturbed(self, log: Path, place: Path) -> dict[int, str]:
         """The run that all others are compared with; the names of the files that were there, by their numbers."""
@@ -513,7 +544,10 @@ class Trial:
             words = f"{way} at {hindrance.at}" + (
                 f" ({errno.errorcode[hindrance.error]})" if hindrance.error else ""
             )
-            faults = [] if killed else faults_of(run, (0, 1, 130, self.status))
+            faults = [] if killed else faults_of(run, (0, 1, 2, 130, self.status))
+            if not killed and way == "full disk":
+                litter = {name for name in names_in(folder) - self.names if OWN not in name}
+                faults += [f"litter at once: {name}" for name in sorted(litter)]
             if run.status == 0 and not self.command.watches and self.names - names_in(folder):
                 faults.append(
                     f"success without {sorted(self.names - names_in(folder))}: {run.said[-400:]}"
@@ -534,7 +568,12 @@ class Trial:
         self.study.tried["power lost"] += 1
 
     def again(self, words: str, folder: Path) -> None:
-        """The command once more, which must succeed and clear up."""
+        """The command once more, which must succeed and clear up; from equal folders once."""
+        state = _digest(folder)
+        if state in self.seen:
+            return
+        self.seen.add(state)
+        self.study.tried["again"] += 1
         second = replace(self.command, watches=False)
         if self.command.made:
             there = (folder / self.command.made).exists()
@@ -585,7 +624,7 @@ def study(
         disks = _distinct(disks_after(log, originals, held, place))
     if found.faults:
         return found
-    calls = found.calls
+    calls, every = found.calls, every * command.every
     if "killed" in ways:
         for at in range(1, calls.changes + 1, every):
             trial.hindered("killed", Hindrance(KILL, at))
@@ -619,8 +658,8 @@ def _distinct(disks: Iterator[tuple[int, dict[str, bytes]]]) -> list[tuple[int, 
 # --- all of them --------------------------------------------------------------------------------
 
 
-def prepared(folder: Path) -> dict[str, bytes]:
-    """The files that the commands find: inputs, and results of an earlier run that they replace."""
+def prepared(folder: Path, names: Set[str]) -> dict[str, bytes]:
+    """The files that commands find: inputs, and results of an earlier run that they replace; those of the names, and what they are made from."""
     from benchmarks.workbook_fuzz import seeds
 
     (folder / "train.xlsx").write_bytes(seeds()[0].data)
@@ -628,27 +667,41 @@ def prepared(folder: Path) -> dict[str, bytes]:
     (folder / "table.csv").write_text(
         "case,RatedTorque\nfirst,1000\nsecond,1100\n", encoding="utf-8"
     )
-    for words in (
-        ("new", "example.xlsx", "--from", "train.xlsx"),
-        ("new", "made.xlsx"),
-        ("excel", "install", "train.xlsx", "--out", "macros.xlsm"),
-        ("export", "train.xlsx", "train.csv"),
-        ("export", "train.xlsx", "case.json"),
+    for made, words in (
+        ("example.xlsx", ("new", "example.xlsx", "--from", "train.xlsx")),
+        ("made.xlsx", ("new", "made.xlsx")),
+        ("macros.xlsm", ("excel", "install", "train.xlsx", "--out", "macros.xlsm")),
+        ("train.csv", ("export", "train.xlsx", "train.csv")),
+        ("case.json", ("export", "train.xlsx", "case.json")),
+        # without anything measured the sheets are made and nothing is calculated
+        ("measured.xlsx", ("calibrate", "train.xlsx", "--add", "--out", "measured.xlsx")),
     ):
-        run = ended(Command("", words), folder, Hindrance())
-        if run.status:
+        run = ended(Command("", words), folder, Hindrance()) if made in names else None
+        if run and run.status and made != "measured.xlsx":
             raise SystemExit(f"{' '.join(words)}: exit status {run.status}: {run.said}")
+    if "measured.xlsx" in names:
+        _measured(folder / "measured.xlsx")
     return {path.name: path.read_bytes() for path in sorted(folder.iterdir())}
+
+
+def _measured(path: Path) -> None:
+    """A measured frequency into the sheets of a calibration."""
+    from addin.xlsx import open_workbook
+
+    book = open_workbook(path)
+    book.write_table("MeasuredFrequencies", [[1, 14.5, 1]])
+    book.save(path.with_name("filled.xlsx"))
+    os.replace(path.with_name("filled.xlsx"), path)
+
+
+def names_of(command: Command) -> set[str]:
+    """Files that a command reads or replaces."""
+    return {*command.words, *command.inputs} | ({"example.xlsx"} if command.watches else set())
 
 
 def originals_of(command: Command, files: dict[str, bytes]) -> dict[str, bytes]:
     """The files of a command, of those of all."""
-    words = " ".join(command.words)
-    return {
-        name: data
-        for name, data in files.items()
-        if name in words or name in command.inputs or command.watches and name == "example.xlsx"
-    }
+    return {name: data for name, data in files.items() if name in names_of(command)}
 
 
 def _loaded() -> bool:
@@ -661,7 +714,12 @@ def _begin_again() -> None:
     source = Path(__file__).with_suffix(".c")
     compiler = os.environ.get("CC", "cc")
     subprocess.run([compiler, "-O1", "-shared", "-fPIC", "-o", library, source, "-ldl"], check=True)
-    threads = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "COLUMNS": "1000"}
+    threads = {
+        "OMP_NUM_THREADS": "1",
+        "OPENBLAS_NUM_THREADS": "1",
+        "COLUMNS": "1000",
+        "SOURCE_DATE_EPOCH": "1800000000",
+    }
     environment = {**os.environ, **threads, "LD_PRELOAD": str(library)}
     words = [sys.executable, "-m", "benchmarks.file_calls", *sys.argv[1:]]
     status = subprocess.run(words, env=environment, cwd=ROOT, check=False).returncode
@@ -669,15 +727,13 @@ def _begin_again() -> None:
     raise SystemExit(status)
 
 
-def _import_commands() -> None:
+def _import_commands(commands: Sequence[Command]) -> None:
     """What the processes of the commands need is loaded once, before they fork."""
-    from addin.cli.app import COMMANDS as NAMES
     from addin.cli.app import module_of
 
     importlib.import_module("addin.template.study_sheets")
-    for name in NAMES:
-        if name not in ("serve", "mcp"):
-            importlib.import_module(module_of(name))
+    for command in commands:
+        importlib.import_module(module_of(command.words[0]))
 
 
 def main() -> int:
@@ -685,6 +741,7 @@ def main() -> int:
     words = argparse.ArgumentParser(prog="python -m benchmarks.file_calls")
     words.add_argument("--every", type=int, default=1, help="take one of so many calls")
     words.add_argument("--only", action="append", help="one command, by its name; may be repeated")
+    words.add_argument("--one-of-quick", type=int, help="one of the quick commands, by a number")
     words.add_argument(
         "--ways", nargs="+", choices=WAYS, default=WAYS, help="how they are hindered"
     )
@@ -694,21 +751,24 @@ def main() -> int:
     given = words.parse_args()
     if not _loaded():
         _begin_again()
-    _import_commands()
+    only = (
+        [QUICK[given.one_of_quick % len(QUICK)]] if given.one_of_quick is not None else given.only
+    )
+    commands = [one for one in COMMANDS if only is None or one.name in only]
+    _import_commands(commands)
     began, total, faults = time.monotonic(), Counter[str](), 0
     with tempfile.TemporaryDirectory(prefix="calls-") as place:
-        files = prepared(Path(place))
-        for command in COMMANDS:
-            if given.only is None or command.name in given.only:
-                done = study(command, originals_of(command, files), given.every, given.ways)
-                total.update(done.tried)
-                faults += len(done.faults)
-                if given.record:
-                    _keep(command, done, every=given.every)
-                print(
-                    f"{command.name}: {done.calls}: {dict(done.tried)}: {len(done.faults)} faults",
-                    flush=True,
-                )
+        files = prepared(Path(place), set().union(*map(names_of, commands)))
+        for command in commands:
+            done = study(command, originals_of(command, files), given.every, given.ways)
+            total.update(done.tried)
+            faults += len(done.faults)
+            if given.record:
+                _keep(command, done, every=given.every * command.every)
+            print(
+                f"{command.name}: {done.calls}: {dict(done.tried)}: {len(done.faults)} faults",
+                flush=True,
+            )
     print(f"in all: {dict(total)}: {faults} faults, {(time.monotonic() - began) / 60:.1f} min")
     return int(bool(faults))
 

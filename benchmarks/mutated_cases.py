@@ -34,6 +34,7 @@ from engine.errors import CaseError, ModelError  # noqa: E402
 from engine.results.tables import result_tables  # noqa: E402
 from engine.run import run  # noqa: E402
 
+RECORD = "mutated_cases.json"
 #: Processor time that one case may take, and after which it is given up. [s]
 LONGEST, GIVEN_UP = 20.0, 120
 #: Cases of the whole study, and of the sample that a test runs.
@@ -186,6 +187,9 @@ def main() -> int:
     parser.add_argument("--cases", type=int, default=FULL, help="how many")
     parser.add_argument("--first", type=int, default=0, help="number of the first")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="processes")
+    parser.add_argument(
+        "--record", action="store_true", help=f"add it to {RECORD} and docs/safety.md"
+    )
     args = parser.parse_args()
     numbers = range(args.first, args.first + args.cases)
     found: list[Ended] = []
@@ -199,7 +203,27 @@ def main() -> int:
                 print(f"… {len(found)} of {args.cases}", file=sys.stderr, flush=True)
     print(dict(Counter(one.how if one.sound else "missed" for one in found)))
     print(f"longest: {max(one.seconds for one in found):.1f} s of processor time")
+    if args.record:
+        _keep(args.first, found)
     return 0 if all(one.sound for one in found) else 1
+
+
+def _keep(first: int, found: list[Ended]) -> None:
+    from addin.contract.version import product_version
+    from benchmarks.safety_page import keep_stretch
+
+    outcomes = Counter(one.how if one.sound else "missed" for one in found)
+    stretch = {
+        "what": "python -m benchmarks.mutated_cases",
+        "version": product_version(),
+        "run": 1,
+        "first": first,
+        "count": len(found),
+        "outcomes": dict(sorted(outcomes.items())),
+        "faults": [asdict(one) for one in found if not one.sound],
+        "longest_seconds": round(max(one.seconds for one in found), 1),
+    }
+    keep_stretch(RECORD, stretch)
 
 
 if __name__ == "__main__":

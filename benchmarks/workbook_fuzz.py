@@ -1,6 +1,7 @@
 """Workbooks spoiled at random, in zip, XML and cells, through open, read, recalculate and save.
 
-`python -m benchmarks.workbook_fuzz` makes 20,000 of them from real workbooks and keeps a record.
+`python -m benchmarks.workbook_fuzz` makes 20,000 of them from real workbooks; with `--record` the numbers of several runs add up
+(`--first 1000 --count 500`, in stretches that do not overlap).
 Nothing of it is random twice: the number of a file decides what is done to it, so any of them can
 be made again (`--only NUMBER`), and a run that was stopped goes on where it was.
 
@@ -896,7 +897,7 @@ def _record(blocks: Sequence[Block], args: argparse.Namespace) -> dict[str, Any]
         "version": product_version(),
         "run": args.run,
         "first": args.first,
-        "mutations": sum(block.count for block in blocks),
+        "count": sum(block.count for block in blocks),
         "outcomes": dict(sorted(tally.items())),
         "faults": [fault for block in blocks for fault in block.faults],
         "sha256_of_all_files": files,
@@ -926,7 +927,9 @@ def main() -> None:
     parser.add_argument("--run", type=int, default=1, help="another run makes other files")
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--state", type=Path, default=ROOT / "build" / "fuzz.jsonl")
-    parser.add_argument("--record", type=Path, help=f"where to keep the record, such as {RECORD}")
+    parser.add_argument(
+        "--record", action="store_true", help=f"add it to {RECORD.name} and docs/safety.md"
+    )
     parser.add_argument("--only", type=int, help="one file: keep it and say what becomes of it")
     args = parser.parse_args()
     if args.only is not None:
@@ -935,9 +938,10 @@ def main() -> None:
     record = _record(_blocks(args), args)
     text = json.dumps(record, indent=1) + "\n"
     print(text)
-    if args.record is not None:
-        args.record.parent.mkdir(parents=True, exist_ok=True)
-        args.record.write_text(text, encoding="utf-8")
+    if args.record:
+        from benchmarks.safety_page import keep_stretch
+
+        keep_stretch(RECORD.name, record)
     sys.exit(1 if record["faults"] else 0)
 
 

@@ -53,6 +53,7 @@ def write_generated(root: Path) -> list[Path]:
     from addin.reference.results_page import results_pages
     from addin.reference.study_commands import study_commands
     from addin.template.build import build_all
+    from benchmarks.safety_page import page as safety_page
 
     check_records()
     pages = {
@@ -61,6 +62,7 @@ def write_generated(root: Path) -> list[Path]:
         "docs/validation.md": validation_page(),
         "docs/commands.md": commands_page(),
         "docs/json.md": json_page(),
+        "docs/safety.md": safety_page(),
         "docs/effects.md": effects_page((ROOT / "docs/effects.md").read_text(encoding="utf-8")),
         "addin/cli/study_commands.py": study_commands(),
     }

@@ -179,6 +179,7 @@ def main() -> int:
     words.add_argument(
         "--again", action="store_true", help="the files that are in the folder already"
     )
+    words.add_argument("--record", action="store_true", help="keep it for docs/safety.md")
     given = words.parse_args()
     tools()
     folder = given.folder.resolve()
@@ -208,6 +209,17 @@ def main() -> int:
     print(
         f"{len(files)} files, {parts:,} parts, {sum(map(len, cells.values())):,} cells: {len(errors)} errors"
     )
+    if given.record:
+        from addin.contract.version import product_version
+        from benchmarks.safety_page import RECORDS, write_page
+
+        record = {
+            "version": product_version(), "files": len(files), "parts": parts,
+            "cells": sum(map(len, cells.values())), "errors": len(errors),
+        }  # fmt: skip
+        text = json.dumps(record, indent=1) + "\n"
+        (RECORDS / "validate.json").write_text(text, encoding="utf-8")
+        write_page()
     return int(bool(errors))
 
 

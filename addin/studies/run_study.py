@@ -119,7 +119,8 @@ def study_one(
             problems = (*_unread(study, there), *refused)
             return StudyOutcome(source, None, problems, _warned(there), lacking=asked)
         result, problems, words = calculate_study(study, book, parallel_map, settings, on_stage)
-        if result is None and book is there:
+        added = missing_sheets(there.workbook.tables, study.spec).inputs
+        if result is None and (book is there or not added):
             return StudyOutcome(source, None, problems, words)
         on_stage("writing")
         warnings, written = [*words, *notes], []
@@ -132,7 +133,6 @@ def study_one(
                     _place(target, files, standing is not None),
                 )  # fmt: skip
                 warnings += delivered.notes
-                added = missing_sheets(there.workbook.tables, study.spec).inputs
                 warnings.append(
                     f"{target.name} now has sheet {' and '.join(added)}. Fill in, then run the command again on it."
                 )

@@ -11,6 +11,7 @@ import posixpath
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from copy import deepcopy
+from functools import cached_property
 from itertools import count
 from pathlib import Path
 
@@ -367,6 +368,8 @@ class _Merger:
             for entry in root.iter(main(tag)):
                 if entry.get(attribute):
                     entry.set(attribute, self._looks.style(entry.get(attribute)))
+                elif tag == "c" and self._looks.plain_is_other:
+                    entry.set(attribute, self._looks.style("0"))
         for rule in root.iter(main("cfRule")):
             if rule.get("dxfId"):
                 rule.set("dxfId", self._looks.difference(rule.get("dxfId")))
@@ -444,6 +447,18 @@ class _Looks:
         self._here, self._there = here, there
         self._known: dict[tuple[str, int], int] = {}
         self._formats: dict[str, str] = {}
+
+    @cached_property
+    def plain_is_other(self) -> bool:
+        """Whether a cell without a style shows its number otherwise here, as a date perhaps, than there."""
+        here, there = (
+            root.find(f"{main('cellXfs')}/{main('xf')}") for root in (self._here, self._there)
+        )
+        return (
+            here is not None
+            and there is not None
+            and here.get("numFmtId", "0") != there.get("numFmtId", "0")
+        )
 
     def style(self, index: str) -> str:
         """The number here of a style of a cell there."""

@@ -107,3 +107,22 @@ def test_a_workbook_without_styles_takes_sheets_with_theirs(tmp_path: Path, list
     assert (book["plain"]["A1"].value, book["plain"]["A1"].font.b) == ("plain", False)
     cell = book["other"]["A1"]
     assert (cell.value, cell.font.b, cell.number_format) == ("other", True, "0.000")
+
+
+def test_a_number_without_a_style_stays_one_where_plain_cells_are_dates(tmp_path: Path) -> None:
+    """Other programs give the first style, which cells without one have, any format."""
+    for name in ("dates", "other"):
+        with xlsxwriter.Workbook(str(tmp_path / f"{name}.xlsx")) as book:
+            book.add_worksheet(name).write("A1", 60)
+    parts = parts_of(tmp_path / "dates.xlsx")
+    xfs = re.compile(rb'(<cellXfs[^>]*><xf numFmtId=)"0"')
+    parts["xl/styles.xml"], changed = xfs.subn(rb'\1"14"', parts["xl/styles.xml"])
+    assert changed == 1
+    here, both = tmp_path / "here.xlsx", tmp_path / "both.xlsx"
+    with zipfile.ZipFile(here, "w") as archive:
+        for name, data in parts.items():
+            archive.writestr(name, data)
+    save_with_sheets(open_workbook(here), open_workbook(tmp_path / "other.xlsx"), ["other"], both)
+    book = openpyxl.load_workbook(both)
+    assert book["dates"]["A1"].is_date
+    assert book["other"]["A1"].value == 60
