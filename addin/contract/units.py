@@ -304,6 +304,11 @@ _WHOLE = {
     "percent": "%",
     "U/min": "rpm",
     "r/min": "rpm",
+    '"': "in",
+    "″": "in",
+    "”": "in",
+    "′": "ft",
+    "’": "ft",
 }
 
 
@@ -365,6 +370,8 @@ _ANGLE_POWERS = {
     "angular approach speed": (1,),
     "frequency": (0, 1),
 }
+#: Pounds of which the unit does not say that they are mass.
+_POUND = re.compile(r"(?<![A-Za-z])(?:lbs?|LBS?)\b")
 _SLIPS = (
     (r"lb(?:s|m)?\b", "lbf", "lb is a mass, not a force"),
     (r"kg\b", "kgf", "kg is a mass, not a force"),
@@ -387,6 +394,9 @@ def _with_pint(text: str, dimension: str) -> float:
         raise _refused(text, dimension, "no unit is given")
     unit, prefactor = _read(text, dimension)
     factor = _factor(unit, dimension)
+    if factor is None:  # where only a force fits, lb is one: ft-lb, lb/in, lb-in-s²
+        forced = _pint_unit(_POUND.sub("lbf", _POWER_OF_TEN.sub("", _tidy(text))))
+        factor = None if forced is None else _factor(forced, dimension)
     if factor is None:
         _refuse_ambiguous(text, unit, dimension)
         raise _refused(

@@ -362,7 +362,7 @@ def test_half_a_pole(workbook, read):
     ("unit", "sentence"),
     [
         ("lb*in", "'lb*in' is not a unit of torsional stiffness"),
-        ("lb*in/rad", "lb is a mass, not a force: write lbf*in/rad"),
+        ("lbm*in/rad", "lb is a mass, not a force: write lbf*in/rad"),
         ("lbf*inch/radd", "is not known; did you mean lbf*in/rad?"),
         ("kg*m^2", "not a unit of torsional stiffness"),
         ("", "no unit is given; write a unit such as lbf*in/rad"),

@@ -302,13 +302,13 @@ def test_wrong_tables_and_handles_are_told():
         ("TV_CONVERT", [True, "m", "mm"], "TRUE"),
         (
             "TV_CONVERT",
-            [1.0, "ft-lb", "N*m"],
-            "'ft-lb' is not a known unit; lb is a mass, not a force: write",
+            [1.0, "ft-lbm", "N*m"],
+            "'ft-lbm' is not a known unit; lb is a mass, not a force: write",
         ),
         (
             "TV_CONVERT",
-            [1.0, "N*m", "ft-lb"],
-            "'ft-lb' is not a known unit; lb is a mass, not a force: write",
+            [1.0, "N*m", "ft-lbm"],
+            "'ft-lbm' is not a known unit; lb is a mass, not a force: write",
         ),
         ("TV_CONVERT", [1.0, "psj", "MPa"], "'psj' is not a known unit; did you mean psi?"),
         ("TV_PEAKS", [None], "Model is blank. Give the cell with =TV_MODEL(...)."),
