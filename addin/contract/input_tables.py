@@ -155,7 +155,7 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
     table(
         "Meshes", sheet="Train", caption="Meshes",
         help="Gear geometry, clearances and bearings of gear meshes and geared couplings.",
-        rows=3, row_name=("Element",),
+        rows=2, row_name=("Element",),
         columns=(
             text("Element", "The gear mesh or geared coupling of table Elements.", kind="element"),
             number("Pitch radius drive", "length", "Pitch radius on the From side."),

@@ -441,7 +441,7 @@ _SHEETS = (
         {"A": 1.5, "B": 21, "C": 40, "D:F": 10, "G": 1.5, "H:P": 8},
         {"AccuracyCost": "B9"},
         # below the rows of `Effects`, which are as high as their texts need
-        (ChartAt("accuracy", "H30", 560, 420),),
+        (ChartAt("accuracy", "H24", 560, 300),),
         on="Effects and accuracy",
         intro="Error against computing time, for this case on this machine.",
         printed_for=("ChartAccuracy",),  # an accuracy study

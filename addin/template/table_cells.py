@@ -78,7 +78,7 @@ def _header_lines(words: str, width: float) -> float:
     length = _widest(words)
     while _lines(words, length) > side_by_side:
         length += 1.0
-    return (1.1 * length + 2.0 * _FRAME) / _LINE
+    return (1.06 * length + 2.0 * _FRAME) / _LINE
 
 
 def _header_height(sheet: Sheet, columns: Sequence[Field], left: int, has_units: bool) -> float:

@@ -45,7 +45,7 @@ def write(table, row, column, value):
          "after an edit"),
         (lambda book: book.write_table(
             "CalculatedMeshes", [[None] * len(book.table("CalculatedMeshes").columns)]
-        ), "1 rows instead of 4"),
+        ), "1 rows instead of 2"),
         (lambda book: book.set_cell(SHEET, "C2", False, replace_formula=True), "any input changed"),
     ],
 )  # fmt: skip

@@ -22,7 +22,7 @@ import xlsxwriter
 from office_objects import pivot_sheet, pivot_tables, rich_cells, rich_values, slicers
 from office_package import added, edited, part_of_sheet, related
 
-from addin.contract.sheets import CASE_HALVES, SHEETS, part_named
+from addin.contract.sheets import CASE_HALVES, OF_ELEMENTS, SHEETS, part_named
 from addin.template import build as template
 from addin.template import front_sheets
 from addin.template.examples import EXAMPLES
@@ -49,6 +49,8 @@ MOVED = {
 }  # fmt: skip
 #: On sheet `Results`, where `MOVED` has `SteadyState`: its column `Torque` and the row of its first results.
 TORQUE_COLUMN, FIRST_RESULT = part_named("Steady state").at("I"), 14
+#: First row of `StartupPeaks`, below its caption, units and header.
+FIRST_PEAK = OF_ELEMENTS + 3
 _REL = "http://schemas.openxmlformats.org/officeDocument/2006/relationships"
 _MS = "http://schemas.microsoft.com/office"
 
@@ -123,7 +125,7 @@ def _ornaments(book: Any, sheets: Mapping[str, Any], own: Any) -> None:
     torques = f"${TORQUE_COLUMN}${FIRST_RESULT}:${TORQUE_COLUMN}${FIRST_RESULT}"
     chart = book.add_chart({"type": "column"})
     chart.add_series({"name": "torque", "values": f"=Results!{torques}"})
-    chart.add_series({"values": "=Start!$C$20:$C$20", "y2_axis": True})
+    chart.add_series({"values": f"=Start!$C${FIRST_PEAK}:$C${FIRST_PEAK}", "y2_axis": True})
     chart.set_title({"name": "Our own chart"})
     own.insert_chart("K2", chart)
     scatter = book.add_chart({"type": "scatter", "subtype": "smooth"})

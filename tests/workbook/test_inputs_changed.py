@@ -18,7 +18,7 @@ from workbook_checks import rated_torque
 from addin.contract.banner import OVERALL_WITHOUT_COPY
 from addin.contract.field import Field, TableSpec
 from addin.contract.sheets import SHEETS
-from addin.contract.studies.registry import STUDIES
+from addin.contract.studies.registry import STUDIES, printed_parts
 from addin.contract.tables import DIMENSIONS, INPUT_TABLES, SCALARS
 from addin.reading.workbook import WorkbookInput, read_workbook
 from addin.writing.workbook import write_results
@@ -428,7 +428,8 @@ def test_lines_of_a_study_say_when_its_inputs_have_changed(
     studied: Path, calc: Any, tmp_path: Path
 ) -> None:
     (one,) = (p for p in places(read_workbook(studied)) if p.name == "Stations.Inertia")
-    lines = [("read", study.sheet, f"{study.first}5") for study in STUDIES]
+    parts = [part for study in STUDIES for part in printed_parts(study)]
+    lines = [("read", part.worksheet, part.at("B5")) for part in parts]
     seen = calc([("open", studied), *lines, typed(one.sheet, one.cells[0], 7.0), *lines])
     stamps, later = seen[: len(lines)], seen[len(lines) :]
     assert len(list(filter(None, stamps))) >= 4
