@@ -459,8 +459,8 @@ def _train_steps(system: ModalSystem, block: int, h: float) -> list[tuple[Floats
     """
     omega, reach = system.omega, system.reach
     if system.coupled:
-        steps = coupled_step(omega, system.damping, reach, h, 3)
-        return [(free[None], push[None, :, :, 0]) for free, push in steps]
+        coupled = coupled_step(omega, system.damping, reach, h, 3)
+        return [(free[None], push[None, :, :, 0]) for free, push in coupled]
     rate = np.ascontiguousarray(np.diag(system.damping))
     steps = [polynomial_step(omega * omega, rate, share * h) for share in (0.5, 1.0)]
     return [
