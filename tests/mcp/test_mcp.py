@@ -91,9 +91,12 @@ def test_a_workbook_is_read_calculated_explained_and_written_as_on_the_command_l
     of_run, of_recalculation = (
         [words for _, _, words in told[name]] for name in ("run", "written")
     )
-    assert of_recalculation == stages_here
-    assert of_run == stages_here[1:-1]  # without reading and writing
-    assert "reading" in [words for _, _, words in told["verify"]]
+    for told_words, whole in ((of_recalculation, stages_here), (of_run, stages_here[1:-1])):
+        named = told_words[told_words[0] == "waiting for a free process" :]
+        in_order = iter(whole)  # one that is over before anybody looks is not told
+        assert len(named) > 1
+        assert all(one in in_order for one in named)
+    assert "start" in [words for _, _, words in told["verify"]]
     for tool in seen["tools"].values():
         assert "context" not in tool.input_schema["properties"]
     assert seen["check"]["problems"] == []
