@@ -40,7 +40,7 @@ _COLUMN_AND_STYLE = re.compile(rf'{_CELL_START}([A-Z]+)[0-9]+"(?: s="([0-9]+)")?
 #: Where the cells of a row go that are text: a cell with a name that no cell has.
 PLACE_NAME = "written-"
 # What is kept of earlier sheets: so many, none longer.
-_MOST_KEPT_SHEETS, _LONG_SHEET = 64, 2**20
+_MOST_KEPT_SHEETS, _LONG_SHEET = 32, 2**20
 
 _CutRow = tuple[
     str, tuple[int, ...], tuple[str | None, ...], tuple[tuple[int, tuple[str, str, str]], ...]
