@@ -361,7 +361,7 @@ def test_half_a_pole(workbook, read):
 @pytest.mark.parametrize(
     ("unit", "sentence"),
     [
-        ("lb*in", "'lb*in' is not a unit of torsional stiffness"),
+        ("lbm*in", "'lbm*in' is not a unit of torsional stiffness"),
         ("lbm*in/rad", "lb is a mass, not a force: write lbf*in/rad"),
         ("lbf*inch/radd", "is not known; did you mean lbf*in/rad?"),
         ("kg*m^2", "not a unit of torsional stiffness"),
@@ -491,7 +491,7 @@ def test_all_problems_are_told_at_once_in_the_order_of_the_tables(workbook, read
     workbook.rows["Stations"][0]["Inertia"] = "12,5"
     workbook.rows["Stations"][1]["Inertia"] = -1
     workbook.rows["Elements"][0]["To"] = "Laod"
-    workbook.units[("Elements", "Stiffness")] = "lb*in"
+    workbook.units[("Elements", "Stiffness")] = "lbm*in"
     workbook.rows["SNPoints"][1]["Stress"] = 60000
     found = read(workbook)
     places = {(p.table, p.row, p.column) for p in found.problems}
