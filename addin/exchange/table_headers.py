@@ -37,8 +37,8 @@ ALIASES: Mapping[str, tuple[str, ...]] = {
 _MEASURES = {"wr2": "WR2", "wk2": "WK2", "mr2": "MR2", "gd2": "GD2"}
 _IN_BRACKETS = re.compile(r"(.*?)[\s,]*[\[(](.*)[\])]\s*", re.DOTALL)
 _SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹", "0123456789")
-#: A mass in the place of a force, as makers write stiffness: lb-in/rad.
-_MASS = re.compile(r"(?<![A-Za-z])(lb|kg)(?:s|m)?(?![A-Za-z])")
+#: A mass in the place of a force, as makers write stiffness: kg-m/rad.
+_MASS = re.compile(r"(?<![A-Za-z])(kg)(?![A-Za-z])")
 
 
 @dataclass(frozen=True)
@@ -119,7 +119,7 @@ def unit_of(header: Header, field: Field) -> str:
     Returns
     -------
     str
-        The same unit; lb and kg in the place of a force are lbf and kgf. [unit]
+        The same unit; kg in the place of a force is kgf. [unit]
 
     Raises
     ------

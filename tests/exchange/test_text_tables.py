@@ -65,7 +65,6 @@ def test_a_makers_table_of_masses_and_shafts():
         "decimal commas",
         "'Weight (lb)'",
         "sums: line 7",
-        "is read as 10^6 in-lbf/rad",
         "Gear mesh 'Bull gear - Pinion'",
         "to the next row",
         "refer to the first row, 'Motor'",
@@ -105,6 +104,12 @@ def test_two_tables_one_of_masses_and_one_of_shafts():
         ("A", "B", 2e6),
         ("B", "C", 1e6),
     ]
+
+
+def test_kilograms_in_the_place_of_a_force_are_said():
+    train = read_train("Name,J [kg m2],K [kg m/rad]\nA,3,\nB,2,2e5\n")
+    assert checked_train(train).case().elements[0].stiffness == pytest.approx(2e5 * 9.80665)
+    assert "Unit 'kg m/rad' of Stiffness is read as kgf m/rad." in train.notes
 
 
 def test_a_stiffness_beside_the_mass_behind_it():
