@@ -63,7 +63,7 @@ def printed_areas(part: Sheet, standing: Standing) -> list[Area] | None:
     inserted = max((_inserted(part, name, at[0]) for name, at in rows.items() if at), default=0)
     ends = [part.print_to + inserted]
     inputs = {name for name in rows if table(name) in EVERY_INPUT}
-    is_form = not inputs & set(
+    is_form = inputs.isdisjoint(
         filled
     )  # nobody has typed anything: all rows, to be filled in by hand
     for name, at in rows.items():

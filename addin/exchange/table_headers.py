@@ -38,7 +38,7 @@ _MEASURES = {"wr2": "WR2", "wk2": "WK2", "mr2": "MR2", "gd2": "GD2"}
 _IN_BRACKETS = re.compile(r"(.*?)[\s,]*[\[(](.*)[\])]\s*", re.DOTALL)
 _SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹", "0123456789")
 #: A mass in the place of a force, as makers write stiffness: kg-m/rad.
-_MASS = re.compile(r"(?<![A-Za-z])(kg)(?![A-Za-z])")
+_MASS = re.compile(r"(?<![A-Za-z])kg(?![A-Za-z])")
 
 
 @dataclass(frozen=True)
@@ -131,7 +131,7 @@ def unit_of(header: Header, field: Field) -> str:
     except UnitError:
         if field.dimension == "inertia":
             raise
-        force = _MASS.sub(r"\1f", header.unit)
+        force = _MASS.sub("kgf", header.unit)
         parse_unit(force, field.dimension)
         return force
     return header.unit

@@ -20,7 +20,15 @@ from addin.reading.one_file import WORKBOOK_ENDINGS, Unreadable
 from addin.reading.typed_case import CaseInput
 from addin.reading.workbook import WorkbookInput
 from addin.server.bounded_reading import WRITING, bounded_read
-from addin.server.file_tasks import Block, FileTask, Outcome, Tell, file_block, within_memory
+from addin.server.file_tasks import (
+    Block,
+    FileTask,
+    Outcome,
+    Tell,
+    file_block,
+    typed_anew,
+    within_memory,
+)
 from addin.server.studies import STUDIES, limited
 from addin.studies.run_study import StudyFiles, study_one
 from addin.template.study_sheets import with_study_sheets
@@ -29,7 +37,7 @@ from addin.verify.wording import lines
 from addin.workers.parallel_map import serial_map
 from addin.workers.processes import bounded_memory
 from addin.worksheet.registry import FunctionError
-from addin.writing.edited_inputs import WrongEdit, edit_inputs, typed_inputs
+from addin.writing.edited_inputs import typed_inputs
 from addin.xlsx import PackageError
 
 #: What the start matrix, which has no tables of its own, is made from.
@@ -95,14 +103,7 @@ def study_inputs(task: FileTask, tell: Tell) -> Outcome:
 def study_edited(task: FileTask, tell: Tell) -> Outcome:
     """The file with some inputs of a study typed anew, at the target; sheets it lacks are added."""
     with bounded_memory(WRITING):
-        read = _with_inputs(task, tell)
-        if isinstance(read, Unreadable):
-            return read.problems, read.warnings, None
-        try:
-            edit_inputs(read, task.source, task.settings["changes"], task.target)
-        except WrongEdit as wrong:
-            raise FunctionError(str(wrong)) from None
-    return (), (), {}
+        return typed_anew(_with_inputs(task, tell), task)
 
 
 def _with_inputs(task: FileTask, tell: Tell) -> CaseInput | Unreadable:

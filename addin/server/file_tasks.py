@@ -11,6 +11,7 @@ from typing import Any
 
 from addin.contract.problems import CellProblem
 from addin.reading.one_file import Unreadable
+from addin.reading.typed_case import CaseInput
 from addin.server.bounded_reading import WRITING, bounded_read, too_large
 from addin.workers.processes import bounded_memory
 from addin.worksheet.registry import FunctionError
@@ -75,11 +76,15 @@ def edited(task: FileTask, tell: Tell) -> Outcome:
     """The file with some inputs typed anew, at the target."""
     tell("reading")
     with bounded_memory(WRITING):
-        read = bounded_read(task.source)
-        if isinstance(read, Unreadable):
-            return read.problems, read.warnings, None
-        try:
-            edit_inputs(read, task.source, task.settings["changes"], task.target)
-        except WrongEdit as wrong:
-            raise FunctionError(str(wrong)) from None
+        return typed_anew(bounded_read(task.source), task)
+
+
+def typed_anew(read: CaseInput | Unreadable, task: FileTask) -> Outcome:
+    """What was read, with the changes of the task, at its target."""
+    if isinstance(read, Unreadable):
+        return read.problems, read.warnings, None
+    try:
+        edit_inputs(read, task.source, task.settings["changes"], task.target)
+    except WrongEdit as wrong:
+        raise FunctionError(str(wrong)) from None
     return (), (), {}

@@ -83,9 +83,7 @@ class Frames:
             page.hide()
         page.set_tab_color(TAB_COLOURS[sheet.kind])
         if self.has_parts(sheet):
-            page.set_default_row(
-                sheet.row_height
-            )  # charts of studies stand among rows of the usual height
+            page.set_default_row(sheet.row_height)
         page.set_row(0, 24)
         page.set_row(1, 16.5)
         if sheet.freeze:
