@@ -72,7 +72,7 @@ def stretches_table(record: dict[str, Any], what: str) -> str:
     """How the numbers of all stretches ended."""
     ends = Counter[str]()
     rows = [f"| {what} | how they ended | faults |", "|---|---|---:|"]
-    for one in record.get("stretches", []):
+    for one in _joined(record.get("stretches", [])):
         counted = Counter[str]()
         for how, count in one["outcomes"].items():
             counted[how.partition(": ")[2] or how] += count
@@ -85,6 +85,22 @@ def stretches_table(record: dict[str, Any], what: str) -> str:
         rows.append(f"| {where} | {_counts(counted)} | {faults} |")
     rows.append(f"| **{sum(ends.values()):,} in all** | {_counts(ends)} | |")
     return "\n".join(rows) + "\n"
+
+
+def _joined(stretches: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Stretches, those that follow one another in one run of one version as one."""
+    joined: list[dict[str, Any]] = []
+    for one in stretches:
+        last = joined[-1] if joined else one
+        if joined and (last["run"], last["version"], last["first"] + last["count"]) == (
+            one["run"], one["version"], one["first"],
+        ):  # fmt: skip
+            ends = Counter(last["outcomes"]) + Counter(one["outcomes"])
+            both = {"count": last["count"] + one["count"], "outcomes": dict(ends)}
+            joined[-1] = last | both | {"faults": last["faults"] + one["faults"]}
+        else:
+            joined.append(one)
+    return joined
 
 
 def _counts(ends: Counter[str]) -> str:
@@ -148,6 +164,20 @@ def validators_sentence(record: dict[str, Any]) -> str:
     )
 
 
+def soak_sentence(record: dict[str, Any]) -> str:
+    """A million short calls of one server, and what its memory did."""
+    if not record:
+        return "No run of `python -m benchmarks.server_soak` is recorded.\n"
+    first, *later = record["memory"]
+    tenth, last = later[0], later[-1]
+    return (
+        f"`python -m benchmarks.server_soak` made {record['calls']:,} short calls of one server process in {record['requests']:,} requests of 1 to 100 calls (half of "
+        f"them of one); half of the calls had to fail. Wrong answers: {len(record['wrong'])}. Resident memory of the server: {first['server']:.1f} MB before the "
+        f"first call, {tenth['server']:.1f} MB after {tenth['calls']:,}, {last['server']:.1f} MB after {last['calls']:,}; largest on the way "
+        f"{max(one['server'] for one in later):.1f} MB; of its processes {tenth['processes']:.1f} and {last['processes']:.1f} MB ({record['about']}).\n"
+    )
+
+
 def page() -> str:
     """The page."""
     limits, megabyte = DEFAULT_LIMITS, 2**20
@@ -161,6 +191,7 @@ def page() -> str:
         "{fuzz}": stretches_table(kept("workbook_fuzz.json"), "Workbooks"),
         "{mutations}": stretches_table(kept("mutated_cases.json"), "Cases"),
         "{foreign}": foreign_tables(kept("foreign_workbooks.json")),
+        "{soak}": soak_sentence(kept("server_soak.json")),
         "{validate}": validators_sentence(kept("validate.json")),
         "{kills}": _OF_THE_KILLS + kills_table(kept("file_calls.json")),
     }

@@ -39,7 +39,7 @@ from addin.reading.typed_case import TypedCase
 from addin.workers.pool import Crashed, Task, Workers
 from addin.workers.stop import Stop, Stopped
 from addin.xlsx.places import replace_file
-from addin.xlsx.whole_files import put_in_place
+from addin.xlsx.whole_files import put_in_place, write_json
 
 #: Chunks given to the workers before answers come back, a worker. [count]
 AHEAD = 3
@@ -273,16 +273,16 @@ class _Parts:
     def begin(self, fingerprint: Mapping[str, Any], resume: bool) -> None:
         """Begin anew, or go on where the same programme ended."""
         manifest = self._place / "programme.json"
-        if resume and manifest.is_file():
-            if json.loads(manifest.read_text(encoding="utf-8")) == fingerprint:
+        earlier = _earlier(manifest) if resume else None
+        if earlier is not None:
+            if earlier == fingerprint:
                 return
             raise TableRefused(
                 "the table, the base case, --method, --tolerance or torsionbook has changed. Run "
                 "without --resume."
             )
         shutil.rmtree(self._place, ignore_errors=True)
-        self._place.mkdir(parents=True)
-        manifest.write_text(json.dumps(fingerprint), encoding="utf-8")
+        write_json(manifest, fingerprint)
 
     def _part(self, number: int) -> Path:
         return self._place / f"{number:07}.json"
@@ -328,6 +328,14 @@ class _Parts:
             if place is not None:
                 put_in_place(new, place)
         return dict(counts)
+
+
+def _earlier(manifest: Path) -> Any:
+    """What an earlier run was given; None where it did not get so far, or its file is torn."""
+    try:
+        return json.loads(manifest.read_bytes())
+    except (FileNotFoundError, ValueError):
+        return None
 
 
 @contextlib.contextmanager

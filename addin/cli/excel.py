@@ -9,10 +9,11 @@ import typer
 
 from addin.cli.options import ForceOption, IgnoreLockOption
 from addin.cli.status import WRONG_INPUT, failed, failing_on
+from addin.cli.terminal import writing
 from addin.excel.doctor import WRONG, examine
 from addin.excel.errors import ExcelError
 from addin.excel.workbook import install as put
-from addin.xlsx import PackageError, SaveReport
+from addin.xlsx import SaveReport
 from addin.xlsx.places import real_path
 
 excel = typer.Typer(
@@ -103,5 +104,5 @@ def doctor(file: File) -> None:
 
 def _written(file: Path, target: Path | None, interpreter: str, ignore_lock: bool) -> SaveReport:
     """Write the workbook, or say why not."""
-    with failing_on(ExcelError, PackageError, OSError, about=file):
+    with failing_on(ExcelError, about=file), writing(file):
         return put(file, target, interpreter=interpreter, ignore_lock=ignore_lock)

@@ -13,6 +13,7 @@ from addin.cli.status import WRONG_INPUT, failed
 from addin.contract.problems import CellProblem
 from addin.reading.one_file import WORKBOOK_ENDINGS, Unreadable, file_problem, read_checked
 from addin.reading.typed_case import CaseInput
+from addin.xlsx.errors import PackageError
 from addin.xlsx.places import real_path
 
 #: A table on the terminal is at least so wide. [characters]
@@ -198,6 +199,8 @@ def writing(place: Path) -> Iterator[None]:
         yield
     except OSError as wrong:
         raise failed(file_problem(place, wrong).message) from wrong
+    except PackageError as wrong:  # it may name a file on the way to the place
+        raise failed(f"{place}: {wrong}") from wrong
 
 
 def print_written(paths: Iterable[Path | str]) -> None:

@@ -254,6 +254,9 @@ def test_results_of_a_base_case_that_turned_bad_are_set_aside(base, tmp_path, ba
         assert not (out / name).exists()
         assert (out / f"{name}.old").read_bytes() == content
     base.write_bytes(good)
+    (out / OWN / "vary" / "programme.json").write_text(
+        "{", encoding="utf-8"
+    )  # torn, as versions before 0.2 could
     assert torsionbook(*words, "--resume", cwd=tmp_path).returncode == 0
     assert pd.read_parquet(out / "results.parquet")["outcome"].tolist() == ["done"]
 

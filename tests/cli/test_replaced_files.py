@@ -9,8 +9,11 @@ import sys
 from pathlib import Path
 
 import pytest
+import typer
 
 from addin.cli import app
+from addin.cli.terminal import writing
+from addin.xlsx.errors import SaveRefused
 from tests.command_line import ROOT, torsionbook
 
 PROPOSED = ROOT / "templates" / "example_proposed.xlsx"
@@ -110,3 +113,17 @@ def test_a_failing_disk_is_a_sentence(
         app.main()
     assert ended.value.code == 1
     assert capsys.readouterr().err.startswith("train.json: Input/output error. Nothing was written")
+
+
+@pytest.mark.parametrize("wrong", [SaveRefused("it is full"), OSError(errno.EDQUOT, "it is full")])
+def test_what_cannot_be_written_is_a_sentence(
+    wrong: Exception, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """`make kills` has `new`, `import` and `excel` fail at every call."""
+    with pytest.raises(typer.Exit) as ended, writing(Path("train.xlsx")):
+        raise wrong
+    assert ended.value.exit_code == 1
+    said = capsys.readouterr().err
+    assert said.startswith("train.xlsx")
+    assert "it is full" in said
+    assert "Errno" not in said

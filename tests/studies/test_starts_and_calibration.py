@@ -20,6 +20,7 @@ from addin.reference.json_schemas import SCHEMA_FOLDER, study_schema
 from addin.studies.calibration import CALIBRATION
 from addin.studies.starts import STARTS
 from addin.xlsx import open_workbook
+from benchmarks.workbook_fuzz import seeds
 from engine.run import run
 from tests.opened import opened, rows_of
 
@@ -186,6 +187,17 @@ def test_wrong_rows_of_a_duty(tmp_path: Path) -> None:
     assert "row 2, Condition" in text
     assert "row 2, Load" in text
     assert not (tmp_path / "case.starts.json").exists()
+
+
+def test_a_train_without_motor_torque_gets_no_file(tmp_path: Path) -> None:
+    book = tmp_path / "train.xlsx"
+    book.write_bytes(seeds()[0].data)
+    for more in ((), ("--in-place",)):
+        output = said("starts", book, "--jobs", "1", *more, code=1)
+        assert "has no rows in table MotorTorque, so there is no start" in output
+        assert "sheet ." not in output
+    assert list(tmp_path.iterdir()) == [book]
+    assert book.read_bytes() == seeds()[0].data
 
 
 def test_a_train_without_judged_shaft(tmp_path: Path) -> None:

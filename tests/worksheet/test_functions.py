@@ -21,6 +21,7 @@ from sheet_ranges import (
 )
 
 from addin.reading.workbook import read_workbook
+from addin.worksheet.functions import units
 from addin.worksheet.functions.model import TABLES
 from addin.worksheet.models import MODELS
 from addin.worksheet.registry import FUNCTIONS, FunctionError, call
@@ -286,6 +287,13 @@ def test_wrong_tables_and_handles_are_told():
     assert refused("TV_PEAKS", "#REF!").code == "#REF!"
     assert refused("TV_NOTHING").code == "#NAME?"
     assert "at most" in refused("TV_CONVERT", 1, "m", "mm", 1, 1).message
+
+
+def test_a_refused_unit_is_looked_up_once(monkeypatch):
+    """A sheet, or an attacker, may send a thousand cells with the same wrong unit."""
+    first = refused("TV_CONVERT", 1.0, "parsec", "kg").message
+    monkeypatch.setattr(units, "parse_unit", None)
+    assert refused("TV_CONVERT", 2.0, " parsec ", "kg").message == first
 
 
 @pytest.mark.parametrize(

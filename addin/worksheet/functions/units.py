@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from contextlib import suppress
-from functools import cache
+from functools import lru_cache
 
 from addin.contract import tables as fields
 from addin.contract.problems import nearest
@@ -14,6 +14,8 @@ from addin.worksheet.registry import Argument, FunctionError, registered
 
 #: Place of these functions among all, in lists and in the documentation.
 ORDER = 90
+#: Characters of a unit that are read; none is as long.
+_READ = 200
 
 
 @registered(
@@ -25,25 +27,27 @@ ORDER = 90
 )
 def tv_convert(value: Rows, given: str, wanted: str) -> Rows:
     """Convert numbers from one unit to another of the same dimension."""
-    factor = _factor(given, wanted)
+    # a cell may hold a million characters: none of them is kept
+    factor = _factor(given.strip()[:_READ], wanted.strip()[:_READ])
+    if isinstance(factor, str):
+        raise FunctionError(factor)
     return [[None if v is None else v * factor for v in row] for row in value]
 
 
-@cache
-def _factor(given: str, wanted: str) -> float:
+@lru_cache(maxsize=1024)
+def _factor(given: str, wanted: str) -> float | str:
+    """What numbers are multiplied with; or why they cannot be converted, which takes longer to find."""
     sizes, others = _sizes(given), _sizes(wanted)
     if not sizes or not others:
         unknown, known = (given, others) if not sizes else (wanted, sizes)
-        raise FunctionError(f"'{unknown[:40]}' is not a known unit{_meant(unknown, known)}.")
+        return f"'{unknown[:40]}' is not a known unit{_meant(unknown, known)}."
     common = [name for name in sizes if name in others]
     for name in common:
         if sizes[name].base == others[name].base:
             return sizes[name].factor / others[name].factor
     if common:
-        raise FunctionError(f"'{given[:40]}' and '{wanted[:40]}' refer to different quantities.")
-    raise FunctionError(
-        f"'{given[:40]}' is {_named(next(iter(sizes)))}, but '{wanted[:40]}' is not."
-    )
+        return f"'{given[:40]}' and '{wanted[:40]}' refer to different quantities."
+    return f"'{given[:40]}' is {_named(next(iter(sizes)))}, but '{wanted[:40]}' is not."
 
 
 def _sizes(unit: str) -> dict[str, UnitScale]:
