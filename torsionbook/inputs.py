@@ -349,7 +349,7 @@ def read(source: Source) -> Input:
     if isinstance(source, (str, PathLike)):
         return _of_file(Path(source))
     raise TypeError(
-        f"an input cannot be read from a {type(source).__name__}. Give a path, a case, or an openpyxl Workbook."
+        f"an input cannot be read from {type(source).__name__}. Give a path, a case, or an openpyxl Workbook."
     )
 
 

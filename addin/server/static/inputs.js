@@ -29,7 +29,9 @@ export async function showInputs(name, bytes, host) {
   at("scalars").replaceChildren(...scalars.map(one => {
     const label = made("label", one.name);
     label.title = one.help;
-    label.append(field(one, one.name, one, host.change), made("span", shownUnit(one.unit), "unit"));
+    label.append(field(one, one.name, one, host.change));
+    const unit = shownUnit(one.unit);
+    if (unit || one.number) label.append(made("span", unit, "unit")); else label.className = "text";
     return label;
   }));
   at("tables").replaceChildren(...tables.map(one => drawnTable(one, host)));
