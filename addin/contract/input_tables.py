@@ -143,7 +143,7 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
     ),
     table(
         "SectionMaterials", sheet="Train", caption="Materials of sections",
-        help="What sections are made of, where it is not steel of 79.3 GPa and 7850 kg/m³.",
+        help="Where it is not steel of 79.3 GPa and 7850 kg/m³.",
         rows=4, row_name=("Material",), later=True,
         columns=(
             text("Material", "Name of the material."),
@@ -214,7 +214,7 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
     table(
         "ModeDamping", sheet="Train", caption="Mode damping",
         help="Damping of individual elastic modes; overrides DampingRatio.",
-        rows=10, row_name=("Mode",),
+        rows=10, row_name=("Mode",), short_caption=True,
         columns=(
             integer("Mode", "Elastic mode, counted from 1."),
             number("Damping ratio", "fraction", "Damping of the mode as a fraction of critical."),

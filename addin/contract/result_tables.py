@@ -633,7 +633,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
     ),
     table(
         "SectionResults", sheet="Train", caption="Stiffness and inertia of the sections",
-        help="Each section of table Sections as it twists and turns, and each element as a whole.",
+        help="Each section, and each element as a whole.",
         row_name=("Element", "Section"), later=True,
         columns=(
             text("Element", "The element.", kind="element", trace=named("Sections.Element")),

@@ -10,6 +10,7 @@ from xlsxwriter.utility import xl_cell_to_rowcol, xl_rowcol_to_cell
 from addin.contract import tables as fields
 from addin.contract.field import SHAPE_COLUMNS
 from addin.contract.live_formulas import CHANGE_NAME
+from addin.contract.number_formats import SIGNED
 from addin.contract.print_areas import page_columns
 from addin.contract.sheets import (
     CYCLE_FACTS,
@@ -174,9 +175,17 @@ class ResultSheets(FrontSheets):
             )  # fmt: skip
 
     def _colour_verdicts(self, specs: Sequence[TableSpec]) -> None:
+        """Colours of verdicts; large negative numbers without decimals, as large positive ones."""
         for spec in specs:
             place = self.places[spec.name]
             for field in spec.columns:
                 if field.kind == "verdict":
                     at = place.columns[field.name]
                     self._colours(place.sheet, place.first, at, place.last, at)
+                elif field.own_format == SIGNED:  # its format knows no second limit
+                    at = place.columns[field.name]
+                    self.sheets[place.sheet].conditional_format(
+                        place.first, at, place.last, at,
+                        {"type": "cell", "criteria": "<=", "value": -1000,
+                         "format": self.style("cf_whole", "#,##0")},
+                    )  # fmt: skip

@@ -111,6 +111,7 @@ _FORMATS: Mapping[str, Mapping[str, Any]] = {
     "cf_accepted": _verdict("accepted"),
     "cf_fail": _verdict("fail"),
     "cf_open": _verdict("open"),
+    "cf_whole": {},
 }
 
 

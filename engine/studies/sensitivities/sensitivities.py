@@ -278,7 +278,7 @@ class _Answer:
 
     def notes(self, i: int) -> Iterator[str]:
         """What must be known of the derivative by one quantity."""
-        own, (low, high) = self.own[i], self.ends[i]
+        own = self.own[i]
         largest = float(np.max(np.abs(self.own)))
         if self.is_doubtful(i):
             why = (
@@ -290,10 +290,8 @@ class _Answer:
         straight = WHOLE * own * np.array([-1.0, 1.0])
         bend = float(np.max(np.abs(self.ends[i] - straight)))
         if bend > max(DOUBTFUL * WHOLE * abs(own), AGREED * WHOLE * largest, SEEN):
-            yield (
-                f"Within ± 1 % the {self.name} do{'es' if self.name == 'peak' else ''} not change "
-                f"linearly: {_signed(low)} and {_signed(high)}."
-            )
+            # Both changes have columns of their own.
+            yield f"Within ± 1 % the {self.name} do{'es' if self.name == 'peak' else ''} not change linearly."
         if self.other is not None:
             if abs(own - self.other[i]) > AGREED * largest + float(self.error[i]):
                 yield (
