@@ -145,6 +145,14 @@ def _shipped_sheets() -> frozenset[str]:
     return frozenset(name.casefold() for name in (*names, LIVE_SHEET.name))
 
 
+@cache
+def _shipped_words(sheet: str) -> frozenset[object]:
+    """What the cells of a sheet hold in the shipped workbooks: examples have notes of their own."""
+    shipped = (open_workbook(path, read_only=True) for path in template_folder().glob("*.xlsx"))
+    parts = (one.sheet_part(sheet) for one in shipped if sheet in one.sheet_names)
+    return frozenset(part.value(*cell) for part in parts for cell in part.filled_cells(WHOLE_SHEET))
+
+
 def _sheets_of_the_product(source: Workbook) -> set[str]:
     """Sheets that hold a table or a scalar of the product, or bear the name of one of its sheets."""
     known = [*(spec.name for spec in EVERY_TABLE), *(spec.name for spec in CHART_TABLES)]
@@ -317,7 +325,11 @@ def _left_behind(
                 continue
             if earlier and sheet == "Summary" and held in _WORDS_OF_0_1_0:
                 continue
-            if isinstance(held, (str, float, int)) and here.value(row, column) is None:
+            if not isinstance(held, (str, float, int)):
+                continue
+            # notes stand at other rows in other templates, so a word there may hide one of the user's
+            is_ours = sheet != "Notes" and here.value(row, column) is not None
+            if not is_ours and held not in _shipped_words(sheet):
                 left.append(f"{sheet}!{cell_name(row, column)}")
     if left:
         yield (
