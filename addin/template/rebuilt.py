@@ -146,10 +146,10 @@ def _shipped_sheets() -> frozenset[str]:
 
 
 @cache
-def _shipped_words(sheet: str) -> frozenset[object]:
-    """What the cells of a sheet hold in the shipped workbooks: examples have notes of their own."""
+def _shipped_notes() -> frozenset[object]:
+    """What the cells of sheet Notes hold in the shipped workbooks: examples have notes of their own."""
     shipped = (open_workbook(path, read_only=True) for path in template_folder().glob("*.xlsx"))
-    parts = (one.sheet_part(sheet) for one in shipped if sheet in one.sheet_names)
+    parts = (one.sheet_part("Notes") for one in shipped)
     return frozenset(part.value(*cell) for part in parts for cell in part.filled_cells(WHOLE_SHEET))
 
 
@@ -327,9 +327,9 @@ def _left_behind(
                 continue
             if not isinstance(held, (str, float, int)):
                 continue
-            # notes stand at other rows in other templates, so a word there may hide one of the user's
-            is_ours = sheet != "Notes" and here.value(row, column) is not None
-            if not is_ours and held not in _shipped_words(sheet):
+            # notes stand at other rows in other templates
+            notes = sheet == "Notes"
+            if held not in _shipped_notes() if notes else here.value(row, column) is None:
                 left.append(f"{sheet}!{cell_name(row, column)}")
     if left:
         yield (
