@@ -34,11 +34,12 @@ TRIALS :=
 
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help demo test test-long test-machines explore validate kills fuzz check format docs bench goals calibration-study sensitivity-study mutations generated templates wheel wheels same-bits sanitize smoke windows front-windows zips lock clean distclean moved
+.PHONY: help demo test slow-tests test-long test-machines explore validate kills fuzz check format docs bench goals calibration-study sensitivity-study mutations generated templates wheel wheels same-bits sanitize smoke windows front-windows zips lock clean distclean moved
 
 help:
 	@echo "make demo           recalculate two example workbooks into build/demo"
 	@echo "make test           run the tests"
+	@echo "make slow-tests     run the tests and note which are too dear for the default run"
 	@echo "make test-long      run the tests over hundreds of trains, of which CI runs a sample"
 	@echo "make test-machines  repeat the numerical tests as other processors would calculate"
 	@echo "make explore        run the properties with fresh examples (MINUTES=30)"
@@ -75,6 +76,10 @@ demo: $(RUN_READY) $(LOOPS)
 
 test: $(DEV_READY) $(LOOPS)
 	$(PYTEST_PY) -m pytest $(PROCESSES) $(ARGS)
+
+slow-tests: $(DEV_READY) $(LOOPS)
+	$(PYTEST_PY) -m pytest $(PROCESSES) -o junit_duration_report=call --junitxml=build/quick_tests.xml
+	$(PY) scripts/slow_tests.py build/quick_tests.xml
 
 test-long: $(DEV_READY) $(LOOPS)
 	TORSIONBOOK_RUN_SLOW=1 TORSIONBOOK_RUN_LONG=1 $(PYTEST_PY) -m pytest -m long $(PROCESSES) $(ARGS)

@@ -109,6 +109,10 @@ def _turn(item: pytest.Item) -> int:
     return order.index(room) if room in order else len(order)
 
 
+#: Tests that were measured to be too dear for the default run: `make slow-tests`.
+SLOW_TESTS = Path(__file__).with_name("slow_tests.txt")
+
+
 def _slow_beyond_the_first(items: list[pytest.Item]) -> None:
     """Where a test is marked `first_ones(n)`, all its parameters but the first n are slow."""
     seen: Counter[str] = Counter()
@@ -122,9 +126,13 @@ def _slow_beyond_the_first(items: list[pytest.Item]) -> None:
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    measured = SLOW_TESTS.read_text("utf-8").split() if SLOW_TESTS.is_file() else ()
+    too_dear = frozenset(measured)
     for item in items:
         if "soffice" in getattr(item, "fixturenames", ()):
             item.add_marker("needs_libreoffice")
+        if item.nodeid.partition("[")[0] in too_dear:
+            item.add_marker("slow")
     _slow_beyond_the_first(items)
     not_run = [
         item

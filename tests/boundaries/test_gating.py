@@ -122,6 +122,17 @@ def test_slow_tests_run_when_asked(tmp_path):
     assert "2 passed, 2 skipped" in said
 
 
+def test_tests_measured_to_be_slow_are_there():
+    root = Path(__file__).resolve().parents[2]
+    names = (root / "tests" / "slow_tests.txt").read_text("utf-8").split()
+    texts = {
+        file: (root / file).read_text("utf-8") for file in {n.partition("::")[0] for n in names}
+    }
+    gone = [n for n in names if f"def {n.rpartition('::')[2]}(" not in texts[n.partition("::")[0]]]
+    assert names
+    assert not gone, "take their lines out of tests/slow_tests.txt"
+
+
 def test_long_tests_run_when_asked_only(tmp_path):
     tests = "import pytest\n@pytest.mark.long\ndef test_it(): pass\n"
     assert "1 deselected" in outcomes(tmp_path, tests, TORSIONBOOK_RUN_SLOW="1")[1]
