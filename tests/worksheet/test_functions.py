@@ -319,6 +319,7 @@ def test_a_refused_unit_is_looked_up_once(monkeypatch):
             "'ft-lbm' is not a known unit; lb is a mass, not a force: write",
         ),
         ("TV_CONVERT", [1.0, "psj", "MPa"], "'psj' is not a known unit; did you mean psi?"),
+        ("TV_CONVERT", [1.0, "mm" + 250 * " " + "x", "m"], "is not a known unit"),
         ("TV_PEAKS", [None], "Model is blank. Give the cell with =TV_MODEL(...)."),
         (
             "TV_STIFFNESS",

@@ -27,11 +27,16 @@ _READ = 200
 )
 def tv_convert(value: Rows, given: str, wanted: str) -> Rows:
     """Convert numbers from one unit to another of the same dimension."""
-    # a cell may hold a million characters: none of them is kept
-    factor = _factor(given.strip()[:_READ], wanted.strip()[:_READ])
+    factor = _factor(_short(given), _short(wanted))
     if isinstance(factor, str):
         raise FunctionError(factor)
     return [[None if v is None else v * factor for v in row] for row in value]
+
+
+def _short(unit: str) -> str:
+    """A unit as typed; of a text too long to be one only the beginning, with a mark that no unit has."""
+    unit = unit.strip()
+    return unit if len(unit) <= _READ else f"{unit[:_READ]}…"
 
 
 @lru_cache(maxsize=1024)
