@@ -44,7 +44,7 @@ RECORD = Path(__file__).parent / "records" / "workbook_fuzz.json"
 #: One mutation may take this long before it counts as hanging [s]; an honest one takes 0.3, or 16 on a machine with ten times as much to do.
 PATIENCE = 60.0
 #: What openpyxl gets to open a file: it makes an object of each cell of a merged range, be that the whole sheet.
-OPENPYXL_PATIENCE, OPENPYXL_MEMORY = 20.0, 100 * 2**20  # [s], [byte]
+OPENPYXL_PATIENCE, OPENPYXL_MEMORY = 20, 100 * 2**20  # [s of processor time], [byte]
 BLOCK = 100
 
 
@@ -783,11 +783,11 @@ def _openpyxl_says(path: Path) -> str:
     process.start()
     there.close()
     try:
-        if not here.poll(OPENPYXL_PATIENCE):
-            return f"it takes longer than {OPENPYXL_PATIENCE:g} s"
+        if not here.poll(30 * OPENPYXL_PATIENCE):  # a busy machine gives it a thirtieth of a core
+            return "it waits for ever"
         return str(here.recv())
     except EOFError:
-        return "its process ended"
+        return "its process ended: it takes too much memory or processor time"
     finally:
         process.kill()
         process.join()
@@ -801,6 +801,7 @@ def _open_with_openpyxl(path: Path, answer: Connection) -> None:
         pages = int(Path("/proc/self/statm").read_text().split()[0])
         most = pages * resource.getpagesize() + OPENPYXL_MEMORY
         resource.setrlimit(resource.RLIMIT_AS, (most, most))
+        resource.setrlimit(resource.RLIMIT_CPU, (OPENPYXL_PATIENCE, OPENPYXL_PATIENCE))
     answer.send(_stumbles(path))
 
 
