@@ -44,6 +44,7 @@ from engine.results.results import AtSpeed, Results
 from engine.results.times import EVENTS, accuracy_of, measured_times
 from engine.results.verdicts import verdicts_of
 from engine.results.warnings import warnings_of
+from engine.start.by_turns import by_turns
 from engine.start.crossings import Crossing, crossings_of
 from engine.start.electrical_damping import ElectricalDamping, electrical_damping_of
 from engine.start.peaks import JudgedRun, change_of_peaks, judge_run
@@ -177,7 +178,9 @@ def _worst_of_phases(case: CaseData, analysis: ModalAnalysis) -> WorstOfPhases:
         start, starts, errors = judged_starts(asked, planned_start(asked, analysis))
         return answers_at(case, phase, start, () if starts is None else starts.shafts, errors)
 
-    return worst_of_phases(lambda phases: [answers(phase) for phase in phases], case.turns_of_phase)
+    return worst_of_phases(
+        lambda phases: by_turns([partial(answers, phase) for phase in phases]), case.turns_of_phase
+    )
 
 
 def at_speed(case: CaseData) -> AtSpeed:

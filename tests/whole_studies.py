@@ -12,7 +12,7 @@ from engine.studies.sensitivities.differences import differences
 from engine.studies.sensitivities.plan import derivative_units, plan_derivatives
 from engine.studies.sensitivities.sensitivities import Derivatives, gather_derivatives
 from engine.studies.sensitivities.tangent import tangent_of
-from engine.studies.starts.condition_result import calculate_condition
+from engine.studies.starts.condition_result import calculate_conditions
 from engine.studies.starts.matrix import StartMatrix, gather_matrix
 from engine.studies.starts.plan import plan_matrix
 from engine.studies.tolerances.sample import (
@@ -23,14 +23,14 @@ from engine.studies.tolerances.sample import (
 )
 from engine.studies.tolerances.tolerances import PercentileRow, Tolerances, summarise_sample
 from engine.studies.tuning.combinations import plan_tuning
-from engine.studies.tuning.evaluate import calculate_combination
+from engine.studies.tuning.evaluate import calculate_combinations
 from engine.studies.tuning.tuning import TuningResult, rank_combinations
 
 
 def tune(case: CaseData, studies: StudyInputs, first: int | None = None) -> TuningResult:
     """A tuning study of all combinations, or of the first ones. [SI]"""
     plan = plan_tuning(case, studies)
-    tried = [calculate_combination(case, c) for c in plan.combinations[:first]]
+    tried = calculate_combinations(case, plan.combinations[:first])
     return rank_combinations(case, plan, tried)
 
 
@@ -51,7 +51,7 @@ def start_matrix(
     """A start matrix of all starts, or of the first ones. [SI]"""
     case = with_conditions(case, rows)
     plan = plan_matrix(case)
-    done = [calculate_condition(case, condition) for condition in plan.units[:first]]
+    done = calculate_conditions(case, plan.units[:first])
     return gather_matrix(case, plan, done)
 
 

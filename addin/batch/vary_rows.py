@@ -7,6 +7,7 @@ import re
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 from addin.batch.own_files import RESULT_COLUMNS
@@ -29,6 +30,7 @@ from engine.case.data import TABLES, CaseData, case_digest
 from engine.errors import CaseError, ModelError, Problem
 from engine.results.tables import result_tables
 from engine.run import run
+from engine.start.by_turns import by_turns
 
 _SIGNED = re.compile(r"\s*[+-]?[\d.,]+", re.ASCII)
 
@@ -59,43 +61,61 @@ def calculate_rows(task: Chunk) -> list[dict[str, Any]]:
         Of the columns of the result. [SI]
     """
     base: TypedCase = pickle.loads(task.base)
-    known: dict[str, dict[str, Any]] = {}
-    results = []
-    for number, name, values in task.rows:
-        began = time.perf_counter()
-        row = {"row": number, "name": name} | _calculated(task, values, base, known)
-        results.append(row | {"seconds": time.perf_counter() - began})
-    return results
+    began = time.perf_counter()
+    rows = [
+        ({"row": n, "name": name}, _prepared(task, values, base)) for n, name, values in task.rows
+    ]
+    cases = {made.digest: made.case for _, made in rows if made.case is not None}
+    answers = by_turns([partial(_answers, case, digest) for digest, case in cases.items()])
+    known = dict(zip(cases, answers, strict=True))
+    results = [row | made.inputs | known.get(made.digest, made.refusal) for row, made in rows]
+    # of rows that are calculated side by side none has a time of its own
+    seconds = (time.perf_counter() - began) / max(len(rows), 1)
+    return [row | {"seconds": seconds} for row in results]
 
 
-def _calculated(
-    task: Chunk, values: Sequence[Any], base: TypedCase, known: dict[str, dict[str, Any]]
-) -> dict[str, Any]:
-    """One row; `known` holds the cases of this chunk."""
+@dataclass
+class _Row:
+    """One row before it is calculated."""
+
+    inputs: dict[str, Any]  #: What was put in, for the result. [mixed]
+    refusal: dict[str, Any] = field(
+        default_factory=dict
+    )  #: Outcome and reason, where there is no case.
+    case: Case | None = None  #: The case. [SI]
+    digest: str = ""  #: Its own. [hex]
+
+
+def _prepared(task: Chunk, values: Sequence[Any], base: TypedCase) -> _Row:
     columns = task.columns
     findings = Findings()
     typed = TypedCase(dict(base.scalars), {name: list(rows) for name, rows in base.tables.items()})
     inputs, relative = _put(task, values, typed, findings)
     if len(values) != len(columns):
         reason = f"the row has {len(values)} values, the table {len(columns)} columns."
-        return inputs | {"outcome": WRONG_INPUT, "reason": reason}
+        return _Row(inputs, _refused(WRONG_INPUT, reason))
     try:
         data = to_case_data(typed, findings)
         problems = all_problems(data, findings)
         if problems:
             reasons = [_reason(problem, columns, typed) for problem in problems]
-            return inputs | {"outcome": WRONG_INPUT, "reason": "\n".join(reasons)}
+            return _Row(inputs, _refused(WRONG_INPUT, "\n".join(reasons)))
         inputs |= {column.name: _in_case(column, data) for column in relative}
         case = Case(**(vars(data) | dict(task.overrides)))
-        digest = case_digest(data)
-        if digest not in known:
-            known[digest] = _answers(case)
-        return inputs | known[digest] | {"case_sha256": digest}
-    except (CaseError, ModelError) as wrong:
-        return inputs | {"outcome": WRONG_INPUT, "reason": str(wrong)}
+        return _Row(inputs, {}, case, case_digest(data))
     except Exception as wrong:  # one row's fault never ends a programme; the row says what happened
-        reason = f"an error inside torsionbook; please report it: {wrong!r}"
-        return inputs | {"outcome": FAULT, "reason": reason}
+        return _Row(inputs, _outcome_of(wrong))
+
+
+def _outcome_of(wrong: Exception) -> dict[str, Any]:
+    """What a row says that could not be calculated."""
+    if isinstance(wrong, CaseError | ModelError):
+        return _refused(WRONG_INPUT, str(wrong))
+    return _refused(FAULT, f"an error inside torsionbook; please report it: {wrong!r}")
+
+
+def _refused(outcome: str, reason: str) -> dict[str, Any]:
+    return {"outcome": outcome, "reason": reason}
 
 
 def _put(
@@ -174,13 +194,17 @@ def _reason(problem: Problem, columns: Sequence[NamedInput], typed: TypedCase) -
     return f"{where.rstrip('.')} (of the base case): {message}"
 
 
-def _answers(case: Any) -> dict[str, Any]:
-    """The numbers of one case."""
-    results = run(case)
-    figures = key_figures(results, result_tables(results)["StartupPeaks"])
+def _answers(case: Case, digest: str) -> dict[str, Any]:
+    """The numbers of one case, or why there are none."""
+    try:
+        results = run(case)
+        figures = key_figures(results, result_tables(results)["StartupPeaks"])
+    except Exception as wrong:
+        return _outcome_of(wrong)
     return {
         "outcome": DONE,
         **{f"mode_{n}_Hz": f for n, f in enumerate(figures.frequencies, start=1)},
         **{name: getattr(figures, key) for name, _, key in RESULT_COLUMNS if key},
         "warnings": "\n".join(results.warnings) or None,
+        "case_sha256": digest,
     }

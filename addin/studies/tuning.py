@@ -12,13 +12,14 @@ from addin.contract.study_spec import CUT_SHORT
 from addin.reading.case_json import case_to_json
 from addin.studies.study import CutShort, Option, Study, StudyResult, StudyTask
 from addin.studies.tuning_tables import map_tables
-from addin.workers.parallel_map import Cancelled
+from addin.workers.parallel_map import Cancelled, in_batches
 from addin.writing.results_json import table_rows
 from addin.xlsx.whole_files import write_json
 from engine.case.case import Case
+from engine.start.by_turns import AT_ONCE
 from engine.studies.tuning.checks import tuning_problems
 from engine.studies.tuning.combinations import in_typed_units, plan_tuning
-from engine.studies.tuning.evaluate import EvaluatedCombination, calculate_combination
+from engine.studies.tuning.evaluate import EvaluatedCombination, calculate_combinations
 from engine.studies.tuning.options import Combination
 from engine.studies.tuning.tuning import (
     band_rows,
@@ -30,26 +31,22 @@ from engine.studies.tuning.tuning import (
     uncalculated_rows,
 )
 
-#: Combinations of one unit of work; one takes some 50 ms. [count]
-_TOGETHER = 10
 #: Rows of the sheets; the JSON has all of them. [count]
 SHOWN, SHOWN_CROSSINGS = 200, 20
 
 #: A case and the combinations that one process calculates.
-Batch = tuple["Case", tuple["Combination", ...]]
+Batch = tuple[Case, Sequence[Combination]]
 
 
 def _calculate(task: StudyTask) -> StudyResult:
     case, inputs = task.case, task.inputs
     plan = plan_tuning(case, inputs)
     every = plan.combinations
-    batches: list[Batch] = [
-        (case, every[k : k + _TOGETHER]) for k in range(0, len(every), _TOGETHER)
-    ]
+    batches = [(case, some) for some in in_batches(every, AT_ONCE)]
     answers = task.map_until_cancelled(
         calculate_batch,
         batches,
-        lambda done: f"{min(done * _TOGETHER, len(every)):,} of {len(every):,} combinations",
+        lambda done: f"{min(done * AT_ONCE, len(every)):,} of {len(every):,} combinations",
     )
     tried = [one for batch in answers for one in batch]
     if not tried:
@@ -92,7 +89,7 @@ def calculate_batch(batch: Batch) -> list[EvaluatedCombination]:
 
     Parameters
     ----------
-    batch : tuple of (Case, tuple of Combination)
+    batch : tuple of (Case, sequence of Combination)
         What is calculated. [SI]
 
     Returns
@@ -101,7 +98,7 @@ def calculate_batch(batch: Batch) -> list[EvaluatedCombination]:
         In the same order. [SI]
     """
     case, combinations = batch
-    return [calculate_combination(case, one) for one in combinations]
+    return calculate_combinations(case, combinations)
 
 
 def _cut_short(calculated: int, planned: int) -> CutShort:

@@ -35,6 +35,8 @@ class Simulation:
     method: str  #: ``exponential`` or ``newmark``.
     target_speed: float  #: Mean speed of the reference shaft at which to stop. [rad/s]
     maximum_time: float  #: Time at which to stop at the latest. [s]
+    #: Torque values whose history is kept; 0 = turning points are all that is wanted, infinite = every sample. [count]
+    kept_values: float = 0.0
 
 
 class _Loop:
@@ -43,7 +45,8 @@ class _Loop:
     Lanes without a start repeat the first one and end at once.
     """
 
-    def __init__(self, simulations: Sequence[Simulation], lanes: int, *, histories: bool) -> None:
+    def __init__(self, simulations: Sequence[Simulation]) -> None:
+        lanes = 1 if len(simulations) == 1 else kernels.LANES
         self.lanes, self.simulations = lanes, simulations
         filled = [*simulations, *[simulations[0]] * (lanes - len(simulations))]
         models = [s.model for s in filled]
@@ -86,8 +89,9 @@ class _Loop:
             time=np.zeros(lanes), reason=self.reason, done=self.done,
         )  # fmt: skip
         wide = (n_outputs, lanes)
-        self.histories, self.n_rows = histories, int(counts.sum(axis=1).max()) + 2  # rest, its end
-        if histories:
+        self.histories = simulations[0].kept_values > 0.0
+        self.n_rows = int(counts.sum(axis=1).max()) + 2  # rest, its end
+        if self.histories:
             self.n_rows = min(self.n_rows, max(CHUNK, KEPT_VALUES // max(n_outputs, 1)))
         self.count = np.zeros(wide, dtype=np.int64)
         self.ends = {
@@ -123,6 +127,14 @@ class _Loop:
             self.room,
         )  # fmt: skip
         return bool(np.any(self.reason == kernels.MORE))
+
+    def samples_of(self, lane: int) -> tuple[Floats, ...]:
+        """Rows of one lane since there was room, as `Recorder.add` takes them."""
+        done, none = int(self.done[lane]), np.empty((0, int(self.done[lane])))
+        rows = [of[..., :done, lane] for of in self.rows.values()]
+        if self.lanes > 1:  # lest one start keeps the rows of all
+            rows = [of.copy() for of in rows]
+        return (*rows, none) if self.histories else (*rows, none, none, none)
 
     def turning_is_full(self) -> bool:
         """Whether it came back for want of room for turning points, not of rows."""
@@ -204,9 +216,11 @@ def simulate(
     Trajectory
         Times, mean speed and torques. [SI]
     """
-    loop, trajectory = _recorded(
-        Simulation(model, step, method, target_speed, maximum_time), keep_all=keep_all
-    )
+    kept = math.inf if keep_all else KEPT_VALUES
+    one = Simulation(model, step, method, target_speed, maximum_time, kept)
+    loop = _Loop([one])
+    (trajectory,) = _to_the_end(loop)
+    _refuse_diverged(loop, 0, trajectory)
     turning = tuple(
         (when[0, :n].copy(), value[0, :n].copy())
         for when, value, n in zip(*loop.turning.values(), loop.count[:, 0].tolist(), strict=True)
@@ -214,46 +228,27 @@ def simulate(
     return replace(trajectory, turning=turning)
 
 
-def start_with_histories(simulation: Simulation, *, keep_all: bool) -> SingleRun:
-    """One start from rest to its end, with its histories.
-
-    Parameters
-    ----------
-    simulation : Simulation
-        The start. [SI]
-    keep_all : bool
-        True: no sample is left out, however much memory that takes. [flag]
-
-    Returns
-    -------
-    SingleRun
-        From rest to the end. [SI]
-    """
-    loop, trajectory = _recorded(simulation, keep_all=keep_all)
-    return _to_end(loop, 0, trajectory, trajectory.torque[:, :1].copy())
-
-
-def _recorded(simulation: Simulation, *, keep_all: bool) -> tuple[_Loop, Trajectory]:
-    """The loop after the last step of a start, and its samples."""
-    element = simulation.model.outputs.element
-    loop = _Loop([simulation], 1, histories=True)
-    recorder = Recorder(element, math.inf if keep_all else KEPT_VALUES, turning=False)
-    steps, goes_on = -1, True  # the first row is that of rest
+def _to_the_end(loop: _Loop) -> list[Trajectory]:
+    """Every start of a loop to its end: samples of each."""
+    recorders = [
+        Recorder(s.model.outputs.element, s.kept_values or math.inf, turning=False)
+        for s in loop.simulations
+    ]
+    steps, goes_on = np.full(loop.lanes, -1), True  # the first row is that of rest
     while goes_on:
         goes_on = loop.advance()
         if goes_on and loop.turning_is_full():
             loop.make_room()
             continue
-        done = int(loop.done[0])
-        time, speed, torque, rate = (a[..., :done, 0] for a in loop.rows.values())
-        if not np.all(np.isfinite(torque[:, -1:])):
-            last = int(np.argmin(np.all(np.isfinite(torque), axis=0)))
-            raise InternalError(_diverged(simulation.step, time[last]))
-        recorder.add(time, speed, torque, rate, np.empty((0, done)))
-        steps += done
+        for lane, recorder in enumerate(recorders):
+            recorder.add(*loop.samples_of(lane))
+        steps += loop.done
         if goes_on:
             loop.make_room()
-    return loop, recorder.trajectory(bool(loop.reason[0] == kernels.SPEED), steps)[0]
+    return [
+        recorder.trajectory(bool(loop.reason[lane] == kernels.SPEED), int(steps[lane]))[0]
+        for lane, recorder in enumerate(recorders)
+    ]
 
 
 def _diverged(step: float, time: float) -> str:
@@ -261,6 +256,14 @@ def _diverged(step: float, time: float) -> str:
         f"the start diverged before {time:.4g} s at a step of {step:.3g} s: torques "
         "are no longer finite. Check stiffness, damping and torque curves"
     )
+
+
+def _refuse_diverged(loop: _Loop, lane: int, trajectory: Trajectory) -> None:
+    if np.all(np.isfinite(loop.ends["last"][:, lane])):
+        return
+    finite = np.append(np.all(np.isfinite(trajectory.torque), axis=0), False)
+    last = min(int(np.argmin(finite)), len(trajectory.time) - 1) if loop.histories else -1
+    raise InternalError(_diverged(loop.simulations[lane].step, trajectory.time[last]))
 
 
 def form_of(simulation: Simulation) -> tuple[Any, ...]:
@@ -271,13 +274,14 @@ def form_of(simulation: Simulation) -> tuple[Any, ...]:
         model.timed[0], model.dampers[0],
     )  # fmt: skip
     return (
+        simulation.kept_values > 0.0,
         simulation.method, model.reach.shape, model.read_speed.shape, model.swing.shape, model.outputs.position.shape,
         model.curves[0].shape, model.timed[1].shape, *(tuple(np.asarray(i).tolist()) for i in indices),
     )  # fmt: skip
 
 
-def turning_of_starts(simulations: Sequence[Simulation]) -> list[SingleRun]:
-    """Turning points of starts, those of one form side by side; each has the same bits alone.
+def runs_of(simulations: Sequence[Simulation]) -> list[SingleRun | InternalError]:
+    """Starts from rest to their ends, those of one form side by side; each has the same bits alone.
 
     As many as the loop has lanes go at a time, those of about as many steps together: a lane that has ended waits for
     the others.
@@ -289,46 +293,32 @@ def turning_of_starts(simulations: Sequence[Simulation]) -> list[SingleRun]:
 
     Returns
     -------
-    list of SingleRun
-        Of each, without histories of its torques. [SI]
-
-    Raises
-    ------
-    InternalError
-        If one diverges.
+    list of SingleRun or InternalError
+        Of each; or where it diverged. [SI]
     """
     forms: dict[object, list[int]] = {}
     for i, simulation in enumerate(simulations):
         forms.setdefault(form_of(simulation), []).append(i)
-    found: dict[int, SingleRun] = {}
+    found: dict[int, SingleRun | InternalError] = {}
     for alike in forms.values():
         alike.sort(key=lambda i: simulations[i].maximum_time / simulations[i].step)
         for first in range(0, len(alike), kernels.LANES):
             some = alike[first : first + kernels.LANES]
-            lanes = 1 if len(some) == 1 else kernels.LANES
-            loop = _Loop([simulations[i] for i in some], lanes, histories=False)
+            loop = _Loop([simulations[i] for i in some])
             at_rest = loop.ends["last"].copy()
-            while loop.advance():
-                loop.make_room()
-            found.update((i, _single_run(loop, lane, at_rest)) for lane, i in enumerate(some))
+            for lane, trajectory in enumerate(_to_the_end(loop)):
+                found[some[lane]] = _single_run(loop, lane, trajectory, at_rest)
     return [found[i] for i in range(len(simulations))]
 
 
-def _single_run(loop: _Loop, lane: int, first: Floats) -> SingleRun:
-    """What one lane left; `first`: its torques at rest."""
-    simulation = loop.simulations[lane]
-    time, speed = (loop.rows[n][: loop.done[lane], lane].copy() for n in ("time", "speed"))
-    if not np.all(np.isfinite(loop.ends["last"][:, lane])):
-        raise InternalError(_diverged(simulation.step, time[-1]))
-    none = np.empty((0, 0))
-    reached = bool(loop.reason[lane] == kernels.SPEED)
-    element = simulation.model.outputs.element
-    trajectory = Trajectory(time, speed, none, none, element, reached, len(time) - 1)
-    return _to_end(loop, lane, trajectory, first)
-
-
-def _to_end(loop: _Loop, lane: int, trajectory: Trajectory, first: Floats) -> SingleRun:
-    """A start with what its lane recorded up to its end."""
+def _single_run(
+    loop: _Loop, lane: int, trajectory: Trajectory, first: Floats
+) -> SingleRun | InternalError:
+    """A start with what its lane recorded up to its end; `first`: torques of all lanes at rest."""
+    try:
+        _refuse_diverged(loop, lane, trajectory)
+    except InternalError as error:
+        return error
     end = trajectory.end_at(loop.simulations[lane].target_speed)
     last = trajectory.time[-2:].copy()
     to_end = kernels.lane_to_end(lane, loop.out, loop.count, first, last, end)

@@ -25,6 +25,7 @@ from engine.model.load import loads_of
 from engine.model.modal_train import ModalTrain
 from engine.model.motor import motors_of
 from engine.model.rigid_runup import RigidRunup, rigid_runup
+from engine.start.by_turns import simulated
 from engine.start.event_results import (
     BearingForce,
     ContactRecord,
@@ -35,7 +36,7 @@ from engine.start.event_results import (
 from engine.start.outcome import StartOutcome, outcome_of, run_length, start_settled
 from engine.start.peaks import ElementPeak, JudgedRun, judge_run, largest_relative_error
 from engine.start.settings import PLAIN_START, StartSettings, keeps_history, settings_of
-from engine.start.simulation import Simulation, start_with_histories, turning_of_starts
+from engine.start.simulation import Simulation
 from engine.start.start_model import (
     COARSEST_FIRST,
     FINEST_FIRST,
@@ -44,7 +45,7 @@ from engine.start.start_model import (
     start_model,
     usual_step,
 )
-from engine.start.trajectory import SingleRun, Turning
+from engine.start.trajectory import KEPT_VALUES, SingleRun, Turning
 
 #: The same for Newmark: error ≈ this × (phase per step)², second order and far larger.
 NEWMARK_ERROR_AT_ONE_RADIAN = 0.4
@@ -244,15 +245,17 @@ class PreparedStart:
         SingleRun
             From rest to the end. [SI]
         """
-        return start_with_histories(self.simulation(step), keep_all=self.keep_all)
+        return simulated([self.simulation(step, histories=True)])[0]
 
-    def simulation(self, step: float) -> Simulation:
+    def simulation(self, step: float, *, histories: bool = False) -> Simulation:
         """What is simulated at one step.
 
         Parameters
         ----------
         step : float
             Largest step. [s]
+        histories : bool, optional
+            False: turning points are all that is wanted. [flag]
 
         Returns
         -------
@@ -260,7 +263,8 @@ class PreparedStart:
             The start, until its end speed or the time to simulate. [SI]
         """
         method, target = self.settings.method, self.settings.end_speed
-        return Simulation(self.model, step, method, target, self.maximum_time)
+        kept = (math.inf if self.keep_all else KEPT_VALUES) if histories else 0.0
+        return Simulation(self.model, step, method, target, self.maximum_time, kept)
 
     def to_its_end(self, step: float, *, histories: bool = True) -> tuple[PreparedStart, SingleRun]:
         """Simulate at one step, prolonged until the start has ended or settled.
@@ -312,7 +316,7 @@ def starts_to_their_ends(
 ) -> list[tuple[PreparedStart, SingleRun]]:
     """Starts simulated each at its step, prolonged until it has ended or settled.
 
-    Without histories those of one form run side by side in the lanes of one loop; each has the same bits alone.
+    Those of one form run side by side in the lanes of one loop; each has the same bits alone.
 
     Parameters
     ----------
@@ -334,22 +338,15 @@ def starts_to_their_ends(
     ends: dict[int, tuple[PreparedStart, SingleRun]] = {}
     waiting = {i: prepared for i, (prepared, _) in enumerate(starts)}
     for _ in range(MAX_PROLONGATIONS + 1):
-        runs = _simulated([(p, starts[i][1]) for i, p in waiting.items()], histories=histories)
+        runs = simulated(
+            [p.simulation(starts[i][1], histories=histories) for i, p in waiting.items()]
+        )
         ends |= zip(waiting, zip(waiting.values(), runs, strict=True), strict=True)
         longer = {i: ends[i][0].prolonged(ends[i][1]) for i in waiting}
         waiting = {i: prepared for i, prepared in longer.items() if prepared is not None}
         if not waiting:
             break
     return [ends[i] for i in range(len(starts))]
-
-
-def _simulated(
-    starts: Sequence[tuple[PreparedStart, float]], *, histories: bool
-) -> Sequence[SingleRun]:
-    """Starts at their steps; an error of one is raised."""
-    if histories:
-        return [prepared.at(step) for prepared, step in starts]
-    return turning_of_starts([prepared.simulation(step) for prepared, step in starts])
 
 
 def prepared_start(

@@ -14,6 +14,7 @@ from typing import Any
 
 from addin.contract.problems import first_of
 from addin.contract.tables import result_table
+from addin.workers.parallel_map import in_batches
 from addin.worksheet.answers import (
     HEADERS,
     MODEL,
@@ -30,6 +31,7 @@ from addin.worksheet.models import MODELS, Model
 from addin.worksheet.registry import Argument, Block, FunctionError, registered
 from engine.case.study_inputs import DAMPING, DIAMETER, INERTIA, STIFFNESS, DisplayUnit, StudyInputs
 from engine.errors import ModelError, Problem
+from engine.start.by_turns import AT_ONCE
 from engine.studies.sensitivities.differences import differences
 from engine.studies.sensitivities.plan import derivative_units, plan_derivatives
 from engine.studies.sensitivities.sensitivities import gather_derivatives
@@ -46,7 +48,7 @@ from engine.studies.tolerances.tables import tolerance_tables
 from engine.studies.tolerances.tolerances import summarise_sample
 from engine.studies.tuning.checks import tuning_problems
 from engine.studies.tuning.combinations import in_typed_units, plan_tuning
-from engine.studies.tuning.evaluate import calculate_combination
+from engine.studies.tuning.evaluate import calculate_combinations
 from engine.studies.tuning.tuning import TuningResult, rank_combinations, ranked_rows
 
 #: Place of these functions among all, in lists and in the documentation.
@@ -172,9 +174,10 @@ def tv_tune(
         )
 
     def ranked() -> TuningResult:
-        calculate = partial(calculate_combination, model.case)
-        tried = _in_time("tune", plan.combinations, calculate, time.monotonic())
-        return rank_combinations(model.case, plan, tried)
+        calculate = partial(calculate_combinations, model.case)
+        batches = in_batches(plan.combinations, AT_ONCE)
+        tried = _in_time("tune", batches, calculate, time.monotonic())
+        return rank_combinations(model.case, plan, [one for some in tried for one in some])
 
     result = _kept(model, f"tune {plan.study_digest}", ranked)
     words = {**_usual_units(system_for(units, model)), **inputs.units}

@@ -6,8 +6,9 @@ has a sentence instead of answers.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 from engine.case.case import Case
 from engine.case.choices import ElementKind
@@ -20,6 +21,7 @@ from engine.model.excitation import transmitted_torque
 from engine.results.results import Results, Verdict
 from engine.results.verdicts import overall_verdict
 from engine.run import run
+from engine.start.by_turns import by_turns
 from engine.start.crossings import Crossing
 from engine.start.start_fatigue import is_counted
 from engine.studies.tuning.options import Combination, with_options
@@ -89,21 +91,27 @@ class EvaluatedCombination:
     problem: str = ""  #: Why not; empty where it was calculated.
 
 
-def calculate_combination(case: CaseData, combination: Combination) -> EvaluatedCombination:
-    """One unit of work of a tuning study: a full run of one combination.
+def calculate_combinations(
+    case: CaseData, combinations: Sequence[Combination]
+) -> list[EvaluatedCombination]:
+    """A full run of each combination; their linear starts run side by side.
 
     Parameters
     ----------
     case : CaseData
         The unchanged case. [SI]
-    combination : Combination
+    combinations : sequence of Combination
         What is chosen. [SI]
 
     Returns
     -------
-    EvaluatedCombination
+    list of EvaluatedCombination
         KeyAnswers, or the sentence that says why there are none. [SI]
     """
+    return by_turns([partial(_calculated, case, one) for one in combinations])
+
+
+def _calculated(case: CaseData, combination: Combination) -> EvaluatedCombination:
     try:
         return EvaluatedCombination(
             combination, answers_of(run(Case(**vars(with_options(case, combination.options)))))

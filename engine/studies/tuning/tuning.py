@@ -4,7 +4,7 @@ The paper ("Philosophy of resonant response location") answers where a mode shou
 own torque curves, acceleration and damping. Here each combination of what may be chosen is started in
 full, so the answer is read off the starts themselves.
 
-`plan_tuning` says what will be calculated, `calculate_combination` is one unit of work, `rank_combinations` makes
+`plan_tuning` says what will be calculated, `calculate_combinations` makes some of it, `rank_combinations` makes
 one result of the units, whoever calculated them.
 """
 

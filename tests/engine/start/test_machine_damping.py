@@ -23,7 +23,7 @@ from engine.motor.damping import electrical_damping
 from engine.motor.from_case import motors_from_data
 from engine.run import planned_start
 from engine.start.electrical_damping import LEVELS, electrical_damping_of
-from engine.start.simulation import Simulation, turning_of_starts
+from engine.start.simulation import Simulation, runs_of
 from engine.start.start import prepared_start, run_start
 from engine.start.start_model import shifted
 from engine.stepping.linear_loop import LANES
@@ -148,9 +148,9 @@ def test_starts_side_by_side_have_the_bits_that_each_has_alone() -> None:
         case = case_from_data(voltage=1.0 - 0.01 * i)
         start = prepared_start(case, modal_of(case), ANSWERING)
         simulations.append(Simulation(start.model, 1e-3, "exponential", 120.0, 3.0))
-    together = turning_of_starts(simulations)
+    together = runs_of(simulations)
     for one, run in zip(simulations, together, strict=True):
-        (alone,) = turning_of_starts([one])
+        (alone,) = runs_of([one])
         assert run.end == alone.end
         for (when, value), (other_when, other_value) in zip(
             run.turning, alone.turning, strict=True

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import math
+import threading
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -10,17 +14,14 @@ import pytest
 from benchmarks.study_trains import study_train
 from engine.case.case import Case
 from engine.case.data import CaseData
-from engine.errors import InternalError
+from engine.errors import InternalError, ModelError
 from engine.model.build_train import build_train
 from engine.model.modal_train import ModalTrain
 from engine.model.modes import modes_of
-from engine.start.simulation import (
-    Simulation,
-    form_of,
-    simulate,
-    start_with_histories,
-    turning_of_starts,
-)
+from engine.results.tables import result_tables
+from engine.run import run as whole_run
+from engine.start.by_turns import AT_ONCE, by_turns, simulated
+from engine.start.simulation import Simulation, form_of, runs_of, simulate
 from engine.start.start import PreparedStart, prepared_start, starts_to_their_ends
 from engine.start.trajectory import SingleRun
 from engine.stepping.linear_loop import LANES
@@ -65,18 +66,18 @@ def test_different_starts_side_by_side_have_the_bits_that_each_has_alone() -> No
         simulation(stiffer(case, 1.0 + 0.02 * i), 2e-3 / (1.0 + 0.1 * i))
         for i in range(2 * LANES)  # those of most steps first: they do not run in this order
     ][::-1]
-    together = turning_of_starts(simulations)
+    together = runs_of(simulations)
     ends = {run.end for run in together}
     assert len(ends) == 2 * LANES  # different cases, which end at different times
     for one, run in zip(simulations, together, strict=True):
-        (alone,) = turning_of_starts([one])
+        (alone,) = runs_of([one])
         alike(run, alone)
 
 
 def test_a_lane_without_a_start_changes_nothing() -> None:
     simulations = [simulation(stiffer(sample_case("proposed"), s)) for s in (1.0, 1.07)]
-    for one, run in zip(simulations, turning_of_starts(simulations), strict=True):
-        (alone,) = turning_of_starts([one])
+    for one, run in zip(simulations, runs_of(simulations), strict=True):
+        (alone,) = runs_of([one])
         alike(run, alone)
 
 
@@ -86,17 +87,18 @@ def test_turning_points_are_those_of_the_histories(number: int) -> None:
     whole = simulate(
         one.model, one.step, one.method, one.target_speed, one.maximum_time, keep_all=True
     )
-    (run,) = turning_of_starts([one])
+    (run,) = runs_of([one])
     samples = replace(whole, turning=None)  # without those that the loop found
     alike(run, SingleRun.until(samples, samples.end_at(one.target_speed)))
-    alike(run, start_with_histories(one, keep_all=True))
+    (kept,) = runs_of([replace(one, kept_values=math.inf)])
+    alike(run, kept)
 
 
 def test_room_that_has_to_grow_changes_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     simulations = [simulation(stiffer(sample_case("proposed"), s)) for s in (1.0, 1.07)]
-    at_once = turning_of_starts(simulations)
+    at_once = runs_of(simulations)
     monkeypatch.setattr("engine.start.simulation.TURNING_ROOM", 4)
-    for one, other in zip(at_once, turning_of_starts(simulations), strict=True):
+    for one, other in zip(at_once, runs_of(simulations), strict=True):
         assert max(len(when) for when, _ in one.turning) > 4
         alike(one, other)
 
@@ -155,13 +157,87 @@ def test_starts_of_other_forms_do_not_share_a_loop() -> None:
     assert form_of(proposed) != form_of(other)
     assert form_of(proposed) == form_of(simulation(stiffer(sample_case("proposed"), 1.01)))
     simulations = [proposed, other, modified]
-    for one, run in zip(simulations, turning_of_starts(simulations), strict=True):
-        (alone,) = turning_of_starts([one])
+    for one, run in zip(simulations, runs_of(simulations), strict=True):
+        (alone,) = runs_of([one])
         alike(run, alone)
 
 
 def test_a_start_that_diverges_is_an_error() -> None:
     sound = simulation(sample_case("proposed"))
     broken = replace(sound, model=replace(sound.model, rate=np.full_like(sound.model.rate, np.nan)))
+    run, error = runs_of([sound, broken])
+    assert isinstance(run, SingleRun)
+    assert isinstance(error, InternalError)
+    assert "diverged" in str(error)
     with pytest.raises(InternalError, match="diverged"):
-        turning_of_starts([sound, broken])
+        simulated([sound, broken])
+
+
+# --- whole runs by turns --------------------------------------------------------------------------
+
+
+def test_histories_side_by_side_are_those_that_each_has_alone() -> None:
+    simulations = [
+        replace(simulation(stiffer(sample_case("proposed"), s)), kept_values=math.inf)
+        for s in (1.0, 1.03, 1.07)
+    ]
+    for one, found in zip(simulations, runs_of(simulations), strict=True):
+        (alone,) = runs_of([one])
+        assert isinstance(found, SingleRun)
+        assert isinstance(alone, SingleRun)
+        alike(found, alone)
+        assert np.array_equal(found.trajectory.torque, alone.trajectory.torque)
+        assert np.array_equal(found.trajectory.torque_rate, alone.trajectory.torque_rate)
+
+
+def numbers_of(case: CaseData) -> str:
+    """Every number of a run but the times it took."""
+    tables = result_tables(whole_run(Case(**vars(case))))
+    timed = ("AccuracyCost", "Effects")  # wall times stand in them
+    return repr(
+        [
+            {key: value for key, value in row.items() if name not in timed or key != "time"}
+            for name, rows in tables.items()
+            for row in rows
+        ]
+    )
+
+
+def test_whole_runs_by_turns_have_the_bits_that_each_has_alone() -> None:
+    """Linear starts and starts with clearances of different forms, more of them than wait for each other."""
+    cases = [study_train(number).case for number in (0, 1, 2, 4, 6)]
+    cases += [stiffer(sample_case("proposed"), 1.0 - 0.02 * i) for i in range(AT_ONCE)]
+    alone = [numbers_of(case) for case in cases]
+    assert len(set(alone)) == len(cases)
+    assert by_turns([partial(numbers_of, case) for case in cases]) == alone
+
+
+def test_an_error_of_one_calculation_is_raised_and_ends_the_others() -> None:
+    before, went_on = threading.active_count(), []
+
+    def failing() -> None:
+        simulated([simulation(sample_case("proposed"))])
+        raise ModelError("no such train")
+
+    def other() -> None:
+        for _ in range(3):
+            simulated([simulation(sample_case("proposed"))])
+            went_on.append(1)
+
+    with pytest.raises(ModelError, match="no such train"):
+        by_turns([other, failing, other])
+    assert len(went_on) == 6  # their own results do not depend on it
+    assert threading.active_count() == before
+
+
+def test_calculations_that_are_interrupted_leave_no_thread(monkeypatch: pytest.MonkeyPatch) -> None:
+    before = threading.active_count()
+
+    def interrupted(_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("engine.start.by_turns.runs_of", interrupted)
+    wanted: Callable[[], object] = partial(simulated, [simulation(sample_case("proposed"))])
+    with pytest.raises(KeyboardInterrupt):
+        by_turns([wanted, wanted])
+    assert threading.active_count() == before

@@ -15,7 +15,7 @@ from engine.case.study_inputs import CatalogueRow, StudyInputs, TuningRow
 from engine.results.tables import result_tables
 from engine.run import run
 from engine.studies.tuning.combinations import plan_tuning
-from engine.studies.tuning.evaluate import answers_of, calculate_combination
+from engine.studies.tuning.evaluate import answers_of, calculate_combinations
 from engine.studies.tuning.tuning import (
     TuningResult,
     band_rows,
@@ -279,7 +279,7 @@ def test_the_result_does_not_depend_on_who_calculated_what_when(found: TuningRes
 
     def backwards() -> Iterator[Any]:
         for combination in reversed(plan.combinations):
-            yield calculate_combination(CASE, combination)
+            yield from calculate_combinations(CASE, [combination])
 
     again = rank_combinations(CASE, plan, backwards())
     assert ranked_rows(again) == ranked_rows(found)
