@@ -11,6 +11,7 @@ import contextlib
 import hashlib
 import importlib.util
 import os
+import re
 import shlex
 import shutil
 import subprocess
@@ -27,6 +28,12 @@ HEADER, MODULE = "kernels.h", "_declarations"
 SUFFIX = {"win32": ".dll", "darwin": ".dylib"}
 FLAGS = ("-O3", "-std=c11", "-ffp-contract=off", "-fno-math-errno", "-fPIC", "-shared")
 ZIG = (sys.executable, "-m", "ziglang", "cc")
+#: In the header: a struct, and the names of its arrays with the comment, in which shapes stand in brackets.
+STRUCT = re.compile(r"typedef struct \{(.*?)\} (\w+);", re.DOTALL)
+ARRAYS = re.compile(
+    r"^ +((?:const )?(?:double|int64_t)) ((?:\*\w+(?:, )?)+);\s*/\*(.*)", re.MULTILINE
+)
+SHAPE = re.compile(r"\((\w[\w +]*(?:[,;] ?\w[\w +]*)*|…[^()]*)\)")
 #: Names a wheel for another system (`make wheels`): its tag, the target of ziglang, how a library ends there.
 TARGET = "TORSIONBOOK_TARGET"
 TARGETS = {
@@ -69,8 +76,25 @@ def sources_digest(folder: Path) -> str:
     return digest.hexdigest()[:16]
 
 
+def described_arrays(header: str) -> tuple[dict[str, dict[str, tuple[str, ...]]], set[str]]:
+    """Of each struct the shapes of its arrays, as the comments beside them say; and the arrays that have to be finite."""
+    shapes: dict[str, dict[str, tuple[str, ...]]] = {}
+    finite = set()
+    for body, struct in STRUCT.findall(header):
+        shapes[struct] = {}
+        for kind, names, comment in ARRAYS.findall(body):
+            fields = re.findall(r"\w+", names)
+            stated = [tuple(re.split(r"[,;] ?", one)) for one in SHAPE.findall(comment)]
+            each = stated if len(stated) == len(fields) else stated[:1] * len(fields)
+            pairs = zip(fields, each, strict=False)
+            shapes[struct] |= {field: dims for field, dims in pairs if dims[0] != "…"}
+            if kind == "const double" and not re.search("infinite|nan", comment):
+                finite |= {f"{struct}.{field}" for field in fields}
+    return shapes, finite
+
+
 def declarations(made: Path) -> None:
-    """Writes what cffi reads, from the header."""
+    """Writes what `library.py` reads, from the header: declarations for cffi, and shapes of arrays."""
     header = (made.parent / HEADER).read_text(encoding="utf-8")
     ffi = FFI()
     ffi.cdef("\n".join(line for line in header.splitlines() if not line.startswith("#")))
@@ -78,6 +102,11 @@ def declarations(made: Path) -> None:
     partial = _partial(made)
     with contextlib.redirect_stdout(None):
         ffi.emit_python_code(str(partial))
+    with partial.open("a", encoding="utf-8") as file:
+        shapes, finite = described_arrays(header)
+        file.write(
+            f"\nshapes: dict[str, dict[str, tuple[str, ...]]] = {shapes!r}\nfinite: frozenset[str] = frozenset({sorted(finite)!r})\n"
+        )
     partial.replace(made)
     made.touch()  # make compares its time with those of the sources
 

@@ -474,6 +474,7 @@ class _Simulation:
             self._pieces = events.pieces_struct(
                 tables, model.damper_force, len(self.contact), bearings, model.swings.motor
             )
+            events.check_together(self._pieces, *self.structs[:4])
         while True:
             done, logged, reason = events.advance_pieces(self.clock, self._pieces, *self.structs)
             if reason == events.UNSETTLED:

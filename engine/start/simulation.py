@@ -304,11 +304,21 @@ def runs_of(simulations: Sequence[Simulation]) -> list[SingleRun | InternalError
         alike.sort(key=lambda i: simulations[i].maximum_time / simulations[i].step)
         for first in range(0, len(alike), kernels.LANES):
             some = alike[first : first + kernels.LANES]
-            loop = _Loop([simulations[i] for i in some])
-            at_rest = loop.ends["last"].copy()
-            for lane, trajectory in enumerate(_to_the_end(loop)):
-                found[some[lane]] = _single_run(loop, lane, trajectory, at_rest)
+            found |= zip(some, _side_by_side([simulations[i] for i in some]), strict=True)
     return [found[i] for i in range(len(simulations))]
+
+
+def _side_by_side(simulations: Sequence[Simulation]) -> list[SingleRun | InternalError]:
+    """Starts in the lanes of one loop; where it does not take them, each alone, lest one hinders the others."""
+    try:
+        loop = _Loop(simulations)
+    except InternalError as error:
+        return [error] if len(simulations) == 1 else [_side_by_side([s])[0] for s in simulations]
+    at_rest = loop.ends["last"].copy()
+    return [
+        _single_run(loop, lane, trajectory, at_rest)
+        for lane, trajectory in enumerate(_to_the_end(loop))
+    ]
 
 
 def _single_run(

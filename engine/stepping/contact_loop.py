@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.stepping.library import address, ffi, library, struct
+from engine.stepping.library import address, check_lengths, ffi, library, struct
 
 __all__ = [
     "ANGLE",
@@ -27,6 +27,7 @@ __all__ = [
     "TURNED",
     "UNSETTLED",
     "advance_pieces",
+    "check_together",
     "first_fall",
     "pieces_struct",
 ]
@@ -111,6 +112,21 @@ def pieces_struct(
         n_outputs=named["offset"].shape[1], n_bodies=len(bearings[0]),
         bearing_stiffness=bearings[0], bearing_damping=bearings[1],
         n_swings=len(swing_motor), n_swing_levels=named["swing"].shape[2], swing_motor=swing_motor, **named,
+    )  # fmt: skip
+
+
+def check_together(pieces: Any, flanks: Any, drive: Any, state: Any, out: Any) -> None:
+    """Whether arrays fit to those of the other structs that `advance_pieces` takes.
+
+    Raises `InternalError` where one has another length.
+    """
+    n, n_motors = pieces.n, drive.n_motors
+    check_lengths(pieces, n_motors=n_motors)
+    check_lengths(drive, lanes=1)
+    check_lengths(flanks, n_flanks=pieces.n_flanks)
+    check_lengths(state, lanes=1, n=n, n_forces=pieces.n_forces, n_motors=n_motors)
+    check_lengths(
+        out, n=n, n_motors=n_motors, n_machines=drive.machines.n, n_outputs=pieces.n_outputs, n_bodies=pieces.n_bodies
     )  # fmt: skip
 
 

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.stepping.library import address, library, struct
+from engine.stepping.library import address, check_lengths, library, struct
 
 __all__ = [
     "AT_TIME",
@@ -239,7 +239,18 @@ def begin_starts(
         are updated. [SI]
     room : ndarray
         From `room_for`. [none]
+
+    Raises
+    ------
+    InternalError
+        If arrays do not fit to each other.
     """
+    n, n_forces, n_motors = system.n, system.n_forces, drive.n_motors
+    check_lengths(system, lanes=lanes, n_motors=n_motors)
+    check_lengths(drive, lanes=lanes)
+    check_lengths(torques, lanes=lanes, modes=n, forces=n_forces)
+    check_lengths(state, lanes=lanes, n=n, n_forces=n_forces, n_motors=n_motors)
+    check_lengths(out, lanes=lanes, n=torques.n)
     library.begin_starts(lanes, system, drive, torques, state, out, address(room))
 
 

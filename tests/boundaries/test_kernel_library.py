@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import importlib.util
+import re
 import shutil
 import subprocess
 import sys
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
+import numpy as np
 import pytest
 
-from engine.stepping.library import about
+from engine.errors import InternalError
+from engine.stepping.library import about, check_lengths, struct
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -89,3 +93,57 @@ def test_the_loops_need_no_compiler_at_run_time():
         [sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True
     )
     assert done.stdout.strip() == "[]"
+
+
+def test_the_shape_of_every_array_stands_in_the_header(hook):
+    header = (ROOT / hook.KERNELS / hook.HEADER).read_text(encoding="utf-8")
+    stated, _ = hook.described_arrays(header)
+    without = set()
+    for body, name in hook.STRUCT.findall(header):
+        code = re.sub(r"/\*.*?\*/", "", body, flags=re.DOTALL)
+        without |= {f"{name}.{a}" for a in re.findall(r"\*(\w+)", code) if a not in stated[name]}
+    assert without == {"pieces_t.forced", "pieces_t.solver"}  # tables that the loop itself fills
+
+
+def modes(n: int = 3, **others: Any) -> dict[str, Any]:
+    given = {"stiffness": np.ones(n), "rate": np.ones(n), "reach": np.ones((2, n))}
+    return {"n": n, "n_forces": 2, "n_read": 0, "mean_speed": np.ones(n), **given, **others}
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "words"),
+    [
+        ("rate", np.ones(4), r"system_t.rate with the shape \(n, lanes\), here \(3, 1\); .* \(4,\)"),
+        ("reach", np.ones((3, 2)), "system_t.reach"),
+        ("reach", np.ones(6), "system_t.reach"),
+        ("mean_speed", np.ones((3, 4)), "system_t"),  # of four lanes, the others of one
+        ("stiffness", np.array([1.0, np.nan, 1.0]), "finite numbers in system_t.stiffness, .* nan"),
+        ("reach", np.full((2, 3), np.inf), "finite numbers in system_t.reach, .* inf"),
+        ("rate", np.ones(3, dtype=np.int64), "arrays of double"),
+        ("rate", np.ones(6)[::2], "contiguous"),
+    ],
+)  # fmt: skip
+def test_a_loop_takes_no_array_of_another_shape_nor_numbers_without_end(field, value, words):
+    struct("system_t", **modes())
+    with pytest.raises(InternalError, match=words):
+        struct("system_t", **modes(**{field: value}))
+
+
+def test_large_numbers_are_finite():
+    struct("system_t", **modes(stiffness=np.full(3, 1e308)))
+
+
+def test_what_may_be_endless_is():
+    """No field is ever applied: at an infinite time."""
+    struct("drive_t", n_motors=1, field_time=np.full((1, 1), np.inf), cage=np.full((1, 1), np.nan))
+
+
+def test_structs_of_other_lengths_do_not_meet_in_a_loop():
+    system = struct("system_t", **modes())
+    state = {"q": np.zeros(3), "v": np.zeros(3), "phase": np.zeros(0), "force": np.zeros(2)}
+    check_lengths(struct("state_t", **state), lanes=1, n=system.n, n_forces=system.n_forces)
+    short = struct("state_t", **state | {"q": np.zeros(2), "v": np.zeros(2)})
+    with pytest.raises(InternalError, match="takes 3 n in state_t, this one has 2"):
+        check_lengths(short, lanes=1, n=system.n)
+    with pytest.raises(InternalError, match="takes 4 lanes in system_t, this one has 1"):
+        check_lengths(system, lanes=4)

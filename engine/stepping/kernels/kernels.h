@@ -1,6 +1,7 @@
 /* What the compiled loops take: the one description, read by the compiler and by library.py.
  *
- * Arrays are of double or int64_t, C-contiguous; shapes stand beside them. SI throughout. A force is a torque
+ * Arrays are of double or int64_t, C-contiguous; shapes stand beside them, and are checked as a struct is filled (library.py),
+ * as is that what is read is finite, unless `infinite` or `nan` stands there. SI throughout. A force is a torque
  * at one station; `reach` maps forces to modes and modal to station angles alike. Nothing is allocated in a loop:
  * room to work in comes with the call. No global state.
  *
@@ -105,7 +106,7 @@ typedef struct {
 typedef struct {
     int64_t n;               /* outputs */
     const double *position;  /* (n, modes; lanes) [N m] */
-    const double *velocity;  /* the same; none: all zero [N m s] */
+    const double *velocity;  /* (n, modes; lanes) none: all zero [N m s] */
     const double *force;     /* (n, forces; lanes) [1] */
 } torques_t;
 
@@ -142,7 +143,7 @@ typedef struct {
     const double *position, *velocity;            /* (n_pieces, n, n_outputs) torques of modes [N m, N m s] */
     const double *direct, *offset;                /* (n_pieces, n_forces, n_outputs) [1], (n_pieces, n_outputs) [N m] */
     const int64_t *damped;                        /* (n_pieces) whether velocities count */
-    const double *centres;                        /* (n_pieces, n, n_bodies, 2) where gears on bearings move */
+    const double *centres;                        /* (n_pieces, n, 2 n_bodies) where gears on bearings move */
     const double *bearing_stiffness, *bearing_damping; /* (n_bodies) [N/m, N s/m] */
     double *free, *forced, *solver;               /* (n_pieces, levels, 2, 2, n), (…, 2, 4, n), (…, 2 n_d, 2 n_d) */
     int64_t *made;                                /* (n_pieces, levels) 0: coefficients not made yet */

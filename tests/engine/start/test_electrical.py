@@ -149,7 +149,8 @@ def simulated(
     speeds, angles = [np.array([speed])], [np.zeros(1)]
     for stop in (round(FIELD_TIME / h), round(end / h)):
         count = stop - done
-        rows = {name: np.empty((count, 1)) for name in ("time", "speed", "torque", "torque_rate")}
+        rows = {name: np.empty(count) for name in ("time", "speed")}
+        rows |= {name: np.empty((1, count)) for name in ("torque", "torque_rate")}
         state = struct("state_t", q=q, v=v, phase=phase, force=np.zeros(1), force_rate=np.zeros(1))
         plan = struct(
             "stretches_t", most=1, n=np.array([1]), counts=np.array([count]), steps=np.array([h]),
@@ -159,8 +160,8 @@ def simulated(
         out, (drive, system) = struct("samples_t", rows=count, **rows), structs
         room = kernels.room_for(1, system, drive, angle)
         kernels.advance_starts(1, plan, system, drive, angle, state, out, room)
-        speeds.append(rows["speed"][:, 0])
-        angles.append(rows["torque"][:, 0])
+        speeds.append(rows["speed"])
+        angles.append(rows["torque"][0])
         electrical[3][:] = FIELD_TIME
         done = stop
     return np.concatenate(speeds), np.concatenate(angles)

@@ -49,8 +49,10 @@ def simulation(case: CaseData, step: float | None = None) -> Simulation:
     return Simulation(start.model, own, settings.method, settings.end_speed, start.maximum_time)
 
 
-def alike(a: SingleRun, b: SingleRun) -> None:
+def alike(a: object, b: object) -> None:
     """Every number that a start leaves is equal to the last bit."""
+    assert isinstance(a, SingleRun)
+    assert isinstance(b, SingleRun)
     assert a.end == b.end
     assert a.trajectory.reached == b.trajectory.reached
     assert np.array_equal(a.trajectory.time, b.trajectory.time)
@@ -162,14 +164,20 @@ def test_starts_of_other_forms_do_not_share_a_loop() -> None:
         alike(run, alone)
 
 
-def test_a_start_that_diverges_is_an_error() -> None:
+@pytest.mark.parametrize(
+    ("stiffness", "words"), [(-1e14, "diverged"), (math.nan, "finite numbers in system_t.stiffness")]
+)
+def test_a_start_that_has_no_end_is_an_error_and_hinders_no_other(
+    stiffness: float, words: str
+) -> None:
     sound = simulation(sample_case("proposed"))
-    broken = replace(sound, model=replace(sound.model, rate=np.full_like(sound.model.rate, np.nan)))
+    unstable = np.full_like(sound.model.stiffness, stiffness)
+    broken = replace(sound, model=replace(sound.model, stiffness=unstable))
     run, error = runs_of([sound, broken])
-    assert isinstance(run, SingleRun)
+    alike(run, runs_of([sound])[0])
     assert isinstance(error, InternalError)
-    assert "diverged" in str(error)
-    with pytest.raises(InternalError, match="diverged"):
+    assert words in str(error)
+    with pytest.raises(InternalError, match=words):
         simulated([sound, broken])
 
 

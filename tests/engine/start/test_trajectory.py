@@ -7,7 +7,6 @@ import pytest
 
 from engine.model.modal_analysis import analyse
 from engine.run import planned_start
-from engine.start import simulation
 from engine.start.reversals import torque_reversals
 from engine.start.trajectory import Recorder, turning_of
 from tests.sample_case import sample_case
@@ -76,7 +75,8 @@ def test_a_jump_between_two_samples_of_one_time_is_a_turning_point():
 def test_answers_do_not_depend_on_what_is_kept(monkeypatch):
     case = sample_case("proposed")
     whole = planned_start(case, analyse(case))
-    monkeypatch.setattr(simulation, "KEPT_VALUES", 20_000)
+    monkeypatch.setattr("engine.start.start.KEPT_VALUES", 20_000)
+    monkeypatch.setattr("engine.start.simulation.KEPT_VALUES", 20_000)
     thin = planned_start(case, analyse(case))
     assert thin.start.trajectory.thinned
     assert len(thin.start.trajectory.time) < 0.5 * len(whole.start.trajectory.time)
@@ -91,6 +91,6 @@ def test_answers_do_not_depend_on_what_is_kept(monkeypatch):
 
 
 def test_a_wanted_history_is_kept_whole(monkeypatch):
-    monkeypatch.setattr(simulation, "KEPT_VALUES", 20_000)
+    monkeypatch.setattr("engine.start.start.KEPT_VALUES", 20_000)
     case = sample_case("proposed", keep_history="npz")
     assert not planned_start(case, analyse(case)).start.trajectory.thinned
