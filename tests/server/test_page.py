@@ -196,7 +196,7 @@ def test_a_file_dropped_anywhere_is_verified_and_studied_and_its_mode_shapes_mov
     assert tab.locator("#document a").get_attribute("download") == "my train.tolerances.xlsx"
     sync_api.expect(tab.locator("#document")).to_contain_text("30 samples of")
     sync_api.expect(tab.locator("#document")).to_contain_text("seed 7")
-    with tab.expect_download() as report:
+    with tab.expect_download(timeout=120_000) as report:
         tab.get_by_role("button", name="Report for Word").click()
     assert report.value.suggested_filename == "my train.docx"
     earlier = {"name": "r0.xlsx", "mimeType": "", "buffer": b"no workbook"}
