@@ -7,8 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, cast
 
 from addin.calculation.calculation import Calculation
-from addin.charts.data import chart_blocks
-from addin.contract.charts import CHARTS
+from addin.charts.data import chart_blocks, history_limits
 from addin.contract.tables import RESULT_TABLES, TableSpec
 from addin.contract.version import product_version
 from addin.reading.typed_case import CaseInput
@@ -25,11 +24,6 @@ from torsionbook.problems import refuse
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
-
-    from addin.report.figures import Pictures
-
-#: Pictures that are no chart of a list of series.
-_DRAWN_APART = ("schematic", "train", "shapes")
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -117,17 +111,7 @@ class Results(Tables):
     @property
     def plots(self) -> tuple[str, ...]:
         """Pictures that can be had by `plot`. [names]"""
-        pictures = self._pictures()
-        charts = (
-            name
-            for name, spec in CHARTS.items()
-            # the report draws no chart with names along its axis
-            if name not in _DRAWN_APART
-            and spec.kind != "lines"
-            and all(series.table in pictures.charts.columns for series in spec.series)
-            and pictures.has_curve(name)
-        )
-        return (*_DRAWN_APART, *charts)
+        return tuple(self._pictures())
 
     def plot(self, name: str) -> Figure:
         """A picture of the report, in the units of the workbook.
@@ -142,22 +126,15 @@ class Results(Tables):
         matplotlib.figure.Figure
             To be shown, changed or saved. [shown units]
         """
-        if name not in self.plots:
-            raise LookupError(f"There is no picture '{name}'. There are {', '.join(self.plots)}.")
         pictures = self._pictures()
-        if name == "schematic":
-            picture = pictures.schematic(self._calculation.case)
-            assert picture is not None, "a case that was calculated has stations"
-            return cast("Figure", picture.drawing)
-        if name == "train":
-            return cast("Figure", pictures.train()[0].drawing)
-        shapes = self._calculation.tables["ModeShapes"]
-        picture = pictures.shapes(shapes) if name == "shapes" else pictures.chart(name)
+        if name not in pictures:
+            raise LookupError(f"There is no picture '{name}'. There are {', '.join(pictures)}.")
+        picture = pictures[name]()
         assert picture is not None, f"{name} has nothing to show"
         return cast("Figure", picture.drawing)
 
-    def _pictures(self) -> Pictures:
-        """The pictures of the report, drawn but not encoded."""
+    def _pictures(self) -> Mapping[str, Callable[[], Any]]:
+        """The pictures of the report, to be drawn but not encoded."""
         extra("matplotlib", "pictures")
         from addin.report.figures import Charts, Pictures
 
@@ -166,7 +143,10 @@ class Results(Tables):
             chosen_elements(self._read.workbook) if isinstance(self._read, WorkbookInput) else ()
         )
         blocks = chart_blocks(run.case, units, run.view, chosen)
-        return Pictures(Charts.of(blocks), vectors=False, pixels=False)
+        limits = history_limits(run.case, units, run.view, chosen)
+        pictures = Pictures(Charts.of(blocks), vectors=False, pixels=False, limits=limits)
+        synchronous = run.case.ratings.synchronous_speed
+        return pictures.by_name(run.case, run.tables["ModeShapes"], synchronous)
 
     def to_json(self) -> dict[str, Any]:
         """The object of the results JSON, as ``torsionbook recalc --json`` writes it. [SI]"""

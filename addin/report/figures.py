@@ -11,6 +11,7 @@ import math
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -42,6 +43,12 @@ _LONGEST = 30
 #: Items in a line of the train drawing, lines in a picture, height of a line [mm]: with names below
 #: them, and without where there are more than so many.
 _NAMED_LINES, _NAMED_ITEMS, _NAMELESS_LINES = (25, 3, 53.0), 300, (200, 6, 24.0)
+#: Pictures that are no chart of a list of series.
+_DRAWN_APART = ("schematic", "train", "shapes")
+#: Charts that share pictures; the last one is of the workbook alone.
+_HISTORIES = tuple(f"history {k}" for k in range(1, HISTORIES + 1))
+_REVERSAL = ("reversal", "blow", "forces")
+_SHARED = (*_HISTORIES, *_REVERSAL, "governing")
 #: Places for items that a line has at least.
 _FEWEST_ITEMS = 11
 #: Names of so few items stand upright.
@@ -146,29 +153,36 @@ class Pictures:
 
     def train(self) -> list[Figure]:
         """Discs and shafts along the centre line, a colour a speed; a long train in several pictures."""
-        names = [clean(str(name or "")) for name in self.charts.columns["ChartTrain"]["Item"]]
+        return [self._train_part(part) for part in range(len(self._train_parts()))]
+
+    def _train_names(self) -> list[str]:
+        return [clean(str(name or "")) for name in self.charts.columns["ChartTrain"]["Item"]]
+
+    def _train_parts(self) -> list[list[range]]:
+        """Of each picture the lines, of each line the items."""
+        names = self._train_names()
         if not any(names):
             return []
-        named = len(names) <= _NAMED_ITEMS
-        per_line, together, height = _NAMED_LINES if named else _NAMELESS_LINES
-        count = math.ceil(len(names) / per_line)
-        size = math.ceil(len(names) / count)
+        per_line, together, _ = _NAMED_LINES if len(names) <= _NAMED_ITEMS else _NAMELESS_LINES
+        size = math.ceil(len(names) / math.ceil(len(names) / per_line))
         lines = [range(k, min(k + size, len(names))) for k in range(0, len(names), size)]
-        pictures = [lines[k : k + together] for k in range(0, len(lines), together)]
-        figures = []
-        for part, some in enumerate(pictures, start=1):
-            with _style():
-                drawing, axes = _new(len(some), height * len(some) + 5.0)
-                for ax, items in zip(axes, some, strict=True):
-                    self._train_line(ax, names if named else (), items)
-                    middle = 0.5 * (items[0] + items[-1])
-                    half = 0.5 * max(size, _FEWEST_ITEMS) + 0.1
-                    ax.set_xlim(middle - half, middle + half)
-                self._speed_legend(drawing)
-                which = "" if len(pictures) == 1 else f", part {part} of {len(pictures)}"
-                which += "" if named else " (names are in the tables)"
-                figures.append(self._picture(drawing, f"Train{which}: {CHARTS['train'].caption}"))
-        return figures
+        return [lines[k : k + together] for k in range(0, len(lines), together)]
+
+    def _train_part(self, part: int) -> Figure:
+        names, parts = self._train_names(), self._train_parts()
+        named, some = len(names) <= _NAMED_ITEMS, parts[part]
+        *_, height = _NAMED_LINES if named else _NAMELESS_LINES
+        with _style():
+            drawing, axes = _new(len(some), height * len(some) + 5.0)
+            for ax, items in zip(axes, some, strict=True):
+                self._train_line(ax, names if named else (), items)
+                middle = 0.5 * (items[0] + items[-1])
+                half = 0.5 * max(len(parts[0][0]), _FEWEST_ITEMS) + 0.1
+                ax.set_xlim(middle - half, middle + half)
+            self._speed_legend(drawing)
+            which = "" if len(parts) == 1 else f", part {part + 1} of {len(parts)}"
+            which += "" if named else " (names are in the tables)"
+            return self._picture(drawing, f"Train{which}: {CHARTS['train'].caption}")
 
     def _train_line(self, ax: Any, names: Sequence[str], items: range) -> None:
         columns = self.charts.columns["ChartTrain"]
@@ -420,36 +434,32 @@ class Pictures:
 
     # ---- histories -----------------------------------------------------------------------------
 
-    def histories(self, synchronous: float | None, together: int = 2) -> list[Figure]:
-        """Torque, stress or tooth load of the drawn elements, several below each other, as the paper's Figures 7 and 8.
+    def histories(self, synchronous: float | None) -> list[Figure]:
+        """Torque, stress or tooth load of the drawn elements, two below each other, as the paper's Figures 7 and 8.
 
         Parameters
         ----------
         synchronous : float or None
             Synchronous speed, for the axis of per cent speed above. [rad/s]
-        together : int
-            Elements a picture. [count]
         """
-
-        drawn = [f"history {k}" for k in range(1, HISTORIES + 1) if self.has_curve(f"history {k}")]
-        pictures = []
-        for start in range(0, len(drawn), together):
-            some = drawn[start : start + together]
-            limits = [self._limit(name) for name in some]
-
-            def more(axes: Sequence[Any], limits: Sequence[Limit | None] = limits) -> None:
-                self._percent_speed(axes[0], synchronous)
-                for ax, limit in zip(axes, limits, strict=True):
-                    _limit_lines(ax, limit)
-                    self._crossed_modes(ax)
-
-            titles = "; ".join(self._words(CHARTS[name].title) for name in some)
-            pictures.append(
-                self.panels(
-                    some, f"Start against time: {titles}", titled=True, same_x=True, more=more
-                )
-            )
+        pictures = (self._histories(some, synchronous) for some in self._history_groups())
         return [picture for picture in pictures if picture is not None]
+
+    def _history_groups(self, together: int = 2) -> list[list[str]]:
+        """Charts of each picture."""
+        drawn = [name for name in _HISTORIES if self.has_curve(name)]
+        return [drawn[k : k + together] for k in range(0, len(drawn), together)]
+
+    def _histories(self, some: Sequence[str], synchronous: float | None) -> Figure | None:
+        def more(axes: Sequence[Any]) -> None:
+            self._percent_speed(axes[0], synchronous)
+            for ax, name in zip(axes, some, strict=True):
+                _limit_lines(ax, self._limit(name))
+                self._crossed_modes(ax)
+
+        titles = "; ".join(self._words(CHARTS[name].title) for name in some)
+        caption = f"Start against time: {titles}"
+        return self.panels(some, caption, titled=True, same_x=True, more=more)
 
     def _limit(self, name: str) -> Limit | None:
         """The limit of a history by the name of its chart."""
@@ -500,10 +510,52 @@ class Pictures:
     def reversal(self) -> Figure | None:
         """Torque around the deepest reversal: all of it, closely, and the forces then."""
         return self.panels(
-            ("reversal", "blow", "forces"),
+            _REVERSAL,
             "Tooth torque around its minimum in the start",
             titled=True,
         )
+
+    # ---- by name -------------------------------------------------------------------------------
+
+    def by_name(
+        self,
+        case: CaseData,
+        shapes: Sequence[Mapping[str, Any]],
+        synchronous: float | None,
+    ) -> dict[str, Callable[[], Figure | None]]:
+        """Every picture of a report that has something to show, but those of studies, by a name.
+
+        Parameters
+        ----------
+        case : CaseData
+            What was calculated. [SI]
+        shapes : sequence of mapping
+            Rows of table ModeShapes. [SI]
+        synchronous : float or None
+            Synchronous speed. [rad/s]
+        """
+        trains = [partial(self._train_part, part) for part in range(len(self._train_parts()))]
+        groups = self._history_groups()
+        charts = (
+            name
+            for name, spec in CHARTS.items()
+            # the report draws no chart with names along its axis
+            if name not in (*_DRAWN_APART, *_SHARED)
+            and spec.kind != "lines"
+            and all(series.table in self.charts.columns for series in spec.series)
+            and self.has_curve(name)
+        )
+        return {
+            "schematic": partial(self.schematic, case),
+            **{"train" if k == 1 else f"train {k}": one for k, one in enumerate(trains, 1)},
+            "shapes": partial(self.shapes, shapes),
+            **{name: partial(self.chart, name) for name in charts},
+            **{
+                f"histories {k}": partial(self._histories, some, synchronous)
+                for k, some in enumerate(groups, 1)
+            },
+            **({"reversal": self.reversal} if any(map(self.has_curve, _REVERSAL)) else {}),
+        }
 
     # ---- studies -------------------------------------------------------------------------------
 

@@ -171,10 +171,9 @@ def configured(
     for name, value in map(_limit_of_flag, limits):
         typed_limits[name] = Typed(value, f"--limit {name}", here)
     values = {name: OPTIONS[name](given) for name, given in typed.items()}
-    if "api_key_file" in values:
-        values["api_key_file"] = read_keys(values["api_key_file"])
-    if "shared_key_file" in values:
-        values["shared_key_file"] = read_secret(values["shared_key_file"])
+    for name, read in (("api_key_file", read_keys), ("shared_key_file", read_secret)):
+        if name in values:
+            values[name] = read(values[name], typed[name].place)
     if values.pop("dev_cert", False):
         if "cert" in values or "key" in values:
             raise SettingsError(

@@ -144,7 +144,7 @@ def studied(task: FileTask, tell: Tell) -> Outcome:
         return (), outcome.warnings, {"blocks": [{"text": text} for text in texts], "files": made}
     options = {option.name: option.default for option in study.options} | settings
     blocks: list[Block] = [
-        {"text": block.strip()}
+        {"text": block.strip(), **({"below": True} if block.startswith("    ") else {})}
         if isinstance(block, str)
         else {"title": "", "rows": [[name for name, _ in block.columns], *map(list, block.rows)]}
         for block in study.terminal(outcome.result, options)

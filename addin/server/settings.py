@@ -116,6 +116,10 @@ class Settings:
                 "use this machine. Give --api-key-file with one key per line."
             )
         self._check_shared()
+        if self.shared_time < 1:
+            raise SettingsError(
+                f"{self.place('shared_time')} is {self.shared_time:g} s; it must be at least 1 s."
+            )
         if self.workers < 1:
             raise SettingsError(
                 f"{self.place('workers')} is {self.workers}; at least 1 process is needed."
@@ -150,10 +154,6 @@ class Settings:
             raise SettingsError(
                 f"{self.place('shared')}: whoever can write there could have this server run anything. Give all servers "
                 "one secret with --shared-key-file."
-            )
-        if self.shared_time < 1:
-            raise SettingsError(
-                f"{self.place('shared_time')} is {self.shared_time:g} s; it must be at least 1 s."
             )
 
     @property
@@ -260,8 +260,15 @@ def check_certificate(settings: Settings) -> None:
         ) from None
 
 
-def read_keys(path: Path) -> frozenset[str]:
+def read_keys(path: Path, place: str = "--api-key-file") -> frozenset[str]:
     """API keys of a file: one per line, text after # is a remark.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    place : str
+        Where it was named. [words]
 
     Raises
     ------
@@ -271,32 +278,42 @@ def read_keys(path: Path) -> frozenset[str]:
     try:
         lines: Iterable[str] = path.read_text(encoding="utf-8").splitlines()
     except (OSError, UnicodeDecodeError) as wrong:
+        why = wrong.strerror if isinstance(wrong, OSError) else "it is no text in UTF-8"
         raise SettingsError(
-            f"{path} cannot be read as a list of API keys: {wrong}. Write one key per line."
+            f"{place}: {path} cannot be read: {why}. Name a file with one key per line."
         ) from None
     keys = {key for line in lines if (key := line.partition("#")[0].strip())}
     if not keys:
-        raise SettingsError(f"{path} contains no API key. Write one key per line.")
+        raise SettingsError(f"{place}: {path} contains no key. Write one key per line.")
     for key in keys:
         if len(key) < SHORTEST_KEY or not key.isascii() or " " in key:
             raise SettingsError(
-                f"{path}: the key '{key[:3]}…' cannot be used. A key has at least {SHORTEST_KEY} letters "
+                f"{place}: the key '{key[:3]}…' in {path} cannot be used. A key has at least {SHORTEST_KEY} letters "
                 'and digits, such as: python -c "import secrets; print(secrets.token_urlsafe(24))"'
             )
     return frozenset(keys)
 
 
-def read_secret(path: Path) -> str:
+def read_secret(path: Path, place: str = "--shared-key-file") -> str:
     """The one secret of a file, which all servers of a shared memory have.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    place : str
+        Where it was named. [words]
 
     Raises
     ------
     SettingsError
         If the file cannot be read, holds none, several, or one that can be guessed.
     """
-    found = read_keys(path)
+    found = read_keys(path, place)
     if len(found) > 1:
-        raise SettingsError(f"{path} contains {len(found)} keys; all servers share one secret.")
+        raise SettingsError(
+            f"{place}: {path} contains {len(found)} keys; all servers share one secret."
+        )
     return next(iter(found))
 
 

@@ -76,7 +76,7 @@ def _terminal(study: StudyResult, options: Mapping[str, Any]) -> Iterator[Termin
                 m.of or "–",
                 str(m.row),
                 *(_in_unit(v, units[m.kind]) for v in (m.measured, m.before, m.after)),
-                "–" if m.residual is None else f"{m.residual:+.2f}",
+                "–" if m.residual is None else f"{m.residual:+z.2f}",
                 m.note,
             )
             for m in study.result.measurements
@@ -89,8 +89,8 @@ def _terminal(study: StudyResult, options: Mapping[str, Any]) -> Iterator[Termin
             (
                 p.quantity,
                 p.name,
-                f"{100.0 * p.change:+.1f} %",
-                f"{100.0 * p.change_low:+.1f} to {100.0 * p.change_high:+.1f} %"
+                f"{100.0 * p.change:+z.1f} %",
+                f"{100.0 * p.change_low:+z.1f} to {100.0 * p.change_high:+z.1f} %"
                 if study.result.intervals_hold
                 else "–",
                 p.determined,

@@ -285,3 +285,12 @@ def test_the_command_line_starts_light():
     )
     assert done.returncode == 0, done.stderr
     assert done.stdout.split() == []
+
+
+@pytest.mark.parametrize("module", ["addin.server.app", "addin.worksheet.functions", "torsionbook"])
+def test_functions_and_servers_start_without_scipy(module):
+    """Each process of a server loads them; SciPy would double the time until its first answer."""
+    script = f"import sys, {module}\nprint(sorted({{'scipy', 'pandas', 'openpyxl', 'matplotlib'}} & set(sys.modules)))\n"
+    words = [sys.executable, "-c", script]
+    done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, timeout=60, check=True)
+    assert done.stdout == "[]\n"

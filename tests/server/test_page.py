@@ -21,6 +21,10 @@ FRAMES = """[...document.querySelectorAll('#speed figure, #histories figure')].m
   return [x0, x1, one.querySelector('.reading').textContent];
 })"""
 
+#: Tables of a document that go on beyond its edge.
+OVER_THE_EDGE = """[...document.querySelectorAll('#document .scroll')]
+  .filter(one => one.scrollWidth > one.clientWidth).length"""
+
 
 def opened(page, name="example_modified"):
     page.goto("/")
@@ -192,7 +196,7 @@ def test_a_file_dropped_anywhere_is_verified_and_studied_and_its_mode_shapes_mov
     assert tab.locator("#document a").get_attribute("download") == "my train.tolerances.xlsx"
     sync_api.expect(tab.locator("#document")).to_contain_text("30 samples of")
     sync_api.expect(tab.locator("#document")).to_contain_text("seed 7")
-    with tab.expect_download() as report:
+    with tab.expect_download(timeout=120_000) as report:
         tab.get_by_role("button", name="Report for Word").click()
     assert report.value.suggested_filename == "my train.docx"
     earlier = {"name": "r0.xlsx", "mimeType": "", "buffer": b"no workbook"}
@@ -200,6 +204,9 @@ def test_a_file_dropped_anywhere_is_verified_and_studied_and_its_mode_shapes_mov
     sync_api.expect(tab.locator("#problems")).to_contain_text("earlier.json is not JSON")
     tab.locator("#earlier").set_input_files(TEMPLATES / "example_modified.xlsx")
     sync_api.expect(tab.locator("#document")).to_contain_text("Verdict before")
+    tab.set_viewport_size({"width": 320, "height": 900})
+    assert tab.evaluate(OVER_THE_EDGE) == 0, "on a narrow page each cell stands below the other"
+    tab.set_viewport_size({"width": 1280, "height": 900})
     curve = tab.locator("#motion path.line")
     largest = curve.get_attribute("d")
     tab.get_by_role("button", name="Move", exact=True).click()

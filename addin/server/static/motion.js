@@ -64,7 +64,7 @@ export function showMotion(rows, items, frequencies) {
 
 /** The picture of one mode; `move` shows it at a share of its largest twist. */
 function pictureOf(stations, name) {
-  const width = Math.max(560, 90 + 78 * stations.length), step = (width - 110) / Math.max(1, stations.length - 1);
+  const width = Math.max(560, 90 + 58 * stations.length), step = (width - 110) / Math.max(1, stations.length - 1);
   const svg = element("svg", { viewBox: `0 0 ${width} ${HEIGHT}`, role: "img", class: "motion", width, "aria-label": `${name}: ${stations.filter(Boolean).map(one => `${one.name} ${one.twist.toFixed(2)}`).join(", ")}` });
   const toX = i => 60 + step * i, toY = twist => MIDDLE - SWING * twist;
   for (const twist of [-1, 0, 1]) {

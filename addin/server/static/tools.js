@@ -33,7 +33,7 @@ async function documentOf(task, query, name, body, { signal, stage }) {
   at("document").replaceChildren();
   const response = await ask(`/api/v1/${task}?${words}`, { body, signal });
   const { value, warnings } = await lastLine(response, stage);
-  const blocks = value.blocks.flatMap(({ text, title, rows }) => (rows ? tableOf(title, rows) : [made("p", text)]));
+  const blocks = value.blocks.flatMap(({ text, below, title, rows }, k) => (rows ? tableOf(title, rows, k) : [made("p", text, below ? "hint below" : "")]));
   const files = value.files.map(file => linkTo(file, `${name.replace(/\.[^.]*$/, "")}${query.study ? `.${query.study}` : ""}${file.ending}`));
   const notes = warnings.map(text => made("p", `Note: ${text}`, "hint"));
   at("document").replaceChildren(...files, ...blocks, ...notes);
@@ -42,12 +42,15 @@ async function documentOf(task, query, name, body, { signal, stage }) {
   return { report: "The report is in your downloads.", verify: "Verified; see below.", diff: "Compared; see below.", study: "The study is done; see below." }[task];
 }
 
-function tableOf(title, rows) {
+function tableOf(title, rows, place) {
   const drawn = made("div", null, "scroll");
   drawn.tabIndex = 0;
   drawn.setAttribute("role", "region");
-  drawn.setAttribute("aria-label", title || "Table of the study");
+  drawn.setAttribute("aria-label", title || `Table of the study, part ${place + 1}`);
   drawn.append(table(rows, ""));
+  // on a narrow page each cell stands below the one before, with the header before it
+  const heads = [...drawn.querySelectorAll("th")].map(one => one.textContent);
+  for (const row of drawn.querySelectorAll("tbody tr")) [...row.cells].forEach((cell, j) => { cell.dataset.head = heads[j]; });
   return title ? [made("h3", title), drawn] : [drawn];
 }
 

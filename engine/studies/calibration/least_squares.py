@@ -30,8 +30,6 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from scipy import special
-from scipy.optimize import least_squares, linear_sum_assignment
 
 from engine.arrays import Floats, Ints
 from engine.case.data import CaseData
@@ -106,6 +104,8 @@ class Unknowns:
         factor, slope : ndarray, shape (..., n_unknowns)
             p and d ln p/dz. [1]
         """
+        from scipy import special
+
         z = np.asarray(z, dtype=float)
         p, change = np.ones(z.shape), np.zeros(z.shape)
         density = np.exp(-0.5 * z**2) / math.sqrt(2.0 * math.pi)
@@ -275,6 +275,27 @@ class FrequencyModel:
         return np.asarray(np.linalg.norm(self.gradient(state) * self.unknowns.deviation, axis=1))
 
 
+def one_to_one(cost: Floats) -> tuple[Ints, Ints]:
+    """The cheapest assignment of rows to columns.
+
+    Parameters
+    ----------
+    cost : ndarray, shape (n_rows, n_columns)
+        Of each pair. [any]
+
+    Returns
+    -------
+    rows, columns : ndarray of int
+        The pairs. [indices]
+    """
+    from scipy.optimize import (
+        linear_sum_assignment,
+    )  # a third of a second that only a calibration pays
+
+    rows, columns = linear_sum_assignment(cost)
+    return rows, columns
+
+
 def match_modes_by_mac(reference: Floats, vectors: Floats) -> Ints:
     """Which mode of one train is which of another, by shape.
 
@@ -288,7 +309,7 @@ def match_modes_by_mac(reference: Floats, vectors: Floats) -> Ints:
     ndarray of int, shape (n_elastic,)
         Number of the mode that each one of the reference has become. [index]
     """
-    _, order = linear_sum_assignment(-((reference.T @ vectors) ** 2))
+    _, order = one_to_one(-((reference.T @ vectors) ** 2))
     return np.asarray(order)
 
 
@@ -359,7 +380,7 @@ def assign(
         for b, m in enumerate(modes):
             barred = (i, m) in forbidden or near[i, m] > GATE
             cost[a, b] = 1e6 if barred else near[i, m] ** 2
-    for a, b in zip(*linear_sum_assignment(cost), strict=True):
+    for a, b in zip(*one_to_one(cost), strict=True):
         if b < len(modes):
             mode_of[open_[a]] = modes[b]
     return mode_of
@@ -577,6 +598,8 @@ def solve(
     problem = _Problem(model, readings, modes, peaks)
     z = np.zeros(model.unknowns.number) if begin is None else begin
     if (modes or peaks) and len(z):
+        from scipy.optimize import least_squares
+
         limit = EXACT if peaks is None else NOISY
         steps = None if peaks is None else NOISY_STEPS
         z = least_squares(
@@ -617,7 +640,7 @@ def solution_at(
         stated = readings[i].mode
         if stated is not None:
             likeness[stated, at] += 2.0
-    _, order = linear_sum_assignment(-likeness)
+    _, order = one_to_one(-likeness)
     mode_at = {int(at): mode for mode, at in enumerate(order)}
     modes = {i: mode_at[at] for i, at in taken.items()}
     problem = _Problem(model, readings, modes, None)

@@ -29,9 +29,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
-from scipy.special import ndtri
-from scipy.stats import qmc
 
 from engine.arrays import Floats, Ints
 from engine.case.study_inputs import INERTIA, STIFFNESS
@@ -40,6 +37,7 @@ from engine.studies.calibration.least_squares import (
     Reading,
     Solution,
     match_modes_by_mac,
+    one_to_one,
 )
 
 #: Where the search begins, beside the first solution. [count]
@@ -258,7 +256,7 @@ def exchanged(model: FrequencyModel, first: Floats, other: Floats) -> list[tuple
     kinds = [f.quantity for f in model.unknowns.factors]
     alike = np.array([[a == b for b in kinds] for a in kinds])
     cost = np.where(alike, np.abs(other[:, None] - first[None, :]), 1e6)
-    _, place = linear_sum_assignment(cost)
+    _, place = one_to_one(cost)
     pairs = [(j, int(k)) for j, k in enumerate(place) if j < k and place[k] == j]
     pairs = [(j, k) for j, k in pairs if abs(first[j] - first[k]) > SAME]
     if not pairs:
@@ -386,7 +384,7 @@ def _assigned(target: _Target, rows: Sequence[Reading], frequency: Floats, fixed
         taken = {int(mode[a]) for a, r in enumerate(rows) if r.mode is not None}
         left = np.array([m for m in range(len(frequency)) if m not in taken])
         off = np.log(target.measured[open_, None] / frequency[left])
-        for a, b in zip(*linear_sum_assignment(off**2), strict=True):
+        for a, b in zip(*one_to_one(off**2), strict=True):
             mode[open_[a]] = left[b]
     return mode
 
@@ -426,6 +424,9 @@ def _least(
 
 def _normal(number: int, dimension: int, seed: int) -> Floats:
     """Standard normal points of a Latin hypercube."""
+    from scipy.special import ndtri
+    from scipy.stats import qmc  # most of a second that only a calibration pays
+
     return np.asarray(ndtri(qmc.LatinHypercube(dimension, seed=seed).random(number)))
 
 
