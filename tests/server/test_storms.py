@@ -3,14 +3,16 @@
 import socket
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import Any
 
 import pytest
 from office_page import cell, launched, load_in_office
-from playwright import sync_api
 from servers import SLOW_PROGRAM, SMALL_QUEUE, outside, slow_case
 from sheet_ranges import model_arguments
 
 from addin.worksheet import registry
+
+sync_api = pytest.importorskip("playwright.sync_api")  # not under Wine
 
 pytestmark = [pytest.mark.needs_browser, pytest.mark.slow]
 
@@ -42,7 +44,7 @@ TRAINS = """async ([given, row, column, count]) => {
 
 
 @contextmanager
-def office_at(program: tuple[str, ...]) -> Iterator[sync_api.Page]:
+def office_at(program: tuple[str, ...]) -> Iterator[Any]:
     """The page as Office loads it, of a server with one process."""
     with outside(program=program) as address, sync_api.sync_playwright() as playwright:
         browser = launched(playwright)
@@ -56,7 +58,7 @@ def office_at(program: tuple[str, ...]) -> Iterator[sync_api.Page]:
 
 
 @pytest.fixture
-def page() -> Iterator[sync_api.Page]:
+def page() -> Iterator[Any]:
     with office_at(SLOW_PROGRAM) as page:
         yield page
 
