@@ -34,6 +34,7 @@ PLACE = ROOT / "build" / "windows"
 PYTHON, CHECKOUT, PREFIX = PLACE / "python", PLACE / "checkout", PLACE / "prefix"
 SITE = PYTHON / "lib" / "site-packages"
 RECORD, PAGE = ROOT / "benchmarks" / "records" / "windows.json", ROOT / "docs" / "windows.md"
+KILLS = ROOT / "benchmarks" / "records" / "wine_kills.json"
 #: What `.ci/run` tries there, of tests/: names, replaced files, Ctrl-C, line ends of what is built, processes.
 SAMPLE = (
     "xlsx/test_places.py",
@@ -60,6 +61,13 @@ Only the parts in the table were tried, their quick tests, on a machine that was
 
 {bad}
 
+## Kills
+
+`python -m benchmarks.wine_kills --record` ends a command by TerminateProcess before its calls that open for writing, write, flush, rename, remove or make
+a folder, as an audit hook of Python counts them, and halfway through writes. Demanded as [on Linux](safety.md#kills-errors-full-disks-power);
+the command is run again from unequal folders, there too. Commands of several processes (batch) are not tried.
+
+{kills}
 ## What cannot run there
 
 | What | Why |
@@ -323,15 +331,38 @@ def try_parts(parts: Sequence[str]) -> int:
     return int(bool(status))
 
 
+def kills_table() -> str:
+    """What was killed under Wine, from its record."""
+    if not KILLS.exists():
+        return "Not tried.\n"
+    record = json.loads(KILLS.read_text("utf-8"))
+    lines = ["| Command | calls | killed | run again | faults |", "|---|---:|---:|---:|---:|"]
+    for name, row in sorted(record.items()):
+        share = f" (1 of {row['every']})" if row["every"] > 1 else ""
+        lines.append(
+            f"| {name} | {row['calls']} | {row['killed']}{share} | {row['again']} | {len(row['faults'])} |"
+        )
+    sums = (
+        sum(r["killed"] for r in record.values()),
+        sum(r["again"] for r in record.values()),
+        sum(len(r["faults"]) for r in record.values()),
+    )
+    lines.append("| **all** | | " + " | ".join(map(str, sums)) + " |")
+    return "\n".join(lines) + "\n"
+
+
 def write_page(record: Mapping[str, Any]) -> None:
-    """docs/windows.md, from the record."""
+    """docs/windows.md, from the records."""
     lines = [
         f"| {part} | {found['passed']} | {found['failed']} | {found['skipped']} | {found['seconds']} |"
         for part, found in sorted(record.items())
     ]
     bad = [f"- `{name}`" for part in sorted(record) for name in record[part]["not passed"]]
     PAGE.write_text(
-        PAGE_WORDS.format(table="\n".join(lines), bad="\n".join(bad) or "None."), encoding="utf-8"
+        PAGE_WORDS.format(
+            table="\n".join(lines), bad="\n".join(bad) or "None.", kills=kills_table()
+        ),
+        encoding="utf-8",
     )
 
 
