@@ -166,7 +166,12 @@ def ended(command: Command, folder: Path, hindrance: Hindrance) -> Ended:
         control.write_bytes(hindrance.control(folder))
         process = os.fork()
         if process == 0:
-            _run(command, folder, out, control)
+            try:
+                _run(command, folder, out, control)
+            except KeyboardInterrupt:  # of a command that watched, when it had ended
+                os._exit(130)
+            finally:  # nothing of this program goes on there
+                os._exit(97)
         status = _waited(process, command, folder, out)
         said = out.read_text(errors="replace") if out.exists() else ""
         calls = Calls(*CONTROL.unpack(control.read_bytes())[:4])

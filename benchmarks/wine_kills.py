@@ -192,6 +192,7 @@ def main(given: Sequence[str] | None = None) -> int:
         commands = [one for name in asked.only for one in commands if one.name == name]
     windows.prepare()
     windows.lay_checkout()
+    windows.begin()
     until, total, faults = time.monotonic() + 60 * asked.minutes, Counter[str](), 0
     try:
         with tempfile.TemporaryDirectory(prefix="calls-") as place:

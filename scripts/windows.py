@@ -2,7 +2,7 @@
 
 A CPython for Windows runs under Wine in `build/windows`, with the locked packages and a copy of the checkout. Whatever Wine 8
 lacks is put beside it there and nowhere else: functions of complex numbers, `ProcessPrng`, `python3.dll`.
-Without words: the sample that `.ci/run` tries. `--record PART...` tries rooms or files of tests/ and writes docs/windows.md,
+Without words: the sample that `.ci/run` tries, and `torsionbook.exe`. `--record PART...` tries rooms or files of tests/ and writes docs/windows.md,
 `--run WORD...` runs the command line there, `--python WORD...` the interpreter. Exit status: that of the program. Needs wine (with wine64), mvn and the package ziglang.
 """
 
@@ -36,10 +36,16 @@ PYTHON, CHECKOUT, PREFIX = PLACE / "python", PLACE / "checkout", PLACE / "prefix
 SITE = PYTHON / "lib" / "site-packages"
 RECORD, PAGE = ROOT / "benchmarks" / "records" / "windows.json", ROOT / "docs" / "windows.md"
 KILLS = ROOT / "benchmarks" / "records" / "wine_kills.json"
-#: What `.ci/run` tries there, of tests/: names, replaced files, Ctrl-C, line ends of what is built, processes.
+#: What `.ci/run` tries there, of each room that the page names: what hangs on the system.
 SAMPLE = (
     "xlsx/test_places.py",
+    "xlsx/test_temporary.py",
     "xlsx/test_package_save.py",
+    "workbook/test_write_results.py",
+    "workbook/test_start_cycles.py",
+    "hostile/test_hostile_fronts.py",
+    "batch/test_journal.py",
+    "server/test_http.py",
     "cli/test_replaced_files.py",
     "cli/test_ctrl_c.py",
     "workers",
@@ -49,8 +55,9 @@ PAGE_WORDS = """\
 
 Made by `python scripts/windows.py --record PART...` (parts of `tests/`) from `benchmarks/records/windows.json`.
 
-A CPython 3.13 for Windows runs under Wine 8 with the locked packages (`make windows`, of which `.ci/run` makes a sample). Wine is not Windows:
-what passes is evidence, what fails is a defect or a gap of Wine.
+A CPython 3.13 for Windows runs under Wine 8 with the locked packages (`make windows`). Wine is not Windows: what passes is evidence, what fails is
+a defect or a gap of Wine. `.ci/run` tries {sample}; it starts `torsionbook.exe`, recalculates with it, lists the
+libraries of the packages in the zip, and kills `export` at some calls.
 
 | Tests | passed | failed | skipped | seconds |
 |---|---:|---:|---:|---:|
@@ -64,7 +71,7 @@ Only the parts in the table were tried, their quick tests, on a machine that was
 
 ## Kills
 
-`python -m benchmarks.wine_kills --record` ends a command by TerminateProcess before its calls that open for writing, write, flush, rename, remove or make
+`make kills-windows` ends a command by TerminateProcess before its calls that open for writing, write, flush, rename, remove or make
 a folder, as an audit hook of Python counts them, and halfway through writes. Demanded as [on Linux](safety.md#kills-errors-full-disks-power);
 the command is run again from unequal folders, there too. Commands of several processes (batch) are not tried.
 
@@ -387,6 +394,15 @@ def start(program: Path, words: Sequence[str | Path]) -> int:
     return process.returncode
 
 
+def begin() -> None:
+    """Start Wine's own processes, which would else begin with the first program and hold its output open after its end."""
+    for words in (["wineserver", "-p"], ["wine", "cmd", "/c", "exit"]):
+        subprocess.run(
+            words, env=os.environ | WINE, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL, check=False,
+        )  # fmt: skip
+
+
 def end() -> None:
     """End Wine's own server, which would go on writing."""
     for word in ("-k", "-w"):
@@ -457,7 +473,10 @@ def write_page(record: Mapping[str, Any]) -> None:
     bad = [f"- `{name}`" for part in sorted(record) for name in record[part]["not passed"]]
     PAGE.write_text(
         PAGE_WORDS.format(
-            table="\n".join(lines), bad="\n".join(bad) or "None.", kills=kills_table()
+            sample=", ".join(f"`{part}`" for part in SAMPLE),
+            table="\n".join(lines),
+            bad="\n".join(bad) or "None.",
+            kills=kills_table(),
         ),
         encoding="utf-8",
     )
@@ -472,6 +491,7 @@ def main(words: list[str]) -> int:
     """Prepare, and run what the first word says."""
     prepare()
     lay_checkout()
+    begin()
     started = time.monotonic()
     try:
         if words[:1] == ["--run"]:
