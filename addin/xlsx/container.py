@@ -301,6 +301,8 @@ def read_file(path: Path, limit: int = DEFAULT_LIMITS.file_size) -> bytes:
             raise WorkbookRefused(
                 "unreadable", f"{path} is a device or a pipe, not a workbook. Name a workbook."
             )
+        if stat.S_ISDIR(about.st_mode):  # Windows would say that it may not be read
+            raise IsADirectoryError(path)
         if about.st_size > limit:
             raise WorkbookRefused(
                 "too large",
