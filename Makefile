@@ -34,7 +34,7 @@ TRIALS :=
 
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help demo test slow-tests test-long test-machines explore validate kills fuzz check format docs bench goals calibration-study sensitivity-study mutations generated templates wheel wheels same-bits sanitize smoke windows front-windows zips lock clean distclean moved
+.PHONY: help demo test slow-tests test-long test-machines explore validate kills fuzz check format docs bench goals calibration-study sensitivity-study mutations generated templates wheel wheels same-bits sanitize smoke windows front-windows kills-windows zips lock clean distclean moved
 
 help:
 	@echo "make demo           recalculate two example workbooks into build/demo"
@@ -61,6 +61,7 @@ help:
 	@echo "make sanitize       the tests of the loops with memory and arithmetic watched (needs gcc)"
 	@echo "make smoke          install that wheel outside the checkout and use it"
 	@echo "make windows        tests in a Windows Python under Wine (ARGS=\"tests/xlsx\"; default: a sample)"
+	@echo "make kills-windows  kill commands at file calls under Wine (ARGS=\"--every 2 --only upgrade\")"
 	@echo "make front-windows  every worksheet function under Wine, to the bit, into docs/fronts.md"
 	@echo "make zips           zips for Windows and Linux with their own Python, into build/zips"
 	@echo "make lock           lock the dependencies anew (LOCK=--upgrade for newer versions)"
@@ -156,6 +157,11 @@ smoke: wheel
 windows: $(DEV_READY) $(LOOPS)
 	$(PY) -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements/build.txt
 	$(PY) scripts/windows.py $(ARGS)
+	$(if $(ARGS),,$(PY) -m benchmarks.wine_kills --only export --every 4)
+
+kills-windows: $(DEV_READY) $(LOOPS)
+	$(PY) -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements/build.txt
+	$(PY) -m benchmarks.wine_kills --record $(ARGS)
 
 front-windows: $(DEV_READY) $(LOOPS)
 	$(PY) -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements/build.txt

@@ -34,7 +34,7 @@ import tempfile
 import time
 import zipfile
 from collections import Counter
-from collections.abc import Iterator, Sequence, Set
+from collections.abc import Callable, Iterator, Sequence, Set
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -166,7 +166,12 @@ def ended(command: Command, folder: Path, hindrance: Hindrance) -> Ended:
         control.write_bytes(hindrance.control(folder))
         process = os.fork()
         if process == 0:
-            _run(command, folder, out, control)
+            try:
+                _run(command, folder, out, control)
+            except KeyboardInterrupt:  # of a command that watched, when it had ended
+                os._exit(130)
+            finally:  # nothing of this program goes on there
+                os._exit(97)
         status = _waited(process, command, folder, out)
         said = out.read_text(errors="replace") if out.exists() else ""
         calls = Calls(*CONTROL.unpack(control.read_bytes())[:4])
@@ -518,12 +523,13 @@ class Trial:
     names: set[str] = field(default_factory=set)
     status: int = 0
     seen: set[bytes] = field(default_factory=set)
+    run: Callable[[Command, Path, Hindrance], Ended] = ended
 
     def undisturbed(self, log: Path, place: Path) -> dict[int, str]:
         """The run that all others are compared with; the names of the files that were there, by their numbers."""
         self._fill(place, self.originals)
         held = {(place / name).stat().st_ino: name for name in self.originals}
-        run = ended(self.command, place, Hindrance(log=str(log)))
+        run = self.run(self.command, place, Hindrance(log=str(log)))
         self.names, self.status = names_in(place), run.status
         self.study.calls = run.calls
         allowed = (0, 1) if self.command.name == "verify" else (0,)
@@ -539,7 +545,7 @@ class Trial:
         with tempfile.TemporaryDirectory(prefix="calls-") as first:
             folder = Path(first)
             self._fill(folder, self.originals)
-            run = ended(self.command, folder, hindrance)
+            run = self.run(self.command, folder, hindrance)
             killed = run.status == -signal.SIGKILL
             words = f"{way} at {hindrance.at}" + (
                 f" ({errno.errorcode[hindrance.error]})" if hindrance.error else ""
@@ -585,7 +591,7 @@ class Trial:
             for name in self.originals
             if (folder / name).is_file()
         }
-        run = ended(second, folder, Hindrance())
+        run = self.run(second, folder, Hindrance())
         status = 0 if self.command.watches else self.status
         faults = faults_of(run, (status,)) + faults_in(folder, self.command, there)
         left = names_in(folder)
@@ -658,7 +664,9 @@ def _distinct(disks: Iterator[tuple[int, dict[str, bytes]]]) -> list[tuple[int, 
 # --- all of them --------------------------------------------------------------------------------
 
 
-def prepared(folder: Path, names: Set[str]) -> dict[str, bytes]:
+def prepared(
+    folder: Path, names: Set[str], run: Callable[[Command, Path, Hindrance], Ended] = ended
+) -> dict[str, bytes]:
     """The files that commands find: inputs, and results of an earlier run that they replace; those of the names, and what they are made from."""
     from benchmarks.workbook_fuzz import seeds
 
@@ -676,9 +684,9 @@ def prepared(folder: Path, names: Set[str]) -> dict[str, bytes]:
         # without anything measured the sheets are made and nothing is calculated
         ("measured.xlsx", ("calibrate", "train.xlsx", "--add", "--out", "measured.xlsx")),
     ):
-        run = ended(Command("", words), folder, Hindrance()) if made in names else None
-        if run and run.status and made != "measured.xlsx":
-            raise SystemExit(f"{' '.join(words)}: exit status {run.status}: {run.said}")
+        made_by = run(Command("", words), folder, Hindrance()) if made in names else None
+        if made_by and made_by.status and made != "measured.xlsx":
+            raise SystemExit(f"{' '.join(words)}: exit status {made_by.status}: {made_by.said}")
     if "measured.xlsx" in names:
         _measured(folder / "measured.xlsx")
     return {path.name: path.read_bytes() for path in sorted(folder.iterdir())}

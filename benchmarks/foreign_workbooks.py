@@ -10,6 +10,7 @@ but stored values of formulas may differ, and every value that is removed is nam
 from __future__ import annotations
 
 import argparse
+import io
 import json
 import sys
 import tempfile
@@ -97,7 +98,9 @@ def calculated(path: Path, sheets: Path, folder: Path) -> End:
 def compared(before: Path, after: Path) -> End:
     """What of a file is another after the calculation."""
     end, others = End("calculated"), []
-    with zipfile.ZipFile(before) as old, zipfile.ZipFile(after) as new:
+    # a strict one in the dialect in which it is written
+    read = io.BytesIO(opened(before).container.data)
+    with zipfile.ZipFile(read) as old, zipfile.ZipFile(after) as new:
         names = {name.replace("\\", "/"): name for name in new.namelist()}
         for name in old.namelist():
             at = names.get(name.replace("\\", "/"))

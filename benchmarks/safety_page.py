@@ -186,7 +186,15 @@ def page() -> str:
         "{entries}": f"{limits.entries:,}",
         **{
             f"{{{name}}}": getattr(limits, name) // megabyte
-            for name in ("ratio_from", "part_size", "total_size", "file_size", "inflated", "texts")
+            for name in (
+                "ratio_from",
+                "part_size",
+                "total_size",
+                "file_size",
+                "inflated",
+                "texts",
+                "strict",
+            )
         },
         "{fuzz}": stretches_table(kept("workbook_fuzz.json"), "Workbooks"),
         "{mutations}": stretches_table(kept("mutated_cases.json"), "Cases"),

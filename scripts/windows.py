@@ -2,12 +2,13 @@
 
 A CPython for Windows runs under Wine in `build/windows`, with the locked packages and a copy of the checkout. Whatever Wine 8
 lacks is put beside it there and nowhere else: functions of complex numbers, `ProcessPrng`, `python3.dll`.
-Without words: the sample that `.ci/run` tries. `--record PART...` tries rooms or files of tests/ and writes docs/windows.md,
+Without words: the sample that `.ci/run` tries, and `torsionbook.exe`. `--record PART...` tries rooms or files of tests/ and writes docs/windows.md,
 `--run WORD...` runs the command line there, `--python WORD...` the interpreter. Exit status: that of the program. Needs wine (with wine64), mvn and the package ziglang.
 """
 
 from __future__ import annotations
 
+import csv
 import hashlib
 import json
 import os
@@ -17,7 +18,7 @@ import subprocess
 import sys
 import time
 import zipfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -25,7 +26,7 @@ from xml.etree import ElementTree
 ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT), str(ROOT / "scripts")]
 
-from locked import install  # noqa: E402
+from locked import entries, install, wanted  # noqa: E402
 from pe_files import PeFile  # noqa: E402
 
 import hatch_build  # noqa: E402
@@ -34,10 +35,17 @@ PLACE = ROOT / "build" / "windows"
 PYTHON, CHECKOUT, PREFIX = PLACE / "python", PLACE / "checkout", PLACE / "prefix"
 SITE = PYTHON / "lib" / "site-packages"
 RECORD, PAGE = ROOT / "benchmarks" / "records" / "windows.json", ROOT / "docs" / "windows.md"
-#: What `.ci/run` tries there, of tests/: names, replaced files, Ctrl-C, line ends of what is built, processes.
+KILLS = ROOT / "benchmarks" / "records" / "wine_kills.json"
+#: What `.ci/run` tries there, of each room that the page names: what hangs on the system.
 SAMPLE = (
     "xlsx/test_places.py",
+    "xlsx/test_temporary.py",
     "xlsx/test_package_save.py",
+    "workbook/test_write_results.py",
+    "workbook/test_start_cycles.py",
+    "hostile/test_hostile_fronts.py",
+    "batch/test_journal.py",
+    "server/test_http.py",
     "cli/test_replaced_files.py",
     "cli/test_ctrl_c.py",
     "workers",
@@ -47,8 +55,9 @@ PAGE_WORDS = """\
 
 Made by `python scripts/windows.py --record PART...` (parts of `tests/`) from `benchmarks/records/windows.json`.
 
-A CPython 3.13 for Windows runs under Wine 8 with the locked packages (`make windows`, of which `.ci/run` makes a sample). Wine is not Windows:
-what passes is evidence, what fails is a defect or a gap of Wine.
+A CPython 3.13 for Windows runs under Wine 8 with the locked packages (`make windows`). Wine is not Windows: what passes is evidence, what fails is
+a defect or a gap of Wine. `.ci/run` tries {sample}; it starts `torsionbook.exe`, recalculates with it, lists the
+libraries of the packages in the zip, and kills `export` at some calls.
 
 | Tests | passed | failed | skipped | seconds |
 |---|---:|---:|---:|---:|
@@ -60,6 +69,13 @@ Only the parts in the table were tried, their quick tests, on a machine that was
 
 {bad}
 
+## Kills
+
+`make kills-windows` ends a command by TerminateProcess before its calls that open for writing, write, flush, rename, remove or make
+a folder, as an audit hook of Python counts them, and halfway through writes. Demanded as [on Linux](safety.md#kills-errors-full-disks-power);
+the command is run again from unequal folders, there too. Commands of several processes (batch) are not tried.
+
+{kills}
 ## What cannot run there
 
 | What | Why |
@@ -104,6 +120,20 @@ WINE = {
     "WINEDEBUG": "-all",
     "WINEDLLOVERRIDES": "mscoree,mshtml,winemenubuilder.exe,winedbg.exe=",
 }
+#: Libraries of Windows 10 itself; those whose name begins so, too.
+WINDOWS = frozenset(
+    f"{name}.dll"
+    for name in (
+        "kernel32 ntdll user32 gdi32 advapi32 shell32 ole32 oleaut32 ws2_32 crypt32 bcrypt bcryptprimitives version "
+        "shlwapi rpcrt4 winmm iphlpapi dbghelp psapi setupapi cfgmgr32 mswsock secur32 userenv wldp propsys pathcch dwrite "
+        "combase comctl32 comdlg32 imm32 ncrypt netapi32 powrprof msvcrt ucrtbase d2d1 windowscodecs usp10 msimg32"
+    ).split()
+)
+API_SETS = ("api-ms-win-", "ext-ms-")
+#: Of the packages in a zip.
+LOCKS = ("run", "server", "report")
+#: What stands in for Wine's gaps.
+FOR_WINE = (OUR_MATH, "bcryptprimitives.dll")
 SITE_CUSTOMIZE = """\
 # Wine 8 has no Windows Management Instrumentation and no CopyFile2; CPython then takes its other way.
 import sys, _winapi
@@ -176,6 +206,49 @@ def forward_stable_abi(folder: Path) -> Path:
 def libraries(folder: Path) -> list[Path]:
     """Libraries and extension modules for Windows in a folder."""
     return sorted(p for p in folder.rglob("*") if p.suffix in (".dll", ".pyd", ".exe"))
+
+
+def strange_libraries(folder: Path, other: Collection[Path] = ()) -> list[str]:
+    """Libraries that programs and modules for Windows in a folder ask for and that neither it nor Windows has; those of Wine's gaps.
+
+    Parameters
+    ----------
+    folder : Path
+        The folder. [path]
+    other : collection of Path, optional
+        Files in it that do not count. [path]
+    """
+    found_there = (p for p in folder.rglob("*") if p.suffix.lower() in (".dll", ".pyd", ".exe"))
+    paths = [path for path in found_there if path not in other]
+    there = {path.name.lower() for path in paths}
+    found = [f"{name} is for Wine" for name in FOR_WINE if name in there]
+    for path in sorted(paths):
+        try:
+            asked = PeFile.read(path).imports()
+        except ValueError:
+            continue  # launchers for other processors, as data of packages
+        for name in sorted(set(asked) - there):
+            if not is_of_windows(name):
+                found.append(f"{path.relative_to(folder)} asks for {name}")
+    return found
+
+
+def files_of_tools() -> set[Path]:
+    """Files of the packages that no zip holds."""
+    texts = [(ROOT / "requirements" / f"{lock}.txt").read_text("utf-8") for lock in LOCKS]
+    zipped = {one.split("==")[0] for text in texts for one in entries(wanted(text, "win_amd64"))}
+    tools = set()
+    for record in SITE.glob("*.dist-info/RECORD"):
+        name = record.parent.name.split("-")[0].lower().replace("_", "-")
+        if name not in {re.sub(r"[-_.]+", "-", one).lower() for one in zipped}:
+            lines = record.read_text("utf-8").splitlines()
+            tools |= {SITE / next(csv.reader([line]))[0] for line in lines}
+    return tools
+
+
+def is_of_windows(name: str) -> bool:
+    """Whether a library is part of Windows 10."""
+    return name in WINDOWS or name.startswith(API_SETS)
 
 
 def fill_gaps() -> None:
@@ -264,13 +337,52 @@ def lay_metadata() -> None:
             (folder / name).write_text(text, encoding="utf-8")
 
 
+def compile_launcher(folder: Path) -> Path:
+    """`torsionbook.exe`, which starts the folder python beside it."""
+    made = folder / "torsionbook.exe"
+    target = hatch_build.TARGETS["win_amd64"][0]
+    words = [*hatch_build.ZIG, "-target", target, "-O2", "-s", "-o", made]
+    subprocess.run([*words, ROOT / "scripts" / "launcher.c"], check=True)
+    made.with_suffix(".pdb").unlink(missing_ok=True)
+    return made
+
+
+def try_launcher() -> int:
+    """Start `torsionbook.exe`, and recalculate a workbook with it; list the libraries that are neither there nor Windows'. 1 where something is wrong."""
+    launcher = compile_launcher(PLACE)
+    results = PLACE / "launched"
+    shutil.rmtree(results, ignore_errors=True)
+    source = wine_path(CHECKOUT / "templates" / "example_proposed.xlsx")
+    started = time.monotonic()
+    wrong = start(launcher, ["--version"])
+    print(f"torsionbook.exe --version: {time.monotonic() - started:.1f} s")
+    wrong |= start(launcher, ["recalc", source, "--out", wine_path(results)])
+    wrong |= not (results / "example_proposed.xlsx").exists()
+    wrong |= start(launcher, ["recalc", "no.xlsx"]) != 1  # the status is Python's
+    strange = set(strange_libraries(PYTHON, files_of_tools())) - {
+        f"{name} is for Wine" for name in FOR_WINE
+    }
+    strange |= {
+        f"{launcher.name} asks for {n}"
+        for n in PeFile.read(launcher).imports()
+        if not is_of_windows(n)
+    }
+    print("; ".join(sorted(strange)) or "Every library is inside or Windows' own.")
+    return int(bool(wrong or strange))
+
+
 def run(words: Sequence[str | Path]) -> int:
     """Exit status of the interpreter there, in the copy of the checkout."""
+    return start(PYTHON / "python.exe", words)
+
+
+def start(program: Path, words: Sequence[str | Path]) -> int:
+    """Exit status of a program there."""
     environment = {k: v for k, v in os.environ.items() if not k.startswith(_NOT_TAKEN_ALONG)}
     environment |= WINE | {"PYTHONHOME": wine_path(PYTHON), "PYTHONDONTWRITEBYTECODE": ""}
     # Through pipes: a missing input, and a file as output, are handles that Wine 8 refuses to Python.
     with subprocess.Popen(
-        ["wine", PYTHON / "python.exe", *words],
+        ["wine", program, *words],
         cwd=CHECKOUT, env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
     ) as process:  # fmt: skip
         assert process.stdin is not None
@@ -280,6 +392,15 @@ def run(words: Sequence[str | Path]) -> int:
             sys.stdout.buffer.write(line)
             sys.stdout.buffer.flush()
     return process.returncode
+
+
+def begin() -> None:
+    """Start Wine's own processes, which would else begin with the first program and hold its output open after its end."""
+    for words in (["wineserver", "-p"], ["wine", "cmd", "/c", "exit"]):
+        subprocess.run(
+            words, env=os.environ | WINE, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL, check=False,
+        )  # fmt: skip
 
 
 def end() -> None:
@@ -323,15 +444,41 @@ def try_parts(parts: Sequence[str]) -> int:
     return int(bool(status))
 
 
+def kills_table() -> str:
+    """What was killed under Wine, from its record."""
+    if not KILLS.exists():
+        return "Not tried.\n"
+    record = json.loads(KILLS.read_text("utf-8"))
+    lines = ["| Command | calls | killed | run again | faults |", "|---|---:|---:|---:|---:|"]
+    for name, row in sorted(record.items()):
+        share = f" (1 of {row['every']})" if row["every"] > 1 else ""
+        lines.append(
+            f"| {name} | {row['calls']} | {row['killed']}{share} | {row['again']} | {len(row['faults'])} |"
+        )
+    sums = (
+        sum(r["killed"] for r in record.values()),
+        sum(r["again"] for r in record.values()),
+        sum(len(r["faults"]) for r in record.values()),
+    )
+    lines.append("| **all** | | " + " | ".join(map(str, sums)) + " |")
+    return "\n".join(lines) + "\n"
+
+
 def write_page(record: Mapping[str, Any]) -> None:
-    """docs/windows.md, from the record."""
+    """docs/windows.md, from the records."""
     lines = [
         f"| {part} | {found['passed']} | {found['failed']} | {found['skipped']} | {found['seconds']} |"
         for part, found in sorted(record.items())
     ]
     bad = [f"- `{name}`" for part in sorted(record) for name in record[part]["not passed"]]
     PAGE.write_text(
-        PAGE_WORDS.format(table="\n".join(lines), bad="\n".join(bad) or "None."), encoding="utf-8"
+        PAGE_WORDS.format(
+            sample=", ".join(f"`{part}`" for part in SAMPLE),
+            table="\n".join(lines),
+            bad="\n".join(bad) or "None.",
+            kills=kills_table(),
+        ),
+        encoding="utf-8",
     )
 
 
@@ -344,6 +491,7 @@ def main(words: list[str]) -> int:
     """Prepare, and run what the first word says."""
     prepare()
     lay_checkout()
+    begin()
     started = time.monotonic()
     try:
         if words[:1] == ["--run"]:
@@ -352,7 +500,9 @@ def main(words: list[str]) -> int:
             return run(words[1:])
         if words[:1] == ["--record"]:
             return try_parts(words[1:])
-        return tests(words or [f"tests/{part}" for part in SAMPLE])
+        if words:
+            return tests(words)
+        return tests([f"tests/{part}" for part in SAMPLE]) | try_launcher()
     finally:
         end()
         print(f"{time.monotonic() - started:.0f} s in Windows' Python under Wine")

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import os
 import shutil
-import subprocess
 import sys
 import zipfile
 from collections.abc import Iterator
@@ -19,25 +18,18 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT), str(ROOT / "scripts")]
 
 from locked import install  # noqa: E402
-from pe_files import PeFile  # noqa: E402
 from wheels import built  # noqa: E402
-from windows import forward_stable_abi, jar, unpack  # noqa: E402
+from windows import (  # noqa: E402
+    LOCKS,
+    compile_launcher,
+    forward_stable_abi,
+    jar,
+    strange_libraries,
+    unpack,
+)
 
-import hatch_build  # noqa: E402
-
-LOCKS = ("run", "server", "report")
 #: In the lock file of a run for building from source.
 NO_PACKAGES = ("hatchling", "pathspec", "pluggy", "trove-classifiers")
-#: Libraries of Windows 10 itself; those whose name begins so, too.
-WINDOWS = frozenset(
-    f"{name}.dll"
-    for name in (
-        "kernel32 ntdll user32 gdi32 advapi32 shell32 ole32 oleaut32 ws2_32 crypt32 bcrypt bcryptprimitives version "
-        "shlwapi rpcrt4 winmm iphlpapi dbghelp psapi setupapi cfgmgr32 mswsock secur32 userenv wldp propsys pathcch dwrite "
-        "combase comctl32 comdlg32 imm32 ncrypt netapi32 powrprof msvcrt ucrtbase d2d1 windowscodecs usp10 msimg32"
-    ).split()
-)
-API_SETS = ("api-ms-win-", "ext-ms-")
 PATHS = "lib\nlib/site-packages\nimport site\n"
 SHELL = """\
 #!/bin/sh
@@ -127,10 +119,7 @@ def lay_windows(folder: Path) -> None:
         shutil.move(python / "lib" / name, python / name)
     forward_stable_abi(python)
     (python / "python313._pth").write_text(PATHS, encoding="utf-8")
-    target = hatch_build.TARGETS["win_amd64"][0]
-    words = ["-target", target, "-O2", "-s", "-o", folder / "torsionbook.exe"]
-    subprocess.run([*hatch_build.ZIG, *words, ROOT / "scripts" / "launcher.c"], check=True)
-    (folder / "torsionbook.pdb").unlink(missing_ok=True)
+    compile_launcher(folder)
 
 
 def lay_linux(folder: Path) -> None:
@@ -139,24 +128,6 @@ def lay_linux(folder: Path) -> None:
     launcher.write_text(SHELL, encoding="utf-8")
     for path in (launcher, *(folder / "python" / "bin").iterdir()):
         path.chmod(0o755)
-
-
-def strange_libraries(folder: Path) -> list[str]:
-    """Libraries that programs and modules for Windows in a folder ask for and that neither it nor Windows has; those of Wine's gaps."""
-    paths = [p for p in folder.rglob("*") if p.suffix.lower() in (".dll", ".pyd", ".exe")]
-    there = {path.name.lower() for path in paths}
-    found = [
-        f"{n} is for Wine" for n in there if n.startswith("xpi-") or n == "bcryptprimitives.dll"
-    ]
-    for path in sorted(paths):
-        try:
-            asked = PeFile.read(path).imports()
-        except ValueError:
-            continue  # launchers for other processors, as data of packages
-        for name in sorted(set(asked) - there - WINDOWS):
-            if not name.startswith(API_SETS):
-                found.append(f"{path.relative_to(folder)} asks for {name}")
-    return found
 
 
 def entries(folder: Path) -> Iterator[Path]:

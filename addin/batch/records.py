@@ -137,4 +137,7 @@ def outcome_of(cause: BaseException) -> str:
             return DISK_FULL
         if isinstance(error, OSError) and error.errno in _FORBIDDEN:
             return NO_ACCESS
-    return UNREADABLE if isinstance(cause, WorkbookRefused) else WRONG_INPUT
+    if isinstance(cause, WorkbookRefused):
+        return UNREADABLE
+    # A disk or a network that fails is no fault of the input: the next run tries again.
+    return NO_ACCESS if any(isinstance(e, OSError) for e in causes(cause)) else WRONG_INPUT

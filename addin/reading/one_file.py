@@ -58,7 +58,9 @@ def file_problem(source: Path, error: Exception) -> CellProblem:
         sentence = f"file {error.filename or source} not found. Check the path."
     elif isinstance(error, IsADirectoryError) and _is_elsewhere(error, source):
         sentence = f"{error.filename} is a folder. Name a result file in it."
-    elif isinstance(error, IsADirectoryError):
+    elif isinstance(error, IsADirectoryError) or (
+        isinstance(error, PermissionError) and source.is_dir() and not _is_elsewhere(error, source)
+    ):  # the second on Windows
         sentence = f"{source} is a folder; name the workbooks in it."
     elif isinstance(error, PermissionError):
         sentence = (

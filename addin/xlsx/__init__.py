@@ -15,6 +15,7 @@ module             responsibility
 `temporary`        files and folders that are gone when their process ends, however it ends
 `whole_files`      files written whole or not at all
 `xml_part`         parsing without trust, writing with the original's declaration
+`strict`           workbooks in the strict dialect of the file format, told in the ordinary one
 `chart_titles`     titles of charts that lost their cell
 `container`        the zip file: guards before opening, raw copy of untouched parts
 `sheet_ranges`     ranges stated beside the cells: formats, validations and sparklines that follow

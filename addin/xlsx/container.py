@@ -20,7 +20,8 @@ from pathlib import Path
 from typing import BinaryIO
 
 from addin.xlsx.errors import WorkbookRefused, damaged
-from addin.xlsx.xml_part import Element, has_misleading_tags, parse_part
+from addin.xlsx.strict import in_ordinary_dialect, starts_in_1904
+from addin.xlsx.xml_part import Element, has_misleading_tags, is_utf8, parse_part
 
 _OLE_MAGIC = bytes.fromhex("D0CF11E0A1B11AE1")
 _ZIP_MAGIC = b"PK\x03\x04"
@@ -65,6 +66,8 @@ class Limits:
     #: times the memory of a cell; 100,000 names or merged ranges have about as many.
     other_marks: int = 400_000
     texts: int = 32 * 2**20  #: Largest part of shared texts. [byte]
+    #: Sum of the XML parts of a workbook in the strict dialect, all of which are read. [byte]
+    strict: int = 32 * 2**20
     entries: int = 5_000  #: Largest number of parts.
     #: Largest inflated/stored ratio of a part above ``ratio_from``; ordinary sheets reach 10 to
     #: 20.
@@ -93,28 +96,71 @@ class Container:
 
     def __init__(self, path: Path, limits: Limits = DEFAULT_LIMITS) -> None:
         self.path = path
-        self.data = read_file(path, limits.file_size)
-        self.sha256 = hashlib.sha256(self.data).hexdigest()
+        #: The file as it was read.
+        self.file = read_file(path, limits.file_size)
+        self.sha256 = hashlib.sha256(self.file).hexdigest()
         self.limits = limits
-        _check_magic(self.data, path)
+        #: Whether it was saved as 'Strict Open XML Spreadsheet'.
+        self.was_strict = False
+        _check_magic(self.file, path)
         try:
-            self._zip = zipfile.ZipFile(io.BytesIO(self.data))
+            self._take(self.file)
         except _UNPACKING as problem:
             raise _damaged(
                 path, "it is truncated, or its table of contents is damaged"
             ) from problem
+        _check_directory(self.entries, path, limits)
+        _check_places(self.entries, self.data, self._zip.start_dir, path)
+        self._inflated_size = 0
+        self._marks = 0
+        self._other_marks = 0
+
+    def _take(self, data: bytes) -> None:
+        """An archive in memory."""
+        #: The archive: the file, or what it is in the ordinary dialect.
+        self.data = data
+        self._zip = zipfile.ZipFile(io.BytesIO(data))
         self.entries = self._zip.infolist()
         for entry in self.entries:
             # Some programs write names with backslashes; the name in the file stays `orig_filename`.
             entry.filename = entry.orig_filename.replace("\\", "/")
-        _check_directory(self.entries, path, limits)
-        _check_places(self.entries, self.data, self._zip.start_dir, path)
         self._by_name = {entry.filename: entry for entry in self.entries}
         self._by_lower = {name.lower(): name for name in self._by_name}
         self._inflated: dict[str, bytes] = {}
+
+    def take_ordinary_dialect(self, workbook_part: str) -> None:
+        """From now on, the parts of a workbook in the strict dialect are those of an ordinary one.
+
+        Raises
+        ------
+        WorkbookRefused
+            ``strict`` for a part that is not in UTF-8, or more than the limit of them all.
+        """
+        from_1904 = starts_in_1904(self.read(workbook_part))
+        replaced: dict[str, bytes] = {}
+        names = [name for name in self.names if name.lower().endswith((".xml", ".rels"))]
+        if sum(self._by_name[name].file_size for name in names) > self.limits.strict:
+            raise self._refused_strict(f"and has more than {self.limits.strict // 2**20} MB of it")
+        for name in names:
+            data = self.read(name)
+            if not is_utf8(data):
+                raise self._refused_strict(
+                    f"with the part {shown_name(name)} in another encoding than UTF-8"
+                )
+            replaced[name] = in_ordinary_dialect(data, from_1904=from_1904)
+            del self._inflated[name]
+        made = io.BytesIO()
+        self.write(made, replaced)
+        self._take(made.getvalue())
         self._inflated_size = 0
-        self._marks = 0
-        self._other_marks = 0
+        self.was_strict = True
+
+    def _refused_strict(self, what: str) -> WorkbookRefused:
+        return WorkbookRefused(
+            "strict",
+            f"{self.path.name} is saved as 'Strict Open XML Spreadsheet', {what}. Save it as the ordinary 'Excel workbook "
+            "(.xlsx)' and run again.",
+        )
 
     @property
     def names(self) -> list[str]:
@@ -255,6 +301,8 @@ def read_file(path: Path, limit: int = DEFAULT_LIMITS.file_size) -> bytes:
             raise WorkbookRefused(
                 "unreadable", f"{path} is a device or a pipe, not a workbook. Name a workbook."
             )
+        if stat.S_ISDIR(about.st_mode):  # Windows would say that it may not be read
+            raise IsADirectoryError(path)
         if about.st_size > limit:
             raise WorkbookRefused(
                 "too large",

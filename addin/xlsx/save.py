@@ -153,7 +153,7 @@ def _deliver(
         _check_source(container)
         backup = None
         if destination.in_place:
-            backup = _keep(container.data, target, destination.keep_backups)
+            backup = _keep(container.file, target, destination.keep_backups)
         elif destination.keep_replaced and target.exists():
             backup = _keep(target.read_bytes(), target, destination.keep_backups)
         notes = _put(temporary, target)
@@ -256,7 +256,7 @@ def _check_source(container: Container) -> None:
             f"Nothing was written: {container.path.name} can no longer be read ({problem.strerror}). Check "
             "the file and run again."
         ) from problem
-    if now != container.data:
+    if now != container.file:
         raise SourceChanged(
             f"{container.path.name} was changed by another program since it was opened; nothing "
             "was written. Run again."

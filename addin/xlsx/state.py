@@ -67,6 +67,11 @@ class WorkbookState:
     def __init__(self, container: Container, structure: WorkbookPart) -> None:
         self.path = container.path
         self.notes: list[str] = []
+        if container.was_strict:
+            self.notes.append(
+                f"{self.path.name} was saved as 'Strict Open XML Spreadsheet'; what is written is an ordinary Excel "
+                "workbook (.xlsx)."
+            )
         self.container = container
         self.structure = structure
         self.shared_texts = SharedTexts(container, structure)

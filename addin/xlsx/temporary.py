@@ -11,6 +11,7 @@ import os
 import platform
 import re
 import shutil
+import sys
 import tempfile
 import time
 from collections.abc import Iterator
@@ -18,8 +19,15 @@ from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
 
+if sys.platform == "win32":
+    import _winapi
+
+    # PROCESS_QUERY_LIMITED_INFORMATION, and what Windows says of a number that no process has.
+    _ASK, _NO_SUCH_PROCESS = 0x1000, 87
+
+_BEGAN = time.time()
 _NAME = re.compile(r"\.?torsionbook-([0-9a-f]{8})-(\d{1,10})-\w{1,40}(?:\.\w{1,10})?")
-# Where nobody can tell whether a process still runs: on another machine, and on Windows.
+# Where nobody can tell whether a process still runs: on another machine.
 _OLD_FILE, _OLD_FOLDER = 24 * 3600.0, 7 * 24 * 3600.0  # [s]
 
 
@@ -91,8 +99,11 @@ def _clear(folder: Path) -> None:
             with suppress(OSError):
                 is_folder = entry.is_dir(follow_symlinks=False)
                 age = time.time() - entry.stat(follow_symlinks=False).st_mtime
-                is_ours = found[1] == _place() and os.name == "posix"
-                if not (_has_ended(int(found[2])) if is_ours else age > _oldest(is_folder)):
+                if found[1] == _place():
+                    is_left = _is_left(int(found[2]), age)
+                else:
+                    is_left = age > _oldest(is_folder)
+                if not is_left:
                     continue
                 if is_folder:
                     shutil.rmtree(entry.path, ignore_errors=True)
@@ -104,10 +115,25 @@ def _oldest(is_folder: bool) -> float:
     return _OLD_FOLDER if is_folder else _OLD_FILE
 
 
+def _is_left(process: int, age: float) -> bool:
+    """Whether the process of a name on this machine is no more; the number of this one may have been another's before."""
+    if process == os.getpid():
+        return age > time.time() - _BEGAN
+    return _has_ended(process)
+
+
 def _has_ended(process: int) -> bool:
-    """Whether a process of this machine is no more; only asked on POSIX, where the signal 0 does nothing."""
+    if sys.platform == "win32":
+        try:
+            handle = _winapi.OpenProcess(_ASK, False, process)
+        except (OSError, OverflowError) as problem:
+            return getattr(problem, "winerror", None) == _NO_SUCH_PROCESS
+        try:
+            return _winapi.GetExitCodeProcess(handle) != _winapi.STILL_ACTIVE
+        finally:
+            _winapi.CloseHandle(handle)
     try:
-        os.kill(process, 0)
+        os.kill(process, 0)  # does nothing, there
     except ProcessLookupError:
         return True
     except (OSError, OverflowError):

@@ -15,10 +15,10 @@ from urllib.parse import unquote
 from addin.xlsx.container import Container, shown_name
 from addin.xlsx.errors import WorkbookRefused, damaged
 from addin.xlsx.references import Rect, parse_range, split_sheet, whole_number
+from addin.xlsx.strict import STRICT_HOST
 from addin.xlsx.xml_part import (
     CONTENT_TYPES,
     RELATIONSHIP_IDS,
-    STRICT_HOST,
     Element,
     has_misleading_tags,
     main,
@@ -85,7 +85,7 @@ class WorkbookPart:
     Raises
     ------
     WorkbookRefused
-        For packages that are not .xlsx or .xlsm workbooks of the ordinary (transitional) kind.
+        For packages that are not .xlsx or .xlsm workbooks.
     """
 
     def __init__(self, container: Container) -> None:
@@ -276,10 +276,7 @@ class WorkbookPart:
                 "is an Excel template. Save it as Excel workbook (.xlsx or .xlsm) and run again",
             )
         if STRICT_HOST in self._container.read(self.part)[:4000]:
-            raise self._refused(
-                "strict",
-                "is saved as 'Strict Open XML Spreadsheet'. Save it as the ordinary 'Excel workbook (.xlsx)' and run again",
-            )
+            self._container.take_ordinary_dialect(self.part)
         if self.content_type not in (XLSX_TYPE, XLSM_TYPE):
             raise self._refused(
                 "not a workbook", "is an Office file but not an Excel workbook (.xlsx or .xlsm)"

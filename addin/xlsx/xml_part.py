@@ -21,7 +21,6 @@ DRAWING = "http://schemas.openxmlformats.org/drawingml/2006/main"
 CHART = "http://schemas.openxmlformats.org/drawingml/2006/chart"
 EXCEL_2010 = "http://schemas.microsoft.com/office/spreadsheetml/2009/9/main"
 EXCEL_2010_FORMULA = "http://schemas.microsoft.com/office/excel/2006/main"
-STRICT_HOST = b"http://purl.oclc.org/ooxml/"
 
 _DECLARATION = re.compile(rb"\A(?:\xef\xbb\xbf)?\s*<\?xml[^>]*\?>\s*")
 _ENCODING = re.compile(rb"""encoding\s*=\s*["']([A-Za-z0-9._-]+)["']""")
@@ -69,7 +68,7 @@ def parse_part(data: bytes, name: str) -> Element:
     Raises
     ------
     WorkbookRefused
-        ``dtd`` for a document type declaration, ``strict`` for the strict dialect, ``damaged`` for XML that does not parse.
+        ``dtd`` for a document type declaration, ``damaged`` for XML that does not parse.
     """
     # A comment may come before the root, hence the whole text is searched; a cell can hold the mark only escaped.
     if any(mark in data for mark in _DOCTYPE_MARKS):

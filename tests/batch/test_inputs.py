@@ -67,7 +67,7 @@ def test_equal_names_of_two_folders_are_told_apart_by_their_folders(tmp_path):
 def test_two_files_with_one_result_are_refused(tmp_path):
     put(tmp_path, "x.json", text='{"format": 1}')
     put(tmp_path, "x.results.JSON", text='{"format": 1}')
-    (tmp_path / "x.results.JSON").rename(tmp_path / "X.json")
+    (tmp_path / "x.results.JSON").replace(tmp_path / "X.json")
     if len(list(tmp_path.iterdir())) == 1:
         pytest.skip("this disk does not tell capitals apart")  # then nothing can clash
     with pytest.raises(InputsRefused, match="would both be written to"):

@@ -160,6 +160,7 @@ def _wrapped(outer: Exception, inner: Exception) -> Exception:
         (_wrapped(SaveRefused("x"), OSError(errno.ENOSPC, "full")), "disk full"),
         (_wrapped(SaveRefused("x"), PermissionError(errno.EACCES, "no")), "no access"),
         (OSError(errno.EROFS, "read-only file system"), "no access"),
+        (OSError(errno.EIO, "Input/output error"), "no access"),
         (FileNotFoundError(errno.ENOENT, "gone"), "missing"),
         (WorkbookRefused("bomb", "too large"), "unreadable"),
         (SaveRefused("no room"), "wrong input"),

@@ -2,6 +2,7 @@
 
 import json
 import os
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -119,6 +120,7 @@ def sentence_on(path: Path) -> str:
     return problem.message
 
 
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no named pipes on Windows")
 @pytest.mark.parametrize("ending", [".xlsx", ".json"])
 def test_devices_and_pipes_are_not_waited_for(tmp_path: Path, ending: str) -> None:
     endless, pipe = tmp_path / f"zero{ending}", tmp_path / f"pipe{ending}"
@@ -131,7 +133,13 @@ def test_devices_and_pipes_are_not_waited_for(tmp_path: Path, ending: str) -> No
 @pytest.mark.parametrize("ending", [".xlsx", ".json"])
 def test_names_no_file_has(tmp_path: Path, ending: str) -> None:
     assert "is not a valid file name" in sentence_on(tmp_path / f"a\0b{ending}")
-    assert "cannot be used" in sentence_on(tmp_path / ("x" * 300 + ending))
+    too_long = sentence_on(tmp_path / ("x" * 300 + ending))
+    # Wine finds no such file.
+    words = [
+        "cannot be used",
+        *(["does not exist", "not found"] if sys.platform == "win32" else []),
+    ]
+    assert any(word in too_long for word in words)
     assert "no" in sentence_on(tmp_path / f"../../nothing\x1b[2J{ending}")
     assert "folder" in sentence_on(tmp_path) or "workbook" in sentence_on(tmp_path)
     (tmp_path / f"folder{ending}").mkdir()

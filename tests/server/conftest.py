@@ -1,10 +1,10 @@
 """One server for all tests of this folder, inside the test process and outside."""
 
 from collections.abc import Iterator
+from typing import Any
 
 import pytest
 from office_page import launched
-from playwright import sync_api
 from servers import SLOW_PROGRAM, inside, outside
 from starlette.testclient import TestClient
 
@@ -26,7 +26,9 @@ def served() -> Iterator[str]:
 
 
 @pytest.fixture(scope="module")
-def browser() -> Iterator[sync_api.Browser]:
+def browser() -> Iterator[Any]:
+    from playwright import sync_api
+
     with sync_api.sync_playwright() as playwright:
         browser = launched(playwright)
         yield browser

@@ -6,7 +6,6 @@ from pathlib import Path
 
 import pytest
 from office_page import cell, load_in_office
-from playwright import sync_api
 from servers import SLOW_CASE, outside, slow_case
 from sheet_ranges import (
     MOTOR,
@@ -21,6 +20,8 @@ from sheet_ranges import (
 
 from addin.worksheet import registry
 from addin.worksheet.registry import FUNCTIONS
+
+sync_api = pytest.importorskip("playwright.sync_api")  # not under Wine
 
 pytestmark = pytest.mark.needs_browser
 #: Starts share the machine with other tests. [ms]

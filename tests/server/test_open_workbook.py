@@ -2,13 +2,15 @@
 
 import base64
 from collections.abc import Iterator
+from typing import Any
 
 import openpyxl
 import pytest
 from office_page import launched, load_in_office
 from openpyxl.utils.datetime import to_excel
-from playwright import sync_api
 from test_browser import picture
+
+sync_api = pytest.importorskip("playwright.sync_api")  # not under Wine
 
 pytestmark = pytest.mark.needs_browser
 #: Starts share the machine with other tests. [ms]
@@ -90,7 +92,7 @@ FILL = """async ([book, results, more]) => {
 
 
 @pytest.fixture(scope="module")
-def page(served) -> Iterator[sync_api.Page]:
+def page(served) -> Iterator[Any]:
     with sync_api.sync_playwright() as playwright:
         browser = launched(playwright)
         context = browser.new_context(base_url=served, viewport={"width": 360, "height": 800})

@@ -5,10 +5,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from playwright import sync_api
 from sheet_ranges import TEMPLATES, model_arguments
 
 from addin.worksheet import registry
+
+sync_api = pytest.importorskip("playwright.sync_api")  # not under Wine
 
 pytestmark = pytest.mark.needs_browser
 #: Starts share the machine with other tests, and the first one waits for its process. [ms]

@@ -3,14 +3,16 @@
 import socket
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
+from typing import Any
 
 import pytest
 from office_page import cell, load_in_office
-from playwright import sync_api
 from servers import SMALL_QUEUE, outside, slow_case
 from sheet_ranges import model_arguments
 
 from addin.worksheet import registry
+
+sync_api = pytest.importorskip("playwright.sync_api")  # not under Wine
 
 pytestmark = [pytest.mark.needs_browser, pytest.mark.slow]
 
@@ -42,7 +44,7 @@ TRAINS = """async ([given, row, column, count]) => {
 
 
 @contextmanager
-def office_at(browser: sync_api.Browser, address: str) -> Iterator[sync_api.Page]:
+def office_at(browser: Any, address: str) -> Iterator[Any]:
     """The page as Office loads it, of a server with one process."""
     context = browser.new_context(base_url=address)
     context.set_default_timeout(600_000)
@@ -54,7 +56,7 @@ def office_at(browser: sync_api.Browser, address: str) -> Iterator[sync_api.Page
 
 
 @pytest.fixture
-def page(browser, served) -> Iterator[sync_api.Page]:
+def page(browser, served) -> Iterator[Any]:
     with office_at(browser, served) as page:
         yield page
 

@@ -127,17 +127,6 @@ BAD: list[tuple[str, str, Callable[[Path], None]]] = [
     ),
     ("template", "Excel template", retyped(MAIN + b".sheet.main", MAIN + b".template.main")),
     (
-        "strict",
-        "Strict Open XML",
-        edited(
-            "xl/workbook.xml",
-            lambda d: d.replace(
-                b"http://schemas.openxmlformats.org/spreadsheetml/2006/main",
-                b"http://purl.oclc.org/ooxml/spreadsheetml/main",
-            ),
-        ),
-    ),
-    (
         "signed",
         "digital signature",
         lambda p: void(with_parts(p, {"_xmlsignatures/sig1.xml": b"<s/>"})),
@@ -187,7 +176,7 @@ def void(_: object) -> None:
     return None
 
 
-@pytest.mark.parametrize("reason", ["encrypted", "xls", "xlsb", "strict", "signed"])
+@pytest.mark.parametrize("reason", ["encrypted", "xls", "xlsb", "signed"])
 def test_recalculation_refuses_them_with_the_reason_and_writes_nothing(
     tmp_path: Path, reason: str
 ) -> None:

@@ -1,0 +1,215 @@
+"""Commands killed under Wine, at calls of the file system: `python -m benchmarks.wine_kills --record`.
+
+The commands of `file_calls`, in the Windows Python of `scripts/windows.py`. There is no library to put in front of Windows' own: an
+audit hook of Python counts what concerns the folder of a command (opening for writing, renaming, removing, folders, flushing, and
+each write of Python's own files), and TerminateProcess ends it before one of them, or halfway through a write. The same is
+demanded as on Linux, of the files and of the same command run again there. Commands of one process only.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections import Counter
+from collections.abc import Sequence
+from pathlib import Path
+
+from benchmarks.file_calls import (
+    COMMANDS,
+    KILL,
+    ROOT,
+    Calls,
+    Command,
+    Ended,
+    Hindrance,
+    Study,
+    Trial,
+    names_of,
+    originals_of,
+    prepared,
+)
+
+sys.path.insert(0, str(ROOT / "scripts"))
+import windows  # noqa: E402
+
+__all__ = ["RECORD", "study"]
+
+RECORD = windows.KILLS
+#: Exit status of a process that was ended; no command has it.
+KILLED = 77
+#: Several processes: ending one of them is not ending all.
+NOT_TRIED = tuple(one.name for one in COMMANDS if one.words[0] == "batch")
+DRIVER = r"""
+import builtins, ctypes, io, os, sys
+folder, at, counts, *words = sys.argv[1:]
+at, calls = int(at), 0
+os.chdir(folder)
+inside = os.path.normcase(os.path.abspath(folder))
+kernel = ctypes.windll.kernel32
+kernel.GetCurrentProcess.restype = ctypes.c_void_p
+kernel.TerminateProcess.argtypes = [ctypes.c_void_p, ctypes.c_uint]
+
+def end():
+    kernel.TerminateProcess(kernel.GetCurrentProcess(), KILLED)
+
+def count(halfway=lambda: None):
+    global calls
+    calls += 1
+    if calls == at:
+        halfway()
+        end()
+
+def concerns(path):
+    if isinstance(path, int):
+        return True
+    try:
+        return os.path.normcase(os.path.abspath(os.fspath(path))).startswith(inside)
+    except (TypeError, ValueError):
+        return False
+
+NAMES = {"os.rename", "os.remove", "os.mkdir", "os.rmdir", "os.link", "os.truncate", "os.chmod"}
+WRITES = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC
+
+def hook(event, arguments):
+    if event == "open":
+        if arguments[2] and arguments[2] & WRITES and not isinstance(arguments[0], int) and concerns(arguments[0]):
+            count()
+    elif event in NAMES and concerns(arguments[0]):
+        count()
+
+class Counted:
+    def __init__(self, file):
+        self.file = file
+    def __getattr__(self, name):
+        return getattr(self.file, name)
+    def __enter__(self):
+        self.file.__enter__()
+        return self
+    def __exit__(self, *problem):
+        return self.file.__exit__(*problem)
+    def __iter__(self):
+        return iter(self.file)
+    def write(self, data):
+        def half():
+            self.file.write(data[: len(data) // 2])
+            self.file.flush()
+        count(half)
+        return self.file.write(data)
+
+plain, flush = io.open, os.fsync
+
+def opened(path, mode="r", *more, **named):
+    file = plain(path, mode, *more, **named)
+    return Counted(file) if set(mode) & set("wax+") and concerns(path) else file
+
+def flushed(handle):
+    count()
+    flush(handle)
+
+from addin.cli.app import main, module_of
+import importlib
+importlib.import_module(module_of(words[0]))
+sys.argv = ["torsionbook", *words]
+builtins.open = io.open = opened
+os.fsync = flushed
+sys.addaudithook(hook)
+try:
+    main()
+finally:
+    at = 0
+    with plain(counts, "w") as file:
+        file.write(str(calls))
+"""
+
+
+def ended(command: Command, folder: Path, hindrance: Hindrance) -> Ended:
+    """Run a command in a folder under Wine."""
+    with tempfile.TemporaryDirectory() as beside:
+        driver, counts = Path(beside, "driver.py"), Path(beside, "counts")
+        driver.write_text(DRIVER.replace("KILLED)", f"{KILLED})"), encoding="utf-8")
+        at = hindrance.at if hindrance.way == KILL else 0
+        places = [windows.wine_path(folder), str(at), windows.wine_path(counts)]
+        environment = {k: v for k, v in os.environ.items() if not k.startswith("PYTHON")}
+        environment |= windows.WINE | {
+            "PYTHONHOME": windows.wine_path(windows.PYTHON),
+            "COLUMNS": "1000",
+            "SOURCE_DATE_EPOCH": "1800000000",
+        }
+        done = subprocess.run(
+            ["wine", windows.PYTHON / "python.exe", windows.wine_path(driver), *places, *command.words],
+            cwd=windows.CHECKOUT, env=environment, input=b"", stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False,
+        )  # fmt: skip
+        made = int(counts.read_text()) if counts.exists() else 0
+    status = -signal.SIGKILL if done.returncode == KILLED else done.returncode
+    return Ended(status, done.stdout.decode(errors="replace"), Calls(made, made))
+
+
+def study(command: Command, originals: dict[str, bytes], every: int, until: float) -> Study:
+    """A command killed at one of so many calls, while there is time."""
+    found = Study()
+    trial = Trial(command, originals, found, run=ended)
+    with tempfile.TemporaryDirectory(prefix="calls-") as place:
+        trial.undisturbed(Path(place, "log"), Path(place))
+    if not found.faults:
+        for at in range(1, found.calls.changes + 1, every):
+            if time.monotonic() < until and not trial.hindered("killed", Hindrance(KILL, at)):
+                found.faults.append(f"{command.name}: was not killed at {at}")
+    return found
+
+
+def record(command: Command, done: Study, every: int) -> None:
+    """Keep what was tried, for docs/windows.md."""
+    kept = json.loads(RECORD.read_text("utf-8")) if RECORD.exists() else {}
+    kept[command.name] = {
+        "calls": done.calls.changes,
+        "every": every,
+        "killed": done.tried["killed"],
+        "again": done.tried["again"],
+        "faults": done.faults,
+    }
+    RECORD.write_text(json.dumps(kept, indent=1, sort_keys=True) + "\n", encoding="utf-8")
+    windows.write_page(json.loads(windows.RECORD.read_text("utf-8")))
+
+
+def main(given: Sequence[str] | None = None) -> int:
+    """Kill the commands; 1 where something was lost or torn."""
+    words = argparse.ArgumentParser(prog="python -m benchmarks.wine_kills")
+    words.add_argument("--every", type=int, default=1, help="take one of so many calls")
+    words.add_argument("--only", action="append", help="one command, by its name; may be repeated")
+    words.add_argument("--minutes", type=float, default=1e6, help="begin nothing after that")
+    words.add_argument(
+        "--record", action="store_true", help=f"keep it in {RECORD.name} and docs/windows.md"
+    )
+    asked = words.parse_args(given)
+    commands = [one for one in COMMANDS if one.name not in NOT_TRIED]
+    if asked.only:
+        commands = [one for name in asked.only for one in commands if one.name == name]
+    windows.prepare()
+    windows.lay_checkout()
+    windows.begin()
+    until, total, faults = time.monotonic() + 60 * asked.minutes, Counter[str](), 0
+    try:
+        with tempfile.TemporaryDirectory(prefix="calls-") as place:
+            files = prepared(Path(place), set().union(*map(names_of, commands)), ended)
+            for command in commands:
+                every = asked.every * command.every
+                done = study(command, originals_of(command, files), every, until)
+                total.update(done.tried)
+                faults += len(done.faults)
+                if asked.record and done.tried["killed"]:
+                    record(command, done, every)
+                print(f"{command.name}: {done.calls.changes} calls, {dict(done.tried)}, {len(done.faults)} faults", flush=True)  # fmt: skip
+    finally:
+        windows.end()
+    print(f"in all: {dict(total)}: {faults} faults")
+    return int(bool(faults))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
