@@ -11,6 +11,7 @@ import importlib
 import io
 import keyword
 import os
+import re
 import sys
 import traceback
 from typing import Annotated, Any
@@ -71,6 +72,22 @@ def _python_name(name: str) -> str:
     return f"{name}_" if keyword.iskeyword(name) else name
 
 
+class CommandWithExample(TyperCommand):
+    """A command that shows the example of its help where an argument or option is missing."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """The arguments; of one that is missing its help and an example."""
+        try:
+            return super().parse_args(ctx, args)
+        except typer.BadParameter as wrong:
+            if wrong.message or wrong.param is None:  # not missing
+                raise
+            what = getattr(wrong.param, "help", None) or ""
+            example = re.search(r"Examples?: `(.+?)`", self.help or "")
+            wrong.message = " ".join([what, f"Example: {example[1]}"] if example else [what])
+            raise
+
+
 class LazyCommands(TyperGroup):
     """The commands of the table; --help lists them without importing any."""
 
@@ -96,7 +113,7 @@ class LazyCommands(TyperGroup):
         if isinstance(command, typer.Typer):
             return get_group(command)
         single = typer.Typer(add_completion=False, rich_markup_mode="markdown")
-        single.command(cmd_name)(command)
+        single.command(cmd_name, cls=CommandWithExample)(command)
         return get_command(single)
 
     def format_help(self, ctx: Any, formatter: Any) -> None:

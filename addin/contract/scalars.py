@@ -44,13 +44,13 @@ _BY_GROUP: Mapping[str, tuple[Field, ...]] = {
         number(
             "RatedPower",
             "power",
-            "Rated power of the motor; with the speed it gives the rated torque.",
+            "Rated power of the motor, of several motors together; with the speed it gives the rated torque.",
             blank="from torque and speed",
         ),
         number(
             "RatedTorque",
             "torque",
-            "Rated torque; base of torques in pu or % (in table Excitations 100 % = "
+            "Rated torque, of several motors together; base of torques in pu or % (in table Excitations 100 % = "
             "the torque transmitted there).",
             blank="from power and speed",
             us="lbf*ft",

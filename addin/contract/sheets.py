@@ -245,7 +245,7 @@ _SHEETS = (
     Sheet(
         "Sections",
         "input",
-        {"A": 1.5, "B": 18, "C": 10, "D:G": 9, "H": 14, "I": 9, "J": 10.4, "K:L": 9, "M": 1.5, "N": 18, "O": 12, "P:R": 10},
+        {"A": 1.5, "B": 18, "C": 12, "D:G": 8.5, "H": 14, "I": 9, "J": 10.4, "K:L": 9, "M": 1.5, "N": 18, "O": 12, "P:R": 10},
         {"Sections": "B24", "SectionMaterials": "N5", "SectionResults": "N24"},
         (ChartAt("profile", "B5", 860, 280),),
         on="Train",
@@ -295,8 +295,8 @@ _SHEETS = (
     Sheet(
         "Events",
         "result",
-        {"A": 1.5, "B": 16.2, "C": 19.8, "D:E": 9.2, "F:G": 5.7, "H": 6.7, "I:J": 8.2, "K": 7.2, "L": 7.6, "M": 7.2, "N": 7,
-         "O": 5.4, "P:W": 5.2, "X": 6.4},
+        {"A": 1.5, "B": 16.2, "C": 19.8, "D:E": 8.5, "F:G": 5.4, "H": 6.5, "I:J": 8.2, "K:L": 7.1, "M": 7.2, "N": 6.2, "O": 4.8,
+         "P:Q": 5.1, "R": 7.3, "S": 7.9, "T:U": 5.2, "V": 7.3, "W": 7.9, "X": 5.6},
         {"EventPeaks": "B5"},
         on="Torque and motor",
         intro="Faults in operation: events of tables EventTorque and MotorEvents upon the train that "

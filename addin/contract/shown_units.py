@@ -69,7 +69,7 @@ def shown_units(
     units : ShownUnits
         Names and factors.
     problems : list of str
-        A sentence for each unit that cannot be used; its column is in SI, and its name says so.
+        A sentence for each unit of a result that cannot be used; its column is in SI, and its name says so.
     """
     factors: dict[tuple[str, str], float] = {}
     used = dict(names)
@@ -82,6 +82,8 @@ def shown_units(
             factors[key] = _factor(names[key], field, rated_torque)
         except UnitError as problem:
             used[key] = field.si
+            if table in fields.INPUT_TABLES:
+                continue  # said where the table is read, if anything stands in it
             problems.append(f"Table {table.name}, column {field.name}: {problem.message}")
     return ShownUnits(used, factors), problems
 

@@ -10,6 +10,7 @@ ROSS 3.1, `Rotor.save` and the elements' own arguments; all in SI. A shaft eleme
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
@@ -20,7 +21,7 @@ from engine.case.case import Case
 from engine.case.choices import ElementKind
 from engine.case.data import ElementRow, StationRow
 from engine.model.links import Link, link_of, shaft_inertia, shaft_stiffness
-from engine.model.sections import sections_of
+from engine.model.sections import STEEL, plain_twist, sections_of
 
 _SHAFT, _COUPLING, _DISK, _GEAR = "ShaftElement", "CouplingElement", "DiskElement", "GearElement"
 #: Classes of which something is read.
@@ -317,19 +318,27 @@ def ross_of(case: Case) -> tuple[dict[str, Any], list[str]]:
     order = chain_of(case, "a rotor of ROSS")
     sections = sections_of(case)
     content: dict[str, Any] = {"ross_version": _VERSION, "parameters": {}}
-    lumped = [stations[at].inertia or 0.0 for at, _, _ in order]
-    for n, (_, e, _) in enumerate(order[1:]):
-        link = link_of(e, None, sections.get(str(e.element), ()))
-        key, element = _element(e, link, n, notes, lumped)
-        content[key] = element
+    lumped = [stations[order[0][0]].inertia or 0.0]
+    named = {0: order[0][0]}
+    for at, e, forward in order[1:]:
+        own = sections.get(str(e.element), ())
+        link = link_of(e, None, own)
+        if own and e.stiffness is None:
+            written = _cylinders(case, e, link, len(lumped) - 1, forward, notes)
+        else:
+            written = dict([_element(e, link, len(lumped) - 1, notes, lumped)])
+        content |= written
+        lumped += [0.0] * (max(x["n"] for x in written.values()) + 2 - len(lumped))
+        lumped[-1] += stations[at].inertia or 0.0
+        named[len(lumped) - 1] = at
     if not any(key.startswith(_SHAFT) for key in content):
         raise ForeignError(
-            "ROSS needs a shaft with OD, ID, Length, Shear modulus and Density, but every element has a stiffness alone. "
-            "Export a table of text (.csv) instead."
+            "ROSS needs a shaft with dimensions (OD, Length, Shear modulus and Density, or rows in Sections), but every "
+            "element has a stiffness alone. Export a table of text (.csv) instead."
         )
-    for n, ((at, _, _), inertia) in enumerate(zip(order, lumped, strict=True)):
-        if inertia:
-            content[f"{_DISK}_{at}"] = {"n": n, "m": 0.0, "Id": 0.0, "Ip": inertia, "tag": at}
+    for n, at in named.items():
+        if lumped[n]:
+            content[f"{_DISK}_{at}"] = {"n": n, "m": 0.0, "Id": 0.0, "Ip": lumped[n], "tag": at}
     notes += _unheld(case, stations)
     return content, notes
 
@@ -339,28 +348,59 @@ def _element(
 ) -> tuple[str, dict[str, Any]]:
     """A shaft with dimensions as such, all else as a coupling with half its inertia at each end."""
     if e.od and e.length and e.shear_modulus and e.density and e.stiffness is None:
-        # ROSS calculates from G_s alone in torsion; E is that of steel's Poisson's ratio
-        material = {
-            "name": f"rho_{e.density:.6g}",  # ROSS takes no blanks
-            "rho": e.density,
-            "G_s": e.shear_modulus,
-            "E": 2.6 * e.shear_modulus,
-        }
         size = {"L": e.length, "idl": e.id or 0.0, "odl": e.od, "idr": e.id or 0.0, "odr": e.od}
         if link.viscous:
             notes.append(
                 f"Damping of '{e.element}' is not written: a shaft of ROSS has none of its own."
             )
+        material = _material(e.shear_modulus, e.density)
         return f"{_SHAFT}_{e.element}", size | {"n": n, "tag": e.element, "material": material}
     if link.inertia:
         notes.append(
             f"'{e.element}' is written as a coupling of its stiffness, with half of its inertia at each end."
         )
         lumped[n] += 0.5 * link.inertia
-        lumped[n + 1] += 0.5 * link.inertia
+        lumped.append(0.5 * link.inertia)
     coupling = {"m_l": 0.0, "m_r": 0.0, "Ip_l": 0.0, "Ip_r": 0.0, "kr_z": link.stiffness}
     own = {"cr_z": link.viscous, "n": n, "tag": e.element}
     return f"{_COUPLING}_{e.element}", coupling | own
+
+
+def _cylinders(
+    case: Case, e: ElementRow, link: Link, n: int, forward: bool, notes: list[str]
+) -> dict[str, dict[str, Any]]:
+    """The sections of an element as shafts, one behind the other."""
+    materials = {m.material: m for m in case.section_materials}
+    rows = [row for row in case.sections if row.element == e.element]
+    written: dict[str, dict[str, Any]] = {}
+    twist = 0.0
+    for i, row in enumerate(rows if forward else reversed(rows)):
+        bore, ends = row.id or 0.0, (row.od or 0.0, row.last_od or 0.0)
+        left, right = ends if forward else ends[::-1]
+        material = materials.get(row.material, STEEL)
+        modulus, density = material.shear_modulus or 0.0, material.density or 0.0
+        tag = f"{e.element} {row.section or i + 1}"
+        size = {"L": row.length, "idl": bore, "odl": left, "idr": bore, "odr": right}
+        written[f"{_SHAFT}_{n + i}_{tag}"] = size | {
+            "n": n + i, "tag": tag, "material": _material(modulus, density),
+        }  # fmt: skip
+        twist += plain_twist(row, modulus)
+    stiffer = 1.0 / (twist * (link.stiffness or math.inf)) - 1.0
+    if abs(stiffer) > 1e-3:
+        notes.append(
+            f"The sections of '{e.element}' are written as cylinders. Without what their steps, hubs and keyways do, they are "
+            f"{100.0 * abs(stiffer):.2g} % {'stiffer' if stiffer > 0.0 else 'softer'} than here."
+        )
+    if link.viscous:
+        notes.append(
+            f"Damping of '{e.element}' is not written: a shaft of ROSS has none of its own."
+        )
+    return written
+
+
+def _material(modulus: float, density: float) -> dict[str, Any]:
+    """ROSS calculates from G_s alone in torsion; E is that of steel's Poisson's ratio, and names have no blanks."""
+    return {"name": f"rho_{density:.6g}", "rho": density, "G_s": modulus, "E": 2.6 * modulus}
 
 
 def _unheld(case: Case, stations: Mapping[str | None, StationRow]) -> Iterator[str]:

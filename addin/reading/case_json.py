@@ -471,13 +471,18 @@ _QUANTITY = re.compile(
 
 def _wanted(spec: Field, unit: str | None) -> str:
     """What a value of a field may look like in JSON, or in a table whose numbers have a unit."""
-    if unit is not None and not spec.has_unit:
-        return "a number"
-    if unit is not None:
-        return f'a number in {unit or spec.si}, or one with its unit such as "1 {spec.units[0]}"'
-    if not spec.has_unit:
-        return "a number without quotes"
-    return f'a number in {spec.si} without quotes, or one with its unit such as "1 {spec.units[0]}"'
+    quoted = " without quotes" if unit is None else ""
+    if not spec.has_unit or spec.dimension == "ratio":
+        return _or_words(f"a number{quoted}", spec)
+    return _or_words(
+        f'a number in {unit or spec.si}{quoted}, or one with its unit such as "1 {spec.units[0]}"',
+        spec,
+    )
+
+
+def _or_words(number: str, spec: Field) -> str:
+    """The words that a field of numbers also takes."""
+    return f"{number}, or {' or '.join(spec.choices)}," if spec.choices else number
 
 
 def _short(value: Any) -> Any:

@@ -328,9 +328,9 @@ def too_many_rows(table: str, count: int, findings: Findings) -> bool:
 
 
 def _folded(word: str) -> str:
-    """A choice without capitals, double blanks and kinds of dashes."""
-    for dash in "‐‑–—−":
-        word = word.replace(dash, "-")
+    """A choice without capitals, double blanks and hyphens of any kind."""
+    for dash in "-‐‑–—−":
+        word = word.replace(dash, " ")
     return " ".join(word.casefold().split())
 
 

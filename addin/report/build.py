@@ -113,7 +113,9 @@ def build_document(
     cover = opening.cover_of(subject)
     return Document(
         cover=cover,
-        sections=numbered(fitted([*map(for_readers, sections)]), fitted(appendices)),
+        sections=numbered(
+            fitted([*map(for_readers, sections)]), fitted([*map(for_readers, appendices)])
+        ),
         name=shortened(subject.words("document"), 40),
         revision=shortened(subject.words("revision"), 12),
         short_title=shortened(cover.title, _HEAD),

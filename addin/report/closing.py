@@ -112,9 +112,11 @@ def _study(subject: Subject) -> Section:
                 "The study of error against time in the workbook belongs to other inputs and is "
                 f"omitted ({clean(study.inputs) or 'inputs not recorded'})."
             )
-        how = "Run torsionbook accuracy FILE and make the report from the workbook that it writes."  # fmt: skip
+        how = (
+            "It is made by the command accuracy, and printed here from the workbook that holds it."
+        )
         if not subject.shown.is_workbook:
-            how = "torsionbook accuracy also takes a case JSON; for the report, use a workbook as input."
+            how = "It is made by the command accuracy, and printed here from a workbook, not from a case JSON."
         return section(title, Paragraph(f"{stands} {how}"))
     caption = "Error against time of this case"
     note = "Recorded in the workbook by torsionbook accuracy, with its date."

@@ -420,8 +420,8 @@ def _refused(read: WorkbookInput, study: Study, lacking: MissingSheets) -> CellP
     name = read.path.name
     sheets = f"sheet{'s' if len(lacking.inputs) > 1 else ''} {' and '.join(lacking.inputs)}"
     sentence = (
-        f"{name} has no {sheets} for torsionbook {study.command}. Run it with --add, which adds the sheets, with "
-        "usual rows where there are such."
+        f"{name} has no {sheets} for torsionbook {study.command}. Repeat the command with --add, which adds the sheets, "
+        "with usual rows where there are such."
         if lacking.inputs
         else f"{name} has no table {' and '.join(lacking.tables)} for torsionbook {study.command}. Run torsionbook "
         f"upgrade {name} for a workbook of this version."

@@ -224,6 +224,24 @@ def _slices(row: SectionRow) -> list[tuple[float, float, int]]:
     return found
 
 
+def plain_twist(row: SectionRow, modulus: float) -> float:
+    """Compliance of the cylinder or taper alone, without hub, keyway and steps.
+
+    Parameters
+    ----------
+    row : SectionRow
+        The section. [SI]
+    modulus : float
+        Shear modulus. [Pa]
+
+    Returns
+    -------
+    float
+        Compliance. [rad/(N m)]
+    """
+    return total(twist for twist, _, _ in _slices(row)) / (modulus * _polar(row))
+
+
 def torsion_constant(row: SectionRow) -> float:
     """Torsion constant of the cross-section, keyway included. [m⁴]
 

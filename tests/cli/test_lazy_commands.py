@@ -149,3 +149,17 @@ def test_examples_of_the_studies_name_options_that_they_have():
         example = re.split(r"\n\s*\n", after)[0]
         for option in re.findall(r"--[a-z-]+", example):
             assert shown.count(option) > example.count(option), (name, option)
+
+
+@pytest.mark.parametrize(
+    ("words", "example"),
+    [
+        (["import", "masses.csv"], "torsionbook import masses.csv --out train.xlsx"),
+        (["batch", "trains"], "torsionbook batch trains --out results"),
+    ],
+)
+def test_what_is_missing_comes_with_an_example(words, example):
+    result = CliRunner().invoke(app, words, env={"COLUMNS": "300"})
+    assert result.exit_code == 2
+    assert "Missing option '--out'." in result.stderr
+    assert f"Example: {example}" in result.stderr

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -20,9 +21,11 @@ from addin.exchange.opentorsion import opentorsion_of, read_opentorsion
 from addin.exchange.read_train import checked_train, read_train
 from addin.exchange.ross import ross_of
 from engine.case.case import Case
+from engine.case.data import SectionRow
 from engine.model.build_train import build_train
 from engine.model.links import link_of
 from engine.model.modes import modes_of
+from engine.model.sections import sections_of, series_stiffness
 
 ROSS, OPENTORSION = stored("ross_frequencies.json"), stored("opentorsion_frequencies.json")
 
@@ -224,3 +227,40 @@ def test_a_structure_that_is_no_chain(structure, words):
 def test_a_file_that_is_no_train(content, words):
     with pytest.raises(ForeignError, match=words):
         read_train(content)
+
+
+def test_sections_are_shafts_of_ross_and_come_back_as_cylinders():
+    """Where nothing is stepped, keyed or held, the frequencies stay; else a note says what is missing."""
+    line = row_of_stations()
+    ends = [s.station for s in line.stations[:2]]
+    stations = tuple(s for s in line.stations[:2])
+    element = line.elements[0].__class__("Rotor", "shaft", ends[1], ends[0])  # against the row
+    taper = SectionRow("Rotor", "cone", 0.4, 0.1, 0.12, 0.02)
+    plain = Case(
+        stations=stations,
+        elements=(element,),
+        sections=(taper, SectionRow("Rotor", None, 0.3, 0.12, id=0.02)),
+    )
+    content, notes = ross_of(plain)
+    assert not any("cylinders" in note for note in notes)
+    shafts = [e for key, e in content.items() if key.startswith("ShaftElement")]
+    # from the first station on: the cylinder, then the cone from its To end
+    assert [(e["n"], e["odl"], e["odr"], e["L"]) for e in shafts] == [
+        (0, 0.12, 0.12, 0.3),
+        (1, 0.12, 0.1, 0.4),
+    ]
+    back = imported(json.dumps(content))
+    found, sections = sections_of(back)["Rotor cone"], sections_of(plain)["Rotor"]
+    cylinder = link_of(back.elements[0], None)
+    assert 1.0 / cylinder.stiffness + 1.0 / series_stiffness(found) == pytest.approx(
+        1.0 / series_stiffness(sections), rel=1e-12
+    )
+    assert cylinder.inertia + found[0].inertia == pytest.approx(
+        sum(s.inertia for s in sections), rel=1e-12
+    )
+    stepped = replace(plain.sections[1], penetration=1 / 3)
+    *_, (first, *_) = ross_of(
+        Case(stations=stations, elements=(element,), sections=(taper, stepped))
+    )
+    assert "'Rotor' are written as cylinders" in first
+    assert "softer" in first

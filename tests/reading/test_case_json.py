@@ -310,3 +310,13 @@ def test_names_compare_without_capitals_and_outer_blanks():
     assert [(p.table, p.row, p.column) for p in twins.problems if p.column == "From"] == [
         ("Elements", 2, "From")
     ]
+
+
+def test_words_that_a_field_of_numbers_takes_are_named_and_hyphens_are_blanks():
+    content = {"format": 1, "fatigue_factors": [{"element": "Shaft", "surface": "rolled"}]}
+    (problem,) = (p for p in read_case_json(content).problems if p.column == "Surface")
+    assert problem.message.endswith(
+        "found 'rolled'; a number without quotes, or ground or machined or hot-rolled or as-forged, is needed."
+    )
+    content["fatigue_factors"][0]["surface"] = "Hot rolled"
+    assert read_case_json(content).data.fatigue_factors[0].surface == "hot-rolled"

@@ -83,7 +83,7 @@ def test_without_a_study_of_these_inputs_it_is_said_how_to_get_one(tmp_path, stu
     report(tmp_path / "a.xlsx", docx=tmp_path / "a.docx")
     text = docx_text(tmp_path / "a.docx")
     assert said in text
-    how = "Run torsionbook accuracy FILE and make the report from the workbook that it writes."
+    how = "It is made by the command accuracy, and printed here from the workbook that holds it."
     assert how in text
     assert "You asked for" not in text
 
@@ -208,7 +208,7 @@ def test_conditions_tolerances_and_conclusions(tmp_path):
     text = docx_text(tmp_path / "a.docx")
     # 0.85² of the torque
     assert "85 % of the voltage of the torque curves; motor torques times 0.7225" in text
-    assert "torsionbook accuracy also takes a case JSON; for the report, use a workbook" in text
+    assert "made by the command accuracy, and printed here from a workbook" in text
     assert "No other design is compared here" in text
     # all energy is in the one coupling: half of 10 %
     tables = docx.Document(str(tmp_path / "a.docx")).tables

@@ -70,6 +70,15 @@ def test_the_chapters_name_nothing_of_the_program(name):
     assert [text for text in fixed if OF_THE_PROGRAM.search(text)] == []
 
 
+def test_the_appendices_name_no_table_and_no_scalar():
+    """What checks the document may: the command that compares digests, and what software made it."""
+    document = document_of("proposed")
+    said = [t for section in document.sections if section.number.isalpha() for t in texts(section)]
+    assert any("table motor data" in text for text in said)
+    named = re.compile(rf"\b(?:{'|'.join(NAMES)})\b|\bsheet [A-Z]")
+    assert [text for text in said if named.search(text)] == []
+
+
 def test_appendices_are_numbered_by_letters_behind_the_chapters():
     numbers = [section.number for section in document_of("proposed").sections]
     chapters = sum(number.isdigit() for number in numbers)

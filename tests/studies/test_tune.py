@@ -272,7 +272,7 @@ def test_a_workbook_without_the_sheets_says_how_to_get_them(tmp_path: Path) -> N
     assert RUN.invoke(app, ["new", str(plain)]).exit_code == 0
     done = told(plain)
     assert done.exit_code == 1
-    assert "Run it with --add" in done.output
+    assert "Repeat the command with --add" in done.output
 
 
 # --- maps -----------------------------------------------------------------------------------------

@@ -281,23 +281,16 @@ class _Answer:
         own = self.own[i]
         largest = float(np.max(np.abs(self.own)))
         if self.is_doubtful(i):
-            why = (
-                "the number of damaging cycles changes at the endurance limit, so there is "
-                if self.edge
-                else ""
-            )
-            yield f"The two differences of the {self.name} disagree: {why}no unique derivative."
+            why = "cycles pass the endurance limit" if self.edge else "its two differences disagree"
+            yield f"No unique derivative of the {self.name}: {why}."
         straight = WHOLE * own * np.array([-1.0, 1.0])
         bend = float(np.max(np.abs(self.ends[i] - straight)))
         if bend > max(DOUBTFUL * WHOLE * abs(own), AGREED * WHOLE * largest, SEEN):
             # Both changes have columns of their own.
-            yield f"Within ± 1 % the {self.name} do{'es' if self.name == 'peak' else ''} not change linearly."
+            yield f"The {self.name} {'is' if self.name == 'peak' else 'are'} not linear within ± 1 %."
         if self.other is not None:
             if abs(own - self.other[i]) > AGREED * largest + float(self.error[i]):
-                yield (
-                    f"For + 1 % the tangent equations of the start give {_signed(WHOLE * self.other[i])} "
-                    "instead."
-                )
+                yield f"By the tangent equations {_signed(WHOLE * self.other[i])} for + 1 %."
 
     def largest_difference(self, calculated: Sequence[int]) -> float:
         """Largest difference of the two ways over the largest derivative."""

@@ -84,9 +84,8 @@ def _checked(
             events = operating_events(changed, analysis_for_start(changed))
             row = event_row(case, condition, events[0])
             checks = list(event_checks(changed, events))
-            return with_overall(checks), "" if row.outcome == NOT_CALCULATED else _note(
-                row, events[0].response
-            )
+            note = _note(row, events[0].response, main.warnings)
+            return with_overall(checks), "" if row.outcome == NOT_CALCULATED else note
         results = main if _is_main(case, changed) else run(changed)
     except TorsionError as error:
         return (
@@ -95,16 +94,20 @@ def _checked(
             ),
         ), ""
     implausible = "; ".join(one.finding for one in implausible_results(results))
-    note = (
-        "" if results.start is None else _note(start_row(case, condition, results), results.start)
-    )
-    return with_overall(checks_of(results), implausible), note
+    judged = with_overall(checks_of(results), implausible)
+    if results.start is None:
+        return judged, ""
+    return judged, _note(start_row(case, condition, results), results.start, main.warnings)
 
 
-def _note(row: ConditionResult, start: Start | None) -> str:
-    """What a reader must know of a run; that nothing bounds what is left out stands beside each check."""
+def _note(row: ConditionResult, start: Start | None, known: Sequence[str]) -> str:
+    """What a reader must know of a run, beside the notes of the case.
+
+    That nothing bounds what is left out stands beside each check.
+    """
     unbounded = start is None or (start.left_out is None and not start.is_sensitive)
-    return " ".join((*row.remarks, "" if unbounded else row.accuracy)).strip()
+    remarks = (remark for remark in row.remarks if remark not in known)
+    return " ".join((*remarks, "" if unbounded else row.accuracy)).strip()
 
 
 def _is_main(case: CaseData, changed: Case) -> bool:

@@ -10,7 +10,7 @@ import pytest
 
 from engine.case.case import Case
 from engine.case.choices import ElementKind
-from engine.case.data import CaseData, StartConditionRow
+from engine.case.data import CaseData, EventTorqueRow, StartConditionRow
 from engine.results.results import CaseVerdict, Results, Verdict
 from engine.results.tables import result_tables
 from engine.run import run
@@ -136,3 +136,14 @@ def test_a_factor_of_couplings_needs_one() -> None:
     row = StartConditionRow("hot", stiffness_factor=0.8)
     (found,) = condition_problems(replace(case, elements=shafts), [row])
     assert "no element of table Elements is a coupling" in found.message
+
+
+def test_a_condition_does_not_repeat_a_note_of_the_case() -> None:
+    """An event whose teeth cannot part is told once, not again of the condition that is the event."""
+    fault = EventTorqueRow("fault", "Motor", -7.0, 1.0, -0.5 * math.pi, 0.08)
+    case = replace(CaseData(**vars(sample_case("modified"))), event_torque=(fault,))
+    results = calculated(case, StartConditionRow("short circuit", event="fault"))
+    assert of_condition(results, "short circuit")
+    told = [note for note in results.warnings if "Event 'fault' reverses" in note]
+    assert len(told) == 1
+    assert not told[0].startswith("Condition")
