@@ -165,7 +165,8 @@ def test_starts_of_other_forms_do_not_share_a_loop() -> None:
 
 
 @pytest.mark.parametrize(
-    ("stiffness", "words"), [(-1e14, "diverged"), (math.nan, "finite numbers in system_t.stiffness")]
+    ("stiffness", "words"),
+    [(-1e14, "diverged"), (math.nan, "finite numbers in system_t.stiffness")],
 )
 def test_a_start_that_has_no_end_is_an_error_and_hinders_no_other(
     stiffness: float, words: str
