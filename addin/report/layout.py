@@ -74,6 +74,22 @@ def _natural(table: Table, k: int) -> float:
     return _mm(max([*cells, _header(table.columns[k])], default=0))
 
 
+def least_width(table: Table) -> float:
+    """Width below which numbers or ordinary words of a table would break. [mm]
+
+    Parameters
+    ----------
+    table : Table
+        The table.
+
+    Returns
+    -------
+    float
+        That of all columns together. [mm]
+    """
+    return sum(_leasts(table))
+
+
 def _leasts(table: Table) -> list[float]:
     """Least widths; long words are broken sooner where the table would not fit otherwise."""
     least: list[float] = []

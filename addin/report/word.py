@@ -9,6 +9,7 @@ from __future__ import annotations
 import datetime as dt
 import io
 import itertools
+import math
 import zipfile
 from collections.abc import Iterator, Sequence
 from typing import Any
@@ -28,7 +29,7 @@ from addin.report.document import (
     tone_of,
 )
 from addin.report.formula import Node
-from addin.report.layout import TEXT_WIDTH, column_widths, rows_together
+from addin.report.layout import TEXT_WIDTH, column_widths, least_width, rows_together
 from addin.report.pages import Place, nodes, page_ends, pieces, whole_tables, word_heights
 from addin.report.pdf import ABOVE, BELOW, block_heights
 
@@ -56,6 +57,8 @@ _NAVY, _GREY, _RULE, _MIST, _INK = "1F3A5F", "595959", "C3CBD6", "E9EEF4", "3030
 _AFTER_SHADE = ("w:noWrap", "w:tcMar", "w:textDirection", "w:tcFitText", "w:vAlign")
 #: Left and right of the text of a cell. [twentieths of a point]
 _CELL_MARGIN = 75
+#: Height of the letters of a table. [pt]
+_LETTERS = 8.0
 #: Twentieths of a point in a millimetre.
 _TWENTIETHS = 1440.0 / 25.4
 #: Height of an entry of the contents by its level, and of what stands above and below them. [mm]
@@ -169,7 +172,7 @@ class _Writer:
         for name, font, size, colour, after in (
             ("Report caption", _TEXT_FONT, 9.0, _INK, 4.0),
             ("Report note", _TEXT_FONT, 8.5, _GREY, 10.0),
-            ("Report cell", _TABLE_FONT, 8.0, _INK, 0.0),
+            ("Report cell", _TABLE_FONT, _LETTERS, _INK, 0.0),
             ("Report fact", _TEXT_FONT, 9.5, _INK, 0.0),
         ):
             style = self._style(name)
@@ -404,6 +407,9 @@ class _Writer:
         last -= {0}  # the head stays with the first rows
         lines = [[column.header for column in table.columns], *table.rows]
         rows = self._rows(len(lines), column_widths(table, self.width), "Report cell")
+        # a company's page may be narrower than the table: smaller letters, so that no number breaks
+        share = min(1.0, self.width / min(least_width(table), TEXT_WIDTH))
+        letters = _LETTERS if share == 1.0 else math.floor(2.0 * share * _LETTERS) / 2.0
         for k, ((row, cells), texts) in enumerate(zip(rows, lines, strict=True)):
             if not k:
                 _row_setting(row, "w:tblHeader")
@@ -418,18 +424,20 @@ class _Writer:
                 if not k:
                     _shade(cell, _MIST)
                     _edges(cell, top=(_NAVY, 8), bottom=(_RULE, 4))
-                    _run(paragraph, text, 8.0, _NAVY, bold=True, font=_TABLE_FONT)
+                    _run(paragraph, text, letters, _NAVY, bold=True, font=_TABLE_FONT)
                     if column.unit:
                         paragraph.add_run().add_break()
-                        _run(paragraph, column.unit, 8.0, _GREY, font=_TABLE_FONT)
+                        _run(paragraph, column.unit, letters, _GREY, font=_TABLE_FONT)
                     continue
                 _edges(cell, bottom=(_RULE, 4))
                 tone = tone_of(text) if column.kind == "verdict" else ""
                 if tone:
                     ink = _TONES[tone][0]
-                    _run(paragraph, text, 8.0, ink, bold=tone != "open", font=_TABLE_FONT)
+                    _run(paragraph, text, letters, ink, bold=tone != "open", font=_TABLE_FONT)
                 elif text:
-                    paragraph.add_run(text)
+                    run = paragraph.add_run(text)
+                    if letters < _LETTERS:
+                        run.font.size = Pt(letters)
 
     def _grid(self, rows: int, widths: Sequence[float]) -> Any:
         """An empty table of fixed widths without borders."""

@@ -7,7 +7,7 @@ import zipfile
 
 import docx
 import pytest
-from docx.shared import Mm, RGBColor
+from docx.shared import Mm, Pt, RGBColor
 from PIL import Image
 from report_files import ROOT, docx_text, torsionbook
 
@@ -72,6 +72,17 @@ def test_a_template_gives_styles_page_and_head(letter, tmp_path, undrawn, kind):
     # nothing is wider than the text of the template's page
     widths = [sum(column.width for column in table.columns) for table in made.tables]
     assert max(widths) <= Mm(150.5)
+    # of 170 mm: a full table has letters smaller by as much, so that no number breaks; a narrow one has not
+    peaks, verdicts = (
+        next(
+            t
+            for t in made.tables
+            if t.cell(0, 0).text.startswith(head) and t.cell(0, 1).text.startswith(second)
+        )
+        for head, second in (("Element", "Maximum"), ("Check", "Coverage"))
+    )
+    assert peaks.cell(1, 1).paragraphs[0].runs[0].font.size == Pt(7)
+    assert verdicts.cell(1, 1).paragraphs[0].runs[0].font.size is None
     assert len(made.inline_shapes) > 0
     assert max(shape.width for shape in made.inline_shapes) <= Mm(150)
 
