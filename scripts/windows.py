@@ -73,7 +73,8 @@ Only the parts in the table were tried, their quick tests, on a machine that was
 
 `make kills-windows` ends a command by TerminateProcess before its calls that open for writing, write, flush, rename, remove or make
 a folder, as an audit hook of Python counts them, and halfway through writes. Demanded as [on Linux](safety.md#kills-errors-full-disks-power);
-the command is run again from unequal folders, there too. Commands of several processes (batch) are not tried.
+the command is run again from unequal folders, there too. Commands of several processes (batch) are not tried, of the others
+a part of the calls.
 
 {kills}
 ## What cannot run there
@@ -451,9 +452,8 @@ def kills_table() -> str:
     record = json.loads(KILLS.read_text("utf-8"))
     lines = ["| Command | calls | killed | run again | faults |", "|---|---:|---:|---:|---:|"]
     for name, row in sorted(record.items()):
-        share = f" (1 of {row['every']})" if row["every"] > 1 else ""
         lines.append(
-            f"| {name} | {row['calls']} | {row['killed']}{share} | {row['again']} | {len(row['faults'])} |"
+            f"| {name} | {row['calls']} | {row['killed']} | {row['again']} | {len(row['faults'])} |"
         )
     sums = (
         sum(r["killed"] for r in record.values()),
