@@ -8,7 +8,6 @@ Like any macro it empties Excel's list of steps to undo.
 from __future__ import annotations
 
 import shutil
-import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -40,7 +39,6 @@ def refill(book: Any) -> None:
         The workbook whose macro called. Progress goes to its status bar, what is wrong into a
         message box; then nothing is written.
     """
-    started = time.perf_counter()
     app = book.app
     with temporary_folder() as folder:
         copy = Path(folder, book.name)
@@ -74,8 +72,6 @@ def refill(book: Any) -> None:
         return
     with _quiet(app):
         _fill(book, results, lambda text: _tell(app, text))
-    took = time.perf_counter() - started
-    _tell(app, f"results written in {took:.1f} s. Excel cannot undo a macro.")
     if notes:
         app.alert("\n\n".join(notes[:MOST_TOLD]), TITLE, mode="info")
 

@@ -127,7 +127,8 @@ def _wrapper(function: Function) -> tuple[str, ...]:
 
 # --- our macros -----------------------------------------------------------------------------------
 
-# Nothing runs when a workbook is opened: scanners take such macros beside xlwings' for an attack.
+# Nothing runs when a workbook is opened or closed: scanners take such macros beside xlwings' for an attack. So nothing
+# may wait either (Application.OnTime): Excel opens a closed workbook again for what waits in it.
 _HEAD = f"""\
 Attribute VB_Name = "{MACROS}"
 'Written by torsionbook; torsionbook excel upgrade replaces it.
@@ -145,10 +146,6 @@ Public Sub Recalculate()
     End If
     Application.StatusBar = "torsionbook: starting Python"
     RunPython "import {UDF_MODULE};{UDF_MODULE}.recalculate()"
-    Application.OnTime Now + TimeSerial(0, 0, 20), OwnMacro("ClearStatusBar")
-End Sub
-
-Public Sub ClearStatusBar()
     Application.StatusBar = False
 End Sub
 

@@ -110,3 +110,11 @@ def test_a_missing_xlwings_is_named(monkeypatch):
 def test_a_module_must_begin_with_its_name():
     with pytest.raises(AssertionError):
         standard_module("A", 'Attribute VB_Name = "B"\n')
+
+
+def test_nothing_waits_for_a_workbook_that_may_be_closed_by_then() -> None:
+    """What `OnTime` waits for opens it again."""
+    text = vba.macro_text()
+    assert "OnTime" not in text
+    recalculate = text.partition("Sub Recalculate()")[2].partition("End Sub")[0]
+    assert recalculate.rstrip().endswith("Application.StatusBar = False")
