@@ -97,7 +97,9 @@ def _section(function: Function, answer: Sequence[Sequence[object]]) -> str:
     text = inspect.getdoc(function.answer) or ""
     lines = [f"\n## {function.name}\n", f"\n`{_call(function)}`\n", f"\n{text}\n"]
     lines += ["\n| argument | kind | what to give |\n|---|---|---|\n"]
-    lines += [f"| {_named(a)} | {KINDS[a.kind]} | {a.help} |\n" for a in function.arguments]
+    ranges = " or range" if function.by_cell else ""
+    lines += [f"| {_named(a)} | {KINDS[a.kind]}{ranges} | {a.help} |\n" for a in function.arguments]
+    lines += ["\nRanges have one answer a cell.\n"] if ranges else []
     lines += [f"\nExample: `{function.example}`\n"]
     heading = "Answer, with rows typed into the table:" if function.name in TYPED_IN else "Answer:"
     lines += _answer(heading, answer)

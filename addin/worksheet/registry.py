@@ -81,6 +81,8 @@ class Function:
     #: Takes the values of the arguments, gives a value or rows. [SI inside, shown units outside]
     answer: Callable[..., Any]
     scalar: bool = False  #: Whether the answer is one cell.
+    #: Whether its arguments may be ranges, which have one answer a cell.
+    by_cell: bool = False
     long: bool = False  #: Whether it may have to calculate a start.
     example: str = ""  #: A formula.
     #: Columns of its table, 0 where they depend on the model; None for an answer that is no table. A
@@ -106,6 +108,7 @@ def registered(
     name: str,
     *arguments: Argument,
     scalar: bool = False,
+    by_cell: bool = False,
     long: bool = False,
     example: str = "",
     columns: int | None = None,
@@ -124,7 +127,7 @@ def registered(
             )
         all_arguments = arguments if columns is None else (*arguments, ROW_COUNT)
         FUNCTIONS[name] = Function(
-            name, text, all_arguments, answer, scalar, long, example, columns
+            name, text, all_arguments, answer, scalar, by_cell, long, example, columns
         )
         return answer
 
@@ -221,12 +224,16 @@ def _error(code: str) -> ErrorValue:
     return ErrorValue(code if code in ERROR_CODES else "#VALUE!")
 
 
-def _bound(argument: Argument, raw: Any) -> Any:
-    """The value of one argument."""
+def _cells_of(argument: Argument, raw: Any) -> Block:
     try:
-        rows = rows_of(raw)
+        return rows_of(raw)
     except FunctionError as wrong:
         raise FunctionError(f"{argument.name}: {wrong.message}", wrong.code) from None
+
+
+def _bound(argument: Argument, raw: Any) -> Any:
+    """The value of one argument."""
+    rows = _cells_of(argument, raw)
     if argument.kind == "block":
         filled = any(cell is not None for row in rows for cell in row)
         if filled:
@@ -332,6 +339,8 @@ def call(name: str, raw: Sequence[Any]) -> list[list[Value]]:
             f"{function.name} takes at most {len(function.arguments)} arguments, not {len(raw)}."
         )
     given = list(raw) + [None] * (len(function.arguments) - len(raw))
+    if function.by_cell:
+        return _cell_by_cell(function, given)
     values = [_bound(a, v) for a, v in zip(function.arguments, given, strict=True)]
     if function.columns is None:
         return _shown(function.answer(*values))
@@ -339,6 +348,34 @@ def call(name: str, raw: Sequence[Any]) -> list[list[Value]]:
     if count is None:
         return _shown(function.answer(*values))
     return _fixed(function, values, count)
+
+
+def _cell_by_cell(function: Function, given: Sequence[Any]) -> list[list[Value]]:
+    """One answer for each cell of the ranges; a single cell, row or column counts for all, as in a formula."""
+    blocks = [_cells_of(a, raw) for a, raw in zip(function.arguments, given, strict=True)]
+    height, width = max(len(rows) for rows in blocks), max(len(rows[0]) for rows in blocks)
+    for argument, rows in zip(function.arguments, blocks, strict=True):
+        if len(rows) not in (1, height) or len(rows[0]) not in (1, width):
+            raise FunctionError(
+                f"{argument.name}: found a range of {len(rows)} × {len(rows[0])} cells beside one of {height} × {width}. "
+                "Give ranges of one size, or one cell for all."
+            )
+    ranges = [rows for rows in blocks if len(rows) * len(rows[0]) > 1]
+
+    def at(rows: Block, i: int, j: int) -> Cell:
+        return rows[i % len(rows)][j % len(rows[0])]
+
+    def answer(i: int, j: int) -> Value:
+        if ranges and all(at(rows, i, j) is None for rows in ranges):
+            return None  # a blank row of a table
+        try:
+            cells = zip(function.arguments, (at(rows, i, j) for rows in blocks), strict=True)
+            return _plain(function.answer(*(_bound(argument, cell) for argument, cell in cells)))
+        except FunctionError as wrong:
+            where = f"Row {i + 1}, column {j + 1} of the ranges: " if ranges else ""
+            raise FunctionError(where + wrong.message, wrong.code) from None
+
+    return [[answer(i, j) for j in range(width)] for i in range(height)]
 
 
 def _fixed(function: Function, values: Sequence[Any], count: int) -> list[list[Value]]:

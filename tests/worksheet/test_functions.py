@@ -197,6 +197,25 @@ def test_stiffness_is_that_of_the_textbook():
     assert hollow == pytest.approx(11.5e6 * math.pi * 8.0**4 / (32 * 20.0), rel=1e-9)
 
 
+def test_ranges_have_one_stiffness_a_cell() -> None:
+    """Rows of a table: a blank bore is a solid shaft, a blank row has none; one modulus for all."""
+    outer, bore, length = (
+        [[200.0], [150.0], [None]],
+        [[None], [50.0], [None]],
+        [[500.0], [300.0], [None]],
+    )
+    found = call("TV_STIFFNESS", [outer, bore, length, 79300.0])
+    alone = [
+        call("TV_STIFFNESS", [d[0], b[0], x[0], 79300.0])[0]
+        for d, b, x in zip(outer[:2], bore, length, strict=False)
+    ]
+    assert found == [*alone, [None]]
+    crossed = call("TV_STIFFNESS", [[[200.0], [150.0]], None, [[500.0, 250.0]], 79300.0])
+    assert [len(row) for row in crossed] == [2, 2]
+    for row in crossed:
+        assert row[1] == pytest.approx(2.0 * row[0])
+
+
 def test_conversion_of_ranges_keeps_blanks():
     rows = call("TV_CONVERT", [[[1.0, None], ["", -2.0]], "lbf*in", "N*m"])
     assert rows == [
@@ -303,7 +322,21 @@ def test_a_refused_unit_is_looked_up_once(monkeypatch):
         ("TV_STIFFNESS", [200.0, 0.0, None, 79300.0], "Length is blank"),
         ("TV_STIFFNESS", ["wide", 0.0, 500.0, 79300.0], "OD: found 'wide'"),
         ("TV_STIFFNESS", [200.0, 0.0, 500.0, 79300.0, "metric"], "give SI or US"),
-        ("TV_STIFFNESS", [[[1.0, 2.0]], 0.0, 500.0, 79300.0], "one cell"),
+        (
+            "TV_STIFFNESS",
+            [[[200.0, 150.0]], 0.0, [[500.0, 1.0, 2.0]], 79300.0],
+            "1 × 2 cells beside one of 1 × 3",
+        ),
+        (
+            "TV_STIFFNESS",
+            [[[200.0], [-1.0]], 0.0, 500.0, 79300.0],
+            "Row 2, column 1 of the ranges: OD",
+        ),
+        (
+            "TV_STIFFNESS",
+            [[[200.0], [150.0]], 0.0, [[500.0], [None]], 79300.0],
+            "Row 2, column 1 of the ranges: Length is blank",
+        ),
         ("TV_CONVERT", [1.0, "lb*ft^2", "N*m"], "is not"),
         ("TV_CONVERT", [1.0, "florps", "m"], "florps"),
         ("TV_CONVERT", [[["a"]], "m", "mm"], "found 'a'"),

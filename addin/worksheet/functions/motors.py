@@ -125,7 +125,7 @@ def tv_motor_curves(
         "Angle", "number",
         "Angle of the motor's voltage ahead of the line's at closing [deg]; blank: the worst.", True,
     ),
-    scalar=True,
+    by_cell=True,
     example='=TV_FAULT_TORQUE("three-phase fault", 0.2, 0.25)',
 )  # fmt: skip
 def tv_fault_torque(

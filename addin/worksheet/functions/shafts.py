@@ -23,7 +23,7 @@ ORDER = 30
     Argument("Length", "number", "The length [mm or in]."),
     Argument("Shear modulus", "number", "The shear modulus [MPa or psi]."),
     Argument("Units", "text", "SI (mm, MPa, N*m/rad; default) or US (in, psi, lbf*in/rad).", True),
-    scalar=True,
+    by_cell=True,
     example="=TV_STIFFNESS(200, 0, 500, 79300)",
 )
 def tv_stiffness(
