@@ -1,7 +1,7 @@
 """Every kind of file that the product writes, judged by programs of others: `make validate`.
 
 The validator of the Open XML SDK, Apache POI with the schemas of ECMA-376 and veraPDF must find no error, and POI
-must read from every cell what our own reader finds there. Needs Java, Maven and npm; the libraries come into
+must read from every cell, and from every module of VBA, what our own reader finds there. Needs Java, Maven and npm; the libraries come into
 build/validators, in the versions of scripts/validators.
 """
 
@@ -18,6 +18,7 @@ from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+from addin.excel.vba_project import VbaProject
 from addin.xlsx import open_workbook
 from addin.xlsx.references import Rect, cell_name, parse_cell
 
@@ -161,6 +162,16 @@ def cell_errors(path: Path, cells: dict[tuple[str, str], tuple[str, str]]) -> It
                 yield f"{path.name}: {sheet}!{cell_name(row, column)}: POI reads nothing, we read {mine!r}"
 
 
+def macro_errors(path: Path, macros: dict[str, str]) -> Iterator[str]:
+    """Modules of VBA in which our reader finds something else than POI."""
+    project = VbaProject.read(zipfile.ZipFile(path).read("xl/vbaProject.bin"))
+    for module in project.modules:
+        theirs, ours = macros.pop(module.name, None), module.source(project.code_page)
+        if theirs is None or theirs.splitlines() != ours.splitlines():
+            yield f"{path.name}: POI reads module {module.name} otherwise than we do"
+    yield from (f"{path.name}: POI reads module {name}, we read none" for name in macros)
+
+
 def _equal(kind: str, value: str, mine: object) -> bool:
     if kind == "BOOLEAN":
         return mine is (value == "TRUE")
@@ -189,10 +200,13 @@ def main() -> int:
         errors = [error for found in pool.map(sdk_errors, office) for error in found]
     cells: dict[str, dict[tuple[str, str], tuple[str, str]]] = {str(path): {} for path in office}
     judged: dict[str, int] = {}
+    macros: dict[str, dict[str, str]] = {str(path): {} for path in office}
     for what, file, *fields in java_lines(files):
         if what == "cell":
             sheet, address, kind, value = fields
             cells[file][sheet, address] = kind, value
+        elif what == "macro":
+            macros[file][fields[0]] = fields[1]
         elif what == "judged":
             judged[file] = judged.get(file, 0) + int(fields[0])
         elif OF_EXCEL not in fields[1]:
@@ -203,6 +217,8 @@ def main() -> int:
     for path in office:
         if path.suffix != ".docx":
             errors += cell_errors(path, cells[str(path)])
+        if path.suffix == ".xlsm":
+            errors += macro_errors(path, macros[str(path)])
     for error in errors[:50]:
         print(error)
     parts = sum(count for file, count in judged.items() if not file.endswith(".pdf"))

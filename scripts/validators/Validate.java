@@ -11,6 +11,7 @@ import org.apache.poi.openxml4j.opc.OPCPackage;
 import org.apache.poi.openxml4j.opc.PackageAccess;
 import org.apache.poi.openxml4j.opc.PackagePart;
 import org.apache.poi.openxml4j.opc.internal.PackagePropertiesPart;
+import org.apache.poi.poifs.macros.VBAMacroReader;
 import org.apache.poi.ss.usermodel.Cell;
 import org.apache.poi.ss.usermodel.CellType;
 import org.apache.poi.ss.usermodel.Row;
@@ -42,7 +43,7 @@ import org.w3c.dom.NodeList;
  * Files judged by Apache POI (every part against the schemas of ECMA-376) and by veraPDF.
  *
  * Prints lines of fields with tabs between: "error FILE PLACE SENTENCE", "judged FILE COUNT" and,
- * of workbooks, "cell FILE SHEET ADDRESS KIND VALUE". Texts are in the form of Java literals.
+ * of workbooks, "cell FILE SHEET ADDRESS KIND VALUE" and "macro FILE MODULE TEXT". Texts are in the form of Java literals.
  */
 public final class Validate {
     private static final PrintStream OUT = new PrintStream(System.out, false, StandardCharsets.UTF_8);
@@ -66,6 +67,9 @@ public final class Validate {
                         }
                     } else {
                         cells(file);
+                    }
+                    if (file.endsWith(".xlsm")) {
+                        macros(file);
                     }
                     say("judged", file, String.valueOf(parts));
                 }
@@ -182,6 +186,12 @@ public final class Validate {
                     }
                 }
             }
+        }
+    }
+
+    private static void macros(String file) throws Exception {
+        try (VBAMacroReader reader = new VBAMacroReader(new File(file))) {
+            reader.readMacros().forEach((module, text) -> say("macro", file, module, text));
         }
     }
 
