@@ -1,7 +1,7 @@
 """Written and calculated by ROSS 3.1 itself: the files beside this one and their frequencies.
 
 Run with a Python that has ross-rotordynamics, in this folder: `python by_ross.py`. It writes files/ross_rotor.toml and
-files/ross_geared.toml, loads what torsionbook exported (files/exported_to_ross.json), and records torsional frequencies in
+files/ross_geared.toml, loads what torsionbook exported (files/exported_…to_ross.json), and records torsional frequencies in
 files/ross_frequencies.json. [Hz]
 """
 
@@ -70,9 +70,8 @@ def main():
         (FILES / f"{name}.toml").unlink(missing_ok=True)
         made.save(FILES / f"{name}.toml")
     found["ross_rotor"] = frequencies(rotor())
-    exported = FILES / "exported_to_ross.json"
-    if exported.exists():
-        found["exported_to_ross"] = frequencies(ross.Rotor.load(exported))
+    for name in ("exported_to_ross", "exported_sections_to_ross"):
+        found[name] = frequencies(ross.Rotor.load(FILES / f"{name}.json"))
     text = json.dumps({"ross": ross.__version__, **found}, indent=1)
     (FILES / "ross_frequencies.json").write_text(text + "\n", encoding="utf-8")
 

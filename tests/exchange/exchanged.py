@@ -8,7 +8,7 @@ from typing import Any
 
 from addin.exchange.read_train import checked_train, read_train
 from engine.case.case import Case
-from engine.case.data import ElementRow, MeshRow, StationRow
+from engine.case.data import ElementRow, MeshRow, SectionRow, StationRow
 
 FILES = Path(__file__).parent / "files"
 
@@ -41,6 +41,19 @@ def row_of_stations() -> Case:
             ElementRow("Coupling F", "coupling", "Hub F", "Fan", 1.8e6),
         ),
     )  # fmt: skip
+
+
+def shaft_of_sections() -> Case:
+    """A motor and a fan on a shaft of two cylinders of different bores, without a step outside."""
+    line = row_of_stations()
+    return Case(
+        stations=(line.stations[0], line.stations[-1]),
+        elements=(ElementRow("Rotor", "shaft", "Motor", "Fan"),),
+        sections=(
+            SectionRow("Rotor", "left", 0.3, 0.12, id=0.02),
+            SectionRow("Rotor", "right", 0.5, 0.12, id=0.06),
+        ),
+    )
 
 
 def geared_train() -> Case:

@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from exchanged import FILES, geared_train, imported, row_of_stations, stored
+from exchanged import FILES, geared_train, imported, row_of_stations, shaft_of_sections, stored
 from scipy.linalg import eigh
 from write_exported import EXPORTED
 
@@ -127,6 +127,12 @@ def test_the_programs_find_our_frequencies_in_what_they_load():
         assert elastic(as_finite_elements(case)) == pytest.approx(elastic(found), rel=1e-6)
         # one short shaft has inertia: 2e-6 of it is what its distribution changes
         assert elastic(own(case))[:2] == pytest.approx(elastic(found)[:2], rel=1e-6)
+
+
+def test_ross_finds_our_frequency_of_a_shaft_of_sections():
+    """It has one linear element a cylinder: 6e-5 too much in the first mode."""
+    found = elastic(ROSS["exported_sections_to_ross"])[0]
+    assert found == pytest.approx(elastic(own(shaft_of_sections()))[0], rel=1e-4)
 
 
 def test_what_ross_holds_comes_back():
