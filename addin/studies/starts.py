@@ -8,11 +8,12 @@ from typing import Any
 from addin.contract.studies.starts import STARTS as STARTS_SPEC
 from addin.contract.study_spec import CUT_SHORT
 from addin.studies.study import CutShort, Option, Study, StudyResult, StudyTask, TerminalTable
-from addin.workers.parallel_map import Cancelled, in_batches
+from addin.workers.parallel_map import Cancelled
 from engine.case.case import Case
 from engine.case.study_inputs import StudyInputs
 from engine.errors import Problem
 from engine.fatigue.damage import starts_in_words
+from engine.start.by_turns import in_groups
 from engine.start.settings import has_start
 from engine.stepping.linear_loop import LANES
 from engine.studies.starts.condition_result import ConditionResult, calculate_conditions
@@ -36,7 +37,7 @@ def _calculate(task: StudyTask) -> StudyResult:
     number = len(plan.units)
     answers = task.map_until_cancelled(
         _some,
-        [(case, some) for some in in_batches(plan.units, _TOGETHER)],
+        [(case, some) for some in in_groups(plan.units, _TOGETHER)],
         lambda done: f"{min(done * _TOGETHER, number)} of {number} starts",
     )
     rows = [row for some in answers for row in some]

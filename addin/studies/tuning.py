@@ -12,11 +12,11 @@ from addin.contract.study_spec import CUT_SHORT
 from addin.reading.case_json import case_to_json
 from addin.studies.study import CutShort, Option, Study, StudyResult, StudyTask
 from addin.studies.tuning_tables import map_tables
-from addin.workers.parallel_map import Cancelled, in_batches
+from addin.workers.parallel_map import Cancelled
 from addin.writing.results_json import table_rows
 from addin.xlsx.whole_files import write_json
 from engine.case.case import Case
-from engine.start.by_turns import AT_ONCE
+from engine.start.by_turns import AT_ONCE, in_groups
 from engine.studies.tuning.checks import tuning_problems
 from engine.studies.tuning.combinations import in_typed_units, plan_tuning
 from engine.studies.tuning.evaluate import EvaluatedCombination, calculate_combinations
@@ -42,7 +42,7 @@ def _calculate(task: StudyTask) -> StudyResult:
     case, inputs = task.case, task.inputs
     plan = plan_tuning(case, inputs)
     every = plan.combinations
-    batches = [(case, some) for some in in_batches(every, AT_ONCE)]
+    batches = [(case, some) for some in in_groups(every)]
     answers = task.map_until_cancelled(
         calculate_batch,
         batches,

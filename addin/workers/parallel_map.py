@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, TypeVar
-
-Unit = TypeVar("Unit")
+from typing import Any
 
 #: Does a function of a module with each payload; answers in the order of the payloads. The last
 #: argument is called with how many are done.
@@ -30,11 +28,6 @@ class Cancelled(Exception):
 
 class UnitLost(Exception):
     """A process died twice with the same unit of work; the sentence says how."""
-
-
-def in_batches(units: Sequence[Unit], size: int) -> list[Sequence[Unit]]:
-    """Units of work in their order, so many together; the last may be fewer."""
-    return [units[first : first + size] for first in range(0, len(units), size)]
 
 
 def serial_map(stopped: Callable[[], bool] = lambda: False) -> ParallelMap:

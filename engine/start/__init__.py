@@ -22,6 +22,7 @@ module            responsibility
 `outcome`         how a start ended: the word, and the sentence with its numbers
 `simulation`      simulations of starts, each at one step, side by side in the lanes of one loop; and
                   what is read out of them
+`by_turns`        calculations that wait for each other, so that the starts they simulate run side by side
 `start`           the start: average and pulsating torque against the loads, from rest to the end
                   speed
 `lowest_torque`   the lowest torque of each element, by how much it may be lower, and what may be

@@ -20,6 +20,7 @@ from engine.stepping import linear_loop as kernels
 #: Calculations that wait for each other: the lanes are filled though some want no simulation just then. [count]
 AT_ONCE = 2 * kernels.LANES
 
+Unit = TypeVar("Unit")
 Result = TypeVar("Result")
 
 
@@ -104,6 +105,11 @@ def simulated(wanted: Sequence[Simulation]) -> list[SingleRun]:
     return found
 
 
+def in_groups(units: Sequence[Unit], size: int = AT_ONCE) -> list[Sequence[Unit]]:
+    """Units of work in their order, so many together; the last group may be smaller."""
+    return [units[first : first + size] for first in range(0, len(units), size)]
+
+
 def by_turns(calculations: Sequence[Callable[[], Result]]) -> list[Result]:
     """Results of calculations, whose starts run side by side; the first error is raised.
 
@@ -118,8 +124,7 @@ def by_turns(calculations: Sequence[Callable[[], Result]]) -> list[Result]:
         In the same order.
     """
     results: list[Result] = []
-    for first in range(0, len(calculations), AT_ONCE):
-        some = calculations[first : first + AT_ONCE]
+    for some in in_groups(calculations):
         results += [calculate() for calculate in some] if len(some) == 1 else _together(some)
     return results
 

@@ -359,7 +359,7 @@ def test_resume_calculates_only_chunks_that_are_missing(base, tmp_path, monkeypa
     (out / OWN / "vary" / "0000002.json").unlink()
     calls = []
     real = vary_rows._answers
-    monkeypatch.setattr(vary_rows, "_answers", lambda case: calls.append(1) or real(case))
+    monkeypatch.setattr(vary_rows, "_answers", lambda *given: calls.append(1) or real(*given))
     done, second = run(base, table, out, resume=True)
     assert len(calls) == vary.ROWS
     assert done.kept == 230 - vary.ROWS
@@ -383,7 +383,7 @@ def test_resume_refuses_another_programme(base, tmp_path, changed):
 def test_equal_rows_of_a_chunk_are_calculated_once(base, tmp_path, monkeypatch):
     calls = []
     real = vary_rows._answers
-    monkeypatch.setattr(vary_rows, "_answers", lambda case: calls.append(1) or real(case))
+    monkeypatch.setattr(vary_rows, "_answers", lambda *given: calls.append(1) or real(*given))
     table = csv(tmp_path, "DampingRatio", "0.01", "0.02", "0.01", "1 %")
     _, rows = run(base, table, tmp_path / "out")
     assert len(calls) == 2

@@ -14,7 +14,6 @@ from typing import Any
 
 from addin.contract.problems import first_of
 from addin.contract.tables import result_table
-from addin.workers.parallel_map import in_batches
 from addin.worksheet.answers import (
     HEADERS,
     MODEL,
@@ -31,7 +30,7 @@ from addin.worksheet.models import MODELS, Model
 from addin.worksheet.registry import Argument, Block, FunctionError, registered
 from engine.case.study_inputs import DAMPING, DIAMETER, INERTIA, STIFFNESS, DisplayUnit, StudyInputs
 from engine.errors import ModelError, Problem
-from engine.start.by_turns import AT_ONCE
+from engine.start.by_turns import in_groups
 from engine.studies.sensitivities.differences import differences
 from engine.studies.sensitivities.plan import derivative_units, plan_derivatives
 from engine.studies.sensitivities.sensitivities import gather_derivatives
@@ -175,7 +174,7 @@ def tv_tune(
 
     def ranked() -> TuningResult:
         calculate = partial(calculate_combinations, model.case)
-        batches = in_batches(plan.combinations, AT_ONCE)
+        batches = in_groups(plan.combinations)
         tried = _in_time("tune", batches, calculate, time.monotonic())
         return rank_combinations(model.case, plan, [one for some in tried for one in some])
 
