@@ -703,8 +703,14 @@ def _fit_summary(workbook: Workbook, written: Sequence[TableData]) -> None:
         return  # a workbook of an earlier version, or one whose sheet was rearranged
     part = workbook.sheet_part(verdicts.sheet)
     _close(part, range(verdicts.data.bottom + 1, FOOT_ROW), _BESIDE_SUMMARY)
-    facts = [row for data in written if data.name == "Audit" for row in data.rows]
-    notes = [str(text) for item, text, *_ in facts if str(item).startswith("Warning ")]
+    facts = [
+        dict(zip(map(str.casefold, data.columns), row, strict=True))
+        for data in written
+        if data.name == "Audit"
+        for row in data.rows
+    ]
+    told = [fact for fact in facts if str(fact.get("item")).startswith("Warning ")]
+    notes = [str(fact.get("value", "")) for fact in told]  # a column may have been removed
     if len(notes) > SUMMARY_NOTES:
         notes[SUMMARY_NOTES - 1 :] = [""]  # how many more there are
     notes += [""] * (SUMMARY_NOTES - len(notes))

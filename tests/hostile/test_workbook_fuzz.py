@@ -138,3 +138,13 @@ def test_some_files() -> None:
 def test_more_files(start: int) -> None:
     """Beyond the kept record, which ends with number 19,999: files that no repair was made after but two."""
     told(range(start, start + 300))
+
+
+def test_the_summary_is_fitted_without_a_column_of_the_audit(tmp_path: Path) -> None:
+    """Found by number 10580 of run 2: the column was renamed, and with it went the texts of the notes."""
+    template = seeds()[2]
+    (table,) = (n for n, part in template.parts.items() if b'displayName="Audit"' in part)
+    renamed = template.parts[table].replace(b'name="Value"', b'name="Worth"')
+    assert renamed != template.parts[table]
+    data = workbook_fuzz._packed([*(template.parts | {table: renamed}).items()])
+    assert verdict_on(data, template.suffix, tmp_path).kind == "written"
