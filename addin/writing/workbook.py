@@ -704,7 +704,7 @@ def _fit_summary(workbook: Workbook, written: Sequence[TableData]) -> None:
     part = workbook.sheet_part(verdicts.sheet)
     _close(part, range(verdicts.data.bottom + 1, FOOT_ROW), _BESIDE_SUMMARY)
     facts = [
-        dict(zip(map(str.casefold, data.columns), row, strict=True))
+        dict(zip(map(str.casefold, data.columns or ()), row, strict=False))
         for data in written
         if data.name == "Audit"
         for row in data.rows
