@@ -217,7 +217,7 @@ typedef struct {
     const int64_t *n;            /* (lanes) stretches */
     const int64_t *counts;       /* (lanes, most) steps of each */
     const double *steps;         /* (lanes, most) length of each [s] */
-    const double *target_speed;  /* (lanes) mean speed at which to stop [rad/s] */
+    const double *target_speed;  /* (lanes) mean speed at which to stop, infinite: none [rad/s] */
     int64_t *at, *taken;         /* (lanes) present stretch and its steps taken, updated */
     double *time;                /* (lanes) at the beginning of the stretch, updated [s] */
     int64_t *reason;             /* (lanes) why it ended; MORE: it goes on; updated */
