@@ -185,7 +185,8 @@ typedef struct {
 
 /* Flanks: all drive flanks, then all back flanks. */
 typedef struct {
-    const double *gap, *stiffness, *damping, *scale;  /* (n_flanks) [rad, N m/rad, N m s/rad, N m] */
+    const double *gap;                                /* (n_flanks) infinite: never met [rad] */
+    const double *stiffness, *damping, *scale;        /* (n_flanks) [N m/rad, N m s/rad, N m] */
     int64_t limited;                                  /* contact damping never exceeds the spring force */
     int64_t *contact;                                 /* (n_flanks) updated */
     int64_t piece;                                    /* present piece, updated; -1: has to be made */
