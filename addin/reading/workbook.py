@@ -15,7 +15,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from pathlib import Path
 
-from addin.contract.problems import CellProblem, nearest, placed
+from addin.contract.problems import CellProblem, nearest, placed, shortened
 from addin.contract.shipped import template_path
 from addin.contract.tables import (
     INPUT_TABLES,
@@ -305,7 +305,7 @@ class _Reading:
         version = f"{value:.15g}" if isinstance(value, float) else str(value or "").strip()
         if version != TEMPLATE_VERSION:
             self.warnings.append(
-                f"The workbook has template version '{version}', this program ships version '{TEMPLATE_VERSION}'. "
+                f"The workbook has template version '{shortened(version)}', this program ships version '{TEMPLATE_VERSION}'. "
                 "If results look wrong, make a workbook of this version: torsionbook new NEW.xlsx --from "
                 "FILE."
             )

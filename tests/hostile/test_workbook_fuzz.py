@@ -2,11 +2,14 @@
 
 from pathlib import Path
 
+import openpyxl
 import pytest
 
+from addin.reading.workbook import read_workbook
 from benchmarks import workbook_fuzz
 from benchmarks.workbook_fuzz import (
     LEVELS,
+    ROOT,
     fuzz,
     mutated,
     seeds,
@@ -148,3 +151,14 @@ def test_the_summary_is_fitted_without_a_column_of_the_audit(tmp_path: Path) -> 
     assert renamed != template.parts[table]
     data = workbook_fuzz._packed([*(template.parts | {table: renamed}).items()])
     assert verdict_on(data, template.suffix, tmp_path).kind == "written"
+
+
+def test_a_long_template_version_is_told_in_a_short_sentence(tmp_path: Path) -> None:
+    """Found by number 28362 of run 2."""
+    book = openpyxl.load_workbook(ROOT / "templates" / "blank_si.xlsx")
+    ((sheet, cell),) = book.defined_names["TemplateVersion"].destinations
+    book[sheet][cell.replace("$", "")].value = "x" * 30_000
+    book.save(tmp_path / "train.xlsx")
+    (told,) = (w for w in read_workbook(tmp_path / "train.xlsx").warnings if "version" in w)
+    assert sentence_fault(told) == ""
+    assert len(told) < 300
