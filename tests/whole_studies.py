@@ -12,7 +12,7 @@ from engine.studies.sensitivities.differences import differences
 from engine.studies.sensitivities.plan import derivative_units, plan_derivatives
 from engine.studies.sensitivities.sensitivities import Derivatives, gather_derivatives
 from engine.studies.sensitivities.tangent import tangent_of
-from engine.studies.starts.condition_result import calculate_conditions
+from engine.studies.starts.condition_result import calculate_condition
 from engine.studies.starts.matrix import StartMatrix, gather_matrix
 from engine.studies.starts.plan import plan_matrix
 from engine.studies.tolerances.sample import (
@@ -51,7 +51,7 @@ def start_matrix(
     """A start matrix of all starts, or of the first ones. [SI]"""
     case = with_conditions(case, rows)
     plan = plan_matrix(case)
-    done = calculate_conditions(case, plan.units[:first])
+    done = [calculate_condition(case, one) for one in plan.units[:first]]
     return gather_matrix(case, plan, done)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from addin.contract.studies.starts import STARTS as STARTS_SPEC
@@ -13,34 +13,28 @@ from engine.case.case import Case
 from engine.case.study_inputs import StudyInputs
 from engine.errors import Problem
 from engine.fatigue.damage import starts_in_words
-from engine.start.by_turns import in_groups
 from engine.start.settings import has_start
-from engine.stepping.linear_loop import LANES
-from engine.studies.starts.condition_result import ConditionResult, calculate_conditions
+from engine.studies.starts.condition_result import ConditionResult, calculate_condition
 from engine.studies.starts.conditions import StartCondition
 from engine.studies.starts.damage_ledger import damage_ledger, ledger_rows, remaining_rows
 from engine.studies.starts.matrix import gather_matrix, start_rows, voltage_rows
 from engine.studies.starts.plan import plan_matrix
 
-#: Starts of one unit of work: the lanes of the loop, and no more, lest a process has nothing to do at the end. [count]
-_TOGETHER = LANES
 
-
-def _some(unit: tuple[Case, Sequence[StartCondition]]) -> list[ConditionResult]:
-    """Some starts of the matrix in one process."""
-    return calculate_conditions(*unit)
+def _one(unit: tuple[Case, StartCondition]) -> ConditionResult:
+    """One start of the matrix: the unit of work. (In lanes four take 1.02 to 1.23 of what they take alone.)"""
+    return calculate_condition(*unit)
 
 
 def _calculate(task: StudyTask) -> StudyResult:
     case = task.case
     plan = plan_matrix(case, with_standard=bool(task.settings.get("standard")))
     number = len(plan.units)
-    answers = task.map_until_cancelled(
-        _some,
-        [(case, some) for some in in_groups(plan.units, _TOGETHER)],
-        lambda done: f"{min(done * _TOGETHER, number)} of {number} starts",
+    rows = task.map_until_cancelled(
+        _one,
+        [(case, condition) for condition in plan.units],
+        lambda done: f"start {min(done + 1, number)} of {number}",
     )
-    rows = [row for some in answers for row in some]
     if not rows:
         raise Cancelled(why=f"None of {number} starts was calculated.")
     matrix = gather_matrix(case, plan, rows)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 
 from engine.backlash.operating_events import OperatingEvent, operating_events
 from engine.case.case import Case
@@ -16,7 +15,6 @@ from engine.fatigue.allowable_starts import ShaftFatigue
 from engine.fatigue.stress import stress_of_unit_torque
 from engine.results.results import Results
 from engine.run import run
-from engine.start.by_turns import by_turns
 from engine.start.pieces import analysis_for_start
 from engine.start.start import Start
 from engine.start.start_fatigue import is_counted, judged_shafts
@@ -91,27 +89,21 @@ class ConditionResult:
         return " ".join(sentence for sentence in sentences if sentence)
 
 
-def calculate_conditions(
-    case: CaseData, conditions: Sequence[StartCondition]
-) -> list[ConditionResult]:
-    """Some starts of the matrix; the linear ones run side by side.
+def calculate_condition(case: CaseData, condition: StartCondition) -> ConditionResult:
+    """One start of the matrix: one unit of work.
 
     Parameters
     ----------
     case : CaseData
         The checked case. [SI]
-    conditions : sequence of StartCondition
-        Units of the plan. [SI]
+    condition : StartCondition
+        One of the units of the plan. [SI]
 
     Returns
     -------
-    list of ConditionResult
-        Their rows; where a run raises an error, its row says why. [SI]
+    ConditionResult
+        Its row; where the run raises an error, the row says why. [SI]
     """
-    return by_turns([partial(_calculated, case, one) for one in conditions])
-
-
-def _calculated(case: CaseData, condition: StartCondition) -> ConditionResult:
     try:
         changed = Case(**vars(condition_case(case, condition)))
         if condition.event:

@@ -18,7 +18,7 @@ from engine.studies.starts.condition_result import (
     NOT_CALCULATED,
     ConditionResult,
     ConditionShaft,
-    calculate_conditions,
+    calculate_condition,
     start_row,
 )
 from engine.studies.starts.conditions import (
@@ -324,12 +324,8 @@ def test_a_train_without_judged_shaft_has_no_starts_and_says_so(case: Case) -> N
 def test_units_of_work_travel_and_may_come_in_any_order(case: Case) -> None:
     studies = asked(StartConditionRow("a", voltage=0.9), StartConditionRow("b", voltage=1.1))
     plan = plan_matrix(with_conditions(case, studies))
-    sent = pickle.loads(pickle.dumps([(case, [c]) for c in plan.conditions]))
-    rows = [
-        pickle.loads(pickle.dumps(row))
-        for case, some in reversed(sent)
-        for row in calculate_conditions(case, some)
-    ]
+    sent = pickle.loads(pickle.dumps([(case, c) for c in plan.conditions]))
+    rows = [pickle.loads(pickle.dumps(calculate_condition(*unit))) for unit in reversed(sent)]
     assert gather_matrix(with_conditions(case, studies), plan, rows) == start_matrix(case, studies)
 
 
@@ -428,7 +424,7 @@ def test_a_standard_trip_is_the_worst_of_its_instants(case: Case) -> None:
     condition = next(c for c in plan.conditions if c.why.startswith("just past mode 1"))
     assert len(condition.instants) == TRIP_INSTANTS
     f = float(run(case).modes.elastic_frequency[0])
-    rows = calculate_conditions(case, condition.instants)
+    rows = [calculate_condition(case, one) for one in condition.instants]
     starts = [r.allowable_starts or math.inf for r in rows]
     assert max(starts) > 2.0 * min(starts)
     alone = replace(plan, conditions=(condition,))
