@@ -67,7 +67,7 @@ def test_calls_go_to_one_process_and_come_back_as_doubles(answering):
     component = answering
     functions, more = component.Functions(None), component.Functions(None)
     raw = (200.1, None, 500.7, 79300.3)
-    assert functions.tv_stiffness(*raw, None) == call("TV_STIFFNESS", list(raw))[0][0]
+    assert functions.tv_stiffness(*raw, None) == (tuple(call("TV_STIFFNESS", list(raw))[0]),)
     first = component.Functions.worker.process.pid
     values = ((0.1, ""), (1 / 3, -2.0))
     (first_row, second_row) = call("TV_CONVERT", [values, "ft", "m"])
@@ -79,7 +79,8 @@ def test_calls_go_to_one_process_and_come_back_as_doubles(answering):
 
 def test_errors_are_texts(answering):
     functions = answering.Functions(None)
-    assert functions.tv_stiffness(200.0, 250.0, 1.0, 1.0).startswith("ID: found 250")
+    ((told,),) = functions.tv_stiffness(200.0, 250.0, 1.0, 1.0)
+    assert told.startswith("ID: found 250")
     ((told,),) = functions.tv_peaks("tv:0")
     assert "not in the memory of this session" in told
 
