@@ -36,7 +36,7 @@ PYTHON, CHECKOUT, PREFIX = PLACE / "python", PLACE / "checkout", PLACE / "prefix
 SITE = PYTHON / "lib" / "site-packages"
 RECORD, PAGE = ROOT / "benchmarks" / "records" / "windows.json", ROOT / "docs" / "windows.md"
 KILLS = ROOT / "benchmarks" / "records" / "wine_kills.json"
-#: What `.ci/run` tries there, of each room that the page names: what hangs on the system.
+#: What `.ci/run` tries there: the tests of each room that depend on the operating system.
 SAMPLE = (
     "xlsx/test_places.py",
     "xlsx/test_temporary.py",

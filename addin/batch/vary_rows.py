@@ -74,14 +74,13 @@ def calculate_rows(task: Chunk) -> list[dict[str, Any]]:
     return [row | {"seconds": seconds} for row in results]
 
 
-@dataclass
+@dataclass(frozen=True)
 class _Row:
     """One row before it is calculated."""
 
     inputs: dict[str, Any]  #: What was put in, for the result. [mixed]
-    refusal: dict[str, Any] = field(
-        default_factory=dict
-    )  #: Outcome and reason, where there is no case.
+    #: Outcome and reason, where there is no case.
+    refusal: dict[str, Any] = field(default_factory=dict)
     case: Case | None = None  #: The case. [SI]
     digest: str = ""  #: Its own. [hex]
 

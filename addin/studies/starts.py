@@ -22,7 +22,7 @@ from engine.studies.starts.plan import plan_matrix
 
 
 def _one(unit: tuple[Case, StartCondition]) -> ConditionResult:
-    """One start of the matrix: the unit of work. (In lanes four take 1.02 to 1.23 of what they take alone.)"""
+    """One start of the matrix: the unit of work. Side by side they take longer than alone (docs/floors.md)."""
     return calculate_condition(*unit)
 
 

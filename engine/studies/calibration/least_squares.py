@@ -288,9 +288,8 @@ def one_to_one(cost: Floats) -> tuple[Ints, Ints]:
     rows, columns : ndarray of int
         The pairs. [indices]
     """
-    from scipy.optimize import (
-        linear_sum_assignment,
-    )  # a third of a second that only a calibration pays
+    # a third of a second that only a calibration pays
+    from scipy.optimize import linear_sum_assignment
 
     rows, columns = linear_sum_assignment(cost)
     return rows, columns

@@ -139,7 +139,7 @@ def test_a_factor_of_couplings_needs_one() -> None:
 
 
 def test_a_condition_does_not_repeat_a_note_of_the_case() -> None:
-    """An event whose teeth cannot part is told once, not again of the condition that is the event."""
+    """The note of an event is not repeated by the condition that is this event."""
     fault = EventTorqueRow("fault", "Motor", -7.0, 1.0, -0.5 * math.pi, 0.08)
     case = replace(CaseData(**vars(sample_case("modified"))), event_torque=(fault,))
     results = calculated(case, StartConditionRow("short circuit", event="fault"))
