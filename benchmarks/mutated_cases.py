@@ -4,6 +4,7 @@ Each case is one of the examples or a random start, with one to three mutations:
 cent, two rows exchanged, two values of a column exchanged, a column blanked, a row deleted. Every other case is
 mutated gently: values within 10 % of the typed ones, so that most of them calculate. A case must end in named
 problems or in finite results, within `LONGEST` of processor time; a traceback of another kind is a miss.
+With `--claims` every 51st case, gentle and not in turn, is compared with its truth, as `benchmarks.tolerance_study` does.
 """
 
 from __future__ import annotations
@@ -27,7 +28,9 @@ os.environ.update(single_threaded())  # one thread a process: there is a process
 
 import numpy as np  # noqa: E402
 
-from benchmarks.study_trains import study_train  # noqa: E402
+from benchmarks.study_answers import Record, summary_of  # noqa: E402
+from benchmarks.study_trains import StudyTrain, study_train  # noqa: E402
+from benchmarks.tolerance_study import record_of  # noqa: E402
 from engine.case.case import Case  # noqa: E402
 from engine.case.data import CaseData  # noqa: E402
 from engine.errors import CaseError, ModelError  # noqa: E402
@@ -39,6 +42,8 @@ RECORD = "mutated_cases.json"
 LONGEST, GIVEN_UP = 20.0, 120
 #: Cases of the whole study, and of the sample that a test runs.
 FULL, QUICK = 50_000, 80
+#: Of the cases, every so many is compared with its truth.
+CLAIMS = 51
 #: Share of the cases whose train has clearances: they take ten times as long as the others. [1]
 WITH_CLEARANCES = 0.1
 #: Tables whose rows are mutated.
@@ -148,6 +153,18 @@ def ended(number: int) -> Ended:
     return Ended(number, how, changes, time.process_time() - began)
 
 
+def claims_of(number: int) -> Record | None:
+    """What a case says of its own errors, beside its truth; None where it has no start."""
+    data, _ = mutated(number)
+    try:
+        case = Case(**vars(data))
+        if run(case).start is None:
+            return None
+        return record_of(StudyTrain(number, number, case, (), independent=False), nudges=1)
+    except (CaseError, ModelError):
+        return None
+
+
 def _finite(value: Any) -> Iterator[bool]:
     """Whether each number of some rows is finite."""
     if isinstance(value, dict):
@@ -190,7 +207,12 @@ def main() -> int:
     parser.add_argument(
         "--record", action="store_true", help=f"add it to {RECORD} and docs/safety.md"
     )
+    parser.add_argument(
+        "--claims", action="store_true", help=f"compare every {CLAIMS}th with its truth instead"
+    )
     args = parser.parse_args()
+    if args.claims:
+        return _claims(range(args.first, args.first + args.cases, CLAIMS), args.jobs, args.record)
     numbers = range(args.first, args.first + args.cases)
     found: list[Ended] = []
     with ProcessPoolExecutor(args.jobs, initializer=_load) as pool:
@@ -206,6 +228,31 @@ def main() -> int:
     if args.record:
         _keep(args.first, found)
     return 0 if all(one.sound for one in found) else 1
+
+
+def _claims(numbers: range, jobs: int, record: bool) -> int:
+    """Print what holds of what the cases say, and what does not; 1 where nothing could be compared."""
+    from addin.contract.version import product_version
+    from benchmarks.safety_page import keep
+
+    with ProcessPoolExecutor(jobs) as pool:
+        found = summary_of([one for one in pool.map(claims_of, numbers) if one is not None])
+    every = [a for a in (*found.answers, *found.bounds) if a.resolved and a.stated is not None]
+    missed = [a for a in every if not a.holds]
+    for one in missed:
+        print(json.dumps(asdict(one)))
+    kept = {
+        "every": CLAIMS,
+        "starts": len(found.records),
+        "sensitive": len(found.sensitive),
+        "statements": len(every),
+        "missed": [asdict(one) for one in missed],
+        "version": product_version(),
+    }
+    print({name: len(value) if isinstance(value, list) else value for name, value in kept.items()})
+    if record:
+        keep(RECORD, {"claims": kept})
+    return 0 if every else 1
 
 
 def _keep(first: int, found: list[Ended]) -> None:

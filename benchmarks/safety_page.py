@@ -41,7 +41,12 @@ def keep_stretch(name: str, stretch: dict[str, Any]) -> None:
     for before, after in zip(stretches, stretches[1:], strict=False):
         if before["run"] == after["run"] and before["first"] + before["count"] > after["first"]:
             raise SystemExit(f"{name}: numbers from {after['first']} on would count twice")
-    text = json.dumps({"stretches": stretches}, indent=1) + "\n"
+    keep(name, {"stretches": stretches})
+
+
+def keep(name: str, found: dict[str, Any]) -> None:
+    """Put what was found into a record, then write the page."""
+    text = json.dumps(kept(name) | found, indent=1) + "\n"
     (RECORDS / name).write_text(text, encoding="utf-8")
     write_page()
 
@@ -85,6 +90,25 @@ def stretches_table(record: dict[str, Any], what: str) -> str:
         rows.append(f"| {where} | {_counts(counted)} | {faults} |")
     rows.append(f"| **{sum(ends.values()):,} in all** | {_counts(ends)} | |")
     return "\n".join(rows) + "\n"
+
+
+def claims_sentence(record: dict[str, Any]) -> str:
+    """What the mutated cases say of their own errors, beside the truth."""
+    if not (claims := record.get("claims")):
+        return ""
+    missed = claims["missed"]
+    worst = max((one["true"] / max(one["stated"], 1e-300) for one in missed), default=1.0)
+    beyond = sum(one["true"] > one["tolerance"] for one in missed)
+    said = (
+        f"; {len(missed)} are too small, by up to {worst:.1f} times, {beyond} of them beyond the tolerance"
+        if missed
+        else ""
+    )
+    return (
+        f"Of one case in {claims['every']} the errors that it states are compared with its truth ([claims](claims.md)): "
+        f"{claims['starts']} starts, {claims['sensitive']} of them sensitive and left out, {claims['statements']:,} statements, "
+        f"{claims['statements'] - len(missed):,} hold{said} ({claims['version']}).\n"
+    )
 
 
 def _joined(stretches: list[dict[str, Any]]) -> list[dict[str, Any]]:
@@ -198,6 +222,7 @@ def page() -> str:
         },
         "{fuzz}": stretches_table(kept("workbook_fuzz.json"), "Workbooks"),
         "{mutations}": stretches_table(kept("mutated_cases.json"), "Cases"),
+        "{claims}": claims_sentence(kept("mutated_cases.json")),
         "{foreign}": foreign_tables(kept("foreign_workbooks.json")),
         "{soak}": soak_sentence(kept("server_soak.json")),
         "{validate}": validators_sentence(kept("validate.json")),

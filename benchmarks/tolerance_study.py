@@ -95,14 +95,15 @@ REFERENCE_ANGLE, REFERENCE_STEP = 0.3, 3e-5
 
 # no train has motor data: with that estimate in `Left out` every statement would hold
 @patch.object(conductor, "planned_start", partial(conductor.planned_start, estimated=False))
-def record_of(number: int, nudges: int = SENSITIVE_NUDGES, earlier: Record | None = None) -> Record:
+def record_of(
+    train: StudyTrain, nudges: int = SENSITIVE_NUDGES, earlier: Record | None = None
+) -> Record:
     """Everything the study calculates of one train; one that is sensitive is repeated `nudges` times at most.
 
     An `earlier` record of the train gives its truths if every statement beside them holds.
     """
-    train = study_train(number)
     record: Record = {
-        "number": number,
+        "number": train.number,
         "seed": train.seed,
         "extras": list(train.extras),
         "tolerance": list(train.tolerances),
@@ -124,7 +125,7 @@ def record_of(number: int, nudges: int = SENSITIVE_NUDGES, earlier: Record | Non
         work = asked.start.trajectory.n_steps * asked.start.kept_modes
         times = min(nudges, max(FEWEST_NUDGES, REPEATED_WORK // work))
         record["nudged"] = [_repetition(train, asked, k) for k in range(times)]
-    elif record["asked"]["events"] and number % (2 * NUDGED) == 1:
+    elif record["asked"]["events"] and train.number % (2 * NUDGED) == 1:
         record["nudged"] = [_answers(run(_nudged(train, 0)), 0.0)]
     if train.independent and not sensitive and asked.start is not None:
         record["independent"] = _independent(train, asked.start, asked)
@@ -363,10 +364,10 @@ def _calculated(
 
 def _safely(number: int, nudges: int, earlier: Record | None) -> Record:
     """A record; a run that raises is a finding."""
+    train = study_train(number)
     try:
-        return record_of(number, nudges, earlier)
+        return record_of(train, nudges, earlier)
     except (TorsionError, ArithmeticError, AssertionError, ValueError) as wrong:
-        train = study_train(number)
         return {
             "number": number,
             "seed": train.seed,
