@@ -169,7 +169,7 @@ front-windows: $(DEV_READY) $(LOOPS)
 
 zips: $(DEV_READY) $(LOOPS)
 	$(PY) -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements/build.txt
-	$(PY) scripts/zips.py build/zips
+	$(PY) scripts/zips.py build/zips $(ARGS)
 
 lock: $(RUN_READY) $(LOOPS)
 	$(PY) -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements/lock.txt

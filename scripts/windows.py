@@ -252,10 +252,10 @@ def is_of_windows(name: str) -> bool:
     return name in WINDOWS or name.startswith(API_SETS)
 
 
-def fill_gaps() -> None:
-    """What Wine 8 lacks, beside the interpreter; extension modules are pointed to it."""
+def fill_gaps(python: Path = PYTHON, site: Path = SITE) -> None:
+    """What Wine 8 lacks, beside an interpreter; the extension modules in its folder are pointed to it."""
     needed: set[str] = set()
-    for path in libraries(PYTHON):
+    for path in libraries(python):
         try:
             taken = PeFile.read(path).imports()
         except ValueError:  # launchers of pip for other processors
@@ -265,14 +265,14 @@ def fill_gaps() -> None:
     doubles = set(re.findall(r"\bmy_(\w+)\(D ", sources))
     ours = {n for n in needed if doubles & {n, n[:-1]}}
     names = [f"{n}={f'my_{n}' if n in ours else f'ucrtbase.{n}'}" for n in sorted(needed)]
-    compile_library(PYTHON / OUR_MATH, sources, names, "-Wno-everything")
-    compile_library(PYTHON / "bcryptprimitives.dll", PRNG, [], "-ladvapi32")
-    forward_stable_abi(PYTHON)
-    for path in libraries(PYTHON):
+    compile_library(python / OUR_MATH, sources, names, "-Wno-everything")
+    compile_library(python / "bcryptprimitives.dll", PRNG, [], "-ladvapi32")
+    forward_stable_abi(python)
+    for path in libraries(python):
         data = path.read_bytes()
         if path.name != OUR_MATH and MATH.encode() in data:
             path.write_bytes(data.replace(MATH.encode(), OUR_MATH.encode()))
-    (SITE / "sitecustomize.py").write_text(SITE_CUSTOMIZE, encoding="utf-8")
+    (site / "sitecustomize.py").write_text(SITE_CUSTOMIZE, encoding="utf-8")
 
 
 def wine_path(path: Path) -> str:

@@ -1,18 +1,26 @@
-"""torsionbook for people without Python: `python scripts/zips.py FOLDER [windows] [linux]` (default: both).
+"""torsionbook for people without Python: `python scripts/zips.py FOLDER [--try] [windows] [linux]` (default: both).
 
 Each zip holds a CPython 3.13 (`windows.py` says from where, with its hash), the locked packages of the command line, the
-server and the report, the wheel, and a program `torsionbook`. What Wine lacks is not in it. Needs mvn and the package ziglang.
+server and the report, the wheel, and a program `torsionbook`. What Wine lacks is not in it. `--try` unpacks each, recalculates an
+example there, that for Windows under Wine, and compares the results with the checkout's. Needs mvn and the package ziglang.
 """
 
 from __future__ import annotations
 
+import argparse
+import json
+import math
 import os
 import shutil
+import subprocess
 import sys
+import tempfile
+import time
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT), str(ROOT / "scripts")]
@@ -21,15 +29,24 @@ from locked import install  # noqa: E402
 from wheels import built  # noqa: E402
 from windows import (  # noqa: E402
     LOCKS,
+    WINE,
+    begin,
     compile_launcher,
+    end,
+    fill_gaps,
     forward_stable_abi,
     jar,
+    prepare,
     strange_libraries,
     unpack,
 )
 
 #: In the lock file of a run for building from source.
 NO_PACKAGES = ("hatchling", "pathspec", "pluggy", "trove-classifiers")
+#: Relative difference of a number under Wine, whose exp and log are its own (docs/fronts.md). [1]
+AGREE = 1e-6
+#: Results that tell of the machine and of the time taken.
+OF_THE_MACHINE = ("accuracy_cost", "audit")
 PATHS = "lib\nlib/site-packages\nimport site\n"
 SHELL = """\
 #!/bin/sh
@@ -149,17 +166,86 @@ def pack(folder: Path, target: Path) -> None:
             archive.writestr(entry, path.read_bytes())
 
 
-def main(target: Path, names: list[str]) -> int:
-    """Make the zips; 1 where a library is missing or strange."""
+def unzip(made: Path, place: Path) -> Path:
+    """The folder of a zip, with its modes."""
+    with zipfile.ZipFile(made) as archive:
+        for entry in archive.infolist():
+            Path(archive.extract(entry, place)).chmod(entry.external_attr >> 16)
+    return place / made.stem
+
+
+def results_of(start: Sequence[str | Path], place: Path, environment: Mapping[str, str]) -> Any:
+    """The results of an example that a program makes and recalculates; it tells how long its second start took."""
+    place.mkdir()
+    for words in (
+        ("--version",),
+        ("--version",),
+        ("new", "train.xlsx", "--example", "proposed"),
+        ("recalc", "train.xlsx", "--json", "train.json"),
+    ):
+        began = time.monotonic()
+        done = subprocess.run(
+            [*start, *words], cwd=place, env=environment, stdin=subprocess.DEVNULL, capture_output=True, check=False
+        )  # fmt: skip
+        if done.returncode:
+            raise SystemExit(f"{' '.join(words)}: exit status {done.returncode}\n{done.stdout.decode()}{done.stderr.decode()}")  # fmt: skip
+        print(f"  torsionbook {' '.join(words)}: {time.monotonic() - began:.1f} s")
+    found = json.loads((place / "train.json").read_text("utf-8"))
+    for row in found["effects"]:  # what it costs on this machine
+        row.pop("time", None)
+    return {name: value for name, value in found.items() if name not in OF_THE_MACHINE}
+
+
+def tried(kind: Kind, made: Path, wanted: Any) -> float:
+    """The largest relative difference of a number of an unpacked zip's from the checkout's results; infinite where a text differs."""
+    with tempfile.TemporaryDirectory(prefix="torsionbook zip é ") as place:
+        folder = unzip(made, Path(place))
+        plain = {"PATH": os.defpath, "HOME": place}
+        if kind.system == "Linux":
+            found = results_of([folder / "torsionbook"], Path(place, "train"), plain)
+        else:
+            prepare()
+            fill_gaps(folder / "python", folder / "python" / "lib" / "site-packages")
+            begin()
+            try:
+                start: list[str | Path] = ["wine", folder / "torsionbook.exe"]
+                found = results_of(start, Path(place, "train"), plain | WINE)
+            finally:
+                end()
+    return difference(found, wanted)
+
+
+def difference(one: Any, other: Any) -> float:
+    """The largest relative difference of two numbers in the same place; infinite where anything else differs."""
+    if isinstance(one, dict) and isinstance(other, dict) and one.keys() == other.keys():
+        return max((difference(one[k], other[k]) for k in one), default=0.0)
+    if isinstance(one, list) and isinstance(other, list) and len(one) == len(other):
+        return max(map(difference, one, other), default=0.0)
+    if isinstance(one, float) and isinstance(other, float):
+        return abs(one - other) / max(abs(one), abs(other)) if one != other else 0.0
+    return 0.0 if one == other else math.inf
+
+
+def main() -> int:
+    """Make the zips; 1 where a library is missing or strange, or where one that is tried gives other results."""
+    parser = argparse.ArgumentParser(prog="python scripts/zips.py")
+    parser.add_argument("target", type=Path, metavar="FOLDER")
+    parser.add_argument("names", nargs="*", metavar="windows, linux")
+    parser.add_argument("--try", dest="tried", action="store_true", help="start each")
+    args = parser.parse_intermixed_args()
+    target = args.target.resolve()
     target.mkdir(parents=True, exist_ok=True)
-    wrong = 0
-    for name in names or list(KINDS):
+    wrong, wanted = False, None
+    if args.tried:
+        with tempfile.TemporaryDirectory() as place:
+            own = [sys.executable, "-m", "addin.cli"]
+            wanted = results_of(own, Path(place, "train"), os.environ)
+    for name in args.names or list(KINDS):
         kind = KINDS[name]
         wheel = built(kind.wheel, target / "wheels" / name)
         folder = target / f"torsionbook-{wheel.name.split('-')[1]}-{kind.classifier}"
         lay(kind, folder, wheel)
         strange = strange_libraries(folder) if name == "windows" else []
-        wrong += bool(strange)
         made = folder.with_name(f"{folder.name}.zip")
         pack(folder, made)
         unpacked = sum(path.stat().st_size for path in entries(folder))
@@ -167,8 +253,14 @@ def main(target: Path, names: list[str]) -> int:
             f"{made.name}: {made.stat().st_size / 1e6:.0f} MB, {unpacked / 1e6:.0f} MB unpacked;",
             "; ".join(strange) or "every library is inside or the system's",
         )
-    return 1 if wrong else 0
+        shutil.rmtree(folder)
+        wrong |= bool(strange)
+        if args.tried:
+            apart = tried(kind, made, wanted)
+            print(f"  results differ from the checkout's by at most {apart:.1e}")
+            wrong |= apart > AGREE
+    return int(wrong)
 
 
 if __name__ == "__main__":
-    sys.exit(main(Path(sys.argv[1]), sys.argv[2:]))
+    sys.exit(main())

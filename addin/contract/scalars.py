@@ -84,8 +84,8 @@ _BY_GROUP: Mapping[str, tuple[Field, ...]] = {
             "Standard",
             tuple(choices.Standard),
             "Who says which margins and analyses are needed. Szenasi: 20 % for calculated, 10 % for measured "
-            "frequencies. API 617 and API 541/546: 10 %. own: MarginRequired.",
-            blank="margins as Szenasi; no analysis is asked for",
+            "frequencies. API 617 and API 541/546: 10 %. own: MarginRequired. Blank: no analysis is asked for.",
+            blank="margins as Szenasi",
         ),
         choice(
             "MarginBasis",

@@ -225,7 +225,7 @@ _SHEETS = (
     Sheet(
         "Train",
         "input",
-        {"A": 1.5, "B": 17, "C": 14, "D:E": 11, "F": 11.5, "G:V": 6.95},
+        {"A": 1.5, "B": 17, "C": 18.2, "D:E": 9.5, "F": 11.5, "G:K": 6.5, "L": 8.2, "M:P": 6.5, "Q": 8.4, "R:V": 6.9},
         {"Stations": "B5", "ModeDamping": "I5", "Elements": "B24", "Meshes": "B43"},
         (ChartAt("train", "L5", 520, 300),),
         intro="The mass-elastic table. Units are above the headers; the prompt of a cell says what "
