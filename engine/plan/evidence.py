@@ -307,13 +307,16 @@ def _coupling_number(modal: ModalTrain, motors: Sequence[Motor], synchronous: fl
     coupled = elastic[:, None] & elastic[None, :] & (off > 0.0) & (apart > 0.0)
     mixed = np.where(coupled, off * modes.omega * moved / np.where(coupled, apart, 1.0), 0.0)
     turned = np.where(elastic[:, None], off / np.where(elastic, square, 1.0)[:, None], 0.0)
-    mixed += turned * _rigid_speed(train, modes, synchronous)
+    rigid = _rigid_speed(train, modes, synchronous)
+    mixed += turned * rigid
     outputs = torque_outputs(train, modes, stations)
     position = outputs.position
-    # rigid meshes and ends of shafts take their torque from equilibrium, in which dampers have a part of their own
+    # rigid meshes and ends of shafts take their torque from equilibrium, in which dampers have a part of their own,
+    # be it that of a train that only turns
     whole = torque_outputs(train, modes, stations, damping=matrix).velocity
-    taken = product(np.abs(whole - outputs.velocity), modes.omega * moved)
+    taken = product(np.abs(whole - outputs.velocity), modes.omega * moved + rigid)
     own = np.abs(product(position, static)) + np.max(np.abs(position) * moved, axis=1, initial=0.0)
+    own = np.where(own > 0.0, own, np.abs(product(outputs.force, torque)))
     brought = product(np.abs(position), mixed.sum(axis=1)) + taken
     own = np.maximum(own, NEGLIGIBLE * float(np.max(own, initial=0.0)))
     return float(np.max(brought / np.where(own > 0.0, own, np.inf), initial=0.0))

@@ -58,6 +58,26 @@ def with_clearance(case: Case) -> Case:
 # --- what each effect is decided by ---------------------------------------------------------------
 
 
+def test_a_rigid_mesh_carries_the_drag_of_its_far_side() -> None:
+    """Two gears and nothing elastic, constant torques: what the mesh carries grows with the drag, in closed form."""
+    here, there, ratio, drag, drive, driven, end = 50.0, 1.0, 3.0, 0.5, 6000.0, 100.0, 180.0
+    case = Case(
+        line_frequency=60.0, poles=4, rated_torque=RATED, damping_ratio=0.01, end_speed=end,
+        stations=(StationRow("Bull gear", None, here), StationRow("Pinion", None, there, ratio, drag)),
+        elements=(ElementRow("Mesh", "gear mesh", "Bull gear", "Pinion"),),
+        motor_torque=motor("Bull gear", curve=((0.0, drive / RATED, 0.0), (1.0, drive / RATED, 0.0))),
+        load_torque=load("Pinion", curve=((0.0, driven / RATED), (1.0, driven / RATED))),
+    )  # fmt: skip
+    whole = here + ratio**2 * there
+
+    def carried(speed: float) -> float:
+        return drive - here * (drive - ratio * driven - ratio**2 * drag * speed) / whole
+
+    (peak,) = run(case).start.peaks  # type: ignore[union-attr]
+    assert peak.maximum == pytest.approx(carried(end), abs=peak.error)
+    assert carried(end) > 1.3 * carried(0.0)
+
+
 def test_one_decision_an_effect_in_the_order_of_the_sheet():
     plan = planned(sample_case("modified")).plan
     assert [d.effect for d in plan.decisions] == list(EFFECTS)
