@@ -53,6 +53,33 @@ def test_a_workbook_is_known_by_its_content(tmp_path: Path, name: str) -> None:
     assert (tmp_path / name).read_bytes() == PROPOSED.read_bytes()
 
 
+@pytest.mark.parametrize(
+    "words", [("recalc", "case.json", "--out"), ("starts", "a.xlsx", "--json")]
+)
+def test_results_replace_neither_a_workbook_nor_a_case(
+    tmp_path: Path, words: tuple[str, ...]
+) -> None:
+    shutil.copy(PROPOSED, tmp_path / "a.xlsx")
+    shutil.copy(PROPOSED, tmp_path / "mine.json")
+    for name in ("case.json", "other.json"):
+        assert torsionbook("export", "a.xlsx", name, cwd=tmp_path).returncode == 0
+    for name in ("mine.json", "other.json"):
+        before = (tmp_path / name).read_bytes()
+        assert torsionbook(*words, name, cwd=tmp_path).returncode == 2
+        assert (tmp_path / name).read_bytes() == before
+
+
+def test_results_of_a_case_replace_no_text_in_their_usual_place(tmp_path: Path) -> None:
+    assert torsionbook("export", PROPOSED, "case.json", cwd=tmp_path).returncode == 0
+    place = tmp_path / "case.results.json"
+    place.write_text("mine", encoding="utf-8")
+    assert torsionbook("recalc", "case.json", cwd=tmp_path).returncode == 2
+    assert place.read_text(encoding="utf-8") == "mine"
+    place.unlink()
+    for _ in range(2):  # its own earlier results it does replace
+        assert torsionbook("recalc", "case.json", cwd=tmp_path).returncode == 0
+
+
 def test_a_text_that_is_no_json_is_not_replaced(tmp_path: Path) -> None:
     notes, old = tmp_path / "notes.txt", tmp_path / "old.json"
     notes.write_text("mine", encoding="utf-8")
