@@ -121,6 +121,8 @@ def write_json(path: Path, content: Mapping[str, Any]) -> None:
 def write_text(path: Path, text: str) -> None:
     """Write text whole or not at all, in UTF-8 with the line ends it has.
 
+    Half characters, of file names that are no UTF-8, are written as JSON writes them.
+
     Raises
     ------
     OSError
@@ -129,4 +131,4 @@ def write_text(path: Path, text: str) -> None:
     if path.is_dir():
         raise IsADirectoryError(errno.EISDIR, "is a folder", str(path))
     path.parent.mkdir(parents=True, exist_ok=True)
-    write_whole(path, lambda made: made.write_text(text, encoding="utf-8", newline=""))
+    write_whole(path, lambda made: made.write_text(text, "utf-8", "backslashreplace", newline=""))
