@@ -15,7 +15,7 @@ from pathlib import Path
 
 from addin.batch.own_files import is_case, is_result_json
 from addin.writing.history_file import KINDS, history_stems
-from addin.xlsx.places import real_path
+from addin.xlsx.places import real_path, refuse_no_end
 
 #: Endings that are looked for in folders; .xls and .xlsb are refused with the reason, not passed over.
 ENDINGS = (".xlsx", ".xlsm", ".xls", ".xlsb", ".json")
@@ -131,6 +131,7 @@ def _is_input(file: Path) -> bool:
 def _may_be_case(file: Path) -> bool:
     """Whether a JSON file is a case: one that holds something else is passed over, a broken one not."""
     try:
+        refuse_no_end(file)
         if file.stat().st_size > _LOOKED_INTO:
             return True
         content = json.loads(file.read_text(encoding="utf-8-sig"))

@@ -10,6 +10,8 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
+from addin.xlsx.places import refuse_no_end
+
 #: What a programme is written to.
 RESULT, RESULT_CSV = "results.parquet", "results.csv"
 
@@ -179,6 +181,7 @@ def is_summary(path: Path) -> bool:
 def sheets_of(path: Path) -> tuple[str, ...]:
     """Names of the sheets of a workbook; none where it is no workbook."""
     try:
+        refuse_no_end(path)
         with zipfile.ZipFile(path) as package, package.open("xl/workbook.xml") as part:
             text = part.read(_MOST_SHEETS).decode("utf-8", "replace")
     except (OSError, KeyError, zipfile.BadZipFile, NotImplementedError, RuntimeError):
@@ -189,6 +192,7 @@ def sheets_of(path: Path) -> tuple[str, ...]:
 def is_summary_csv(path: Path) -> bool:
     """Look at the headers of a CSV."""
     try:
+        refuse_no_end(path)
         with open(path, "rb") as file:
             return _CSV_BEGINS.match(file.read(100)) is not None
     except OSError:

@@ -195,6 +195,8 @@ def _target(source: Path, destination: Destination) -> Path:
         refuse_strange_name(target)
     except OSError as problem:
         raise SaveRefused(f"{target.name} {problem.strerror}. Name another file.") from problem
+    if target.exists() and not target.is_file():
+        raise SaveRefused(f"{target.name} is a folder, a device or a pipe. Name another file.")
     if target.exists() and not os.access(target, os.W_OK):
         raise SaveRefused(
             f"{target.name} is write-protected. Remove the protection or name another file."

@@ -4,6 +4,7 @@ import os
 import shutil
 import signal
 import subprocess
+import threading
 import time
 from pathlib import Path
 
@@ -135,3 +136,18 @@ def wait_for(happens) -> None:
     while not happens():
         assert time.monotonic() < until
         time.sleep(0.05)
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no named pipes on Windows")
+def test_a_pipe_among_the_files_is_not_waited_for(tmp_path):
+    """Opening one waits for who writes into it, and no Ctrl-C ends that."""
+    os.mkfifo(tmp_path / "pipe.xlsx")
+    pipe = Input(tmp_path / "pipe.xlsx", "pipe.xlsx")
+    watch = Watch(Recorded(), list, print)
+    found = []
+    looks = threading.Thread(
+        target=lambda: found.extend(map(watch.ready, [[pipe]] * 2)), daemon=True
+    )
+    looks.start()
+    looks.join(10.0)
+    assert found == [[], [pipe]]

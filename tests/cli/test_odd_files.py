@@ -4,6 +4,7 @@ import json
 import os
 import shlex
 import shutil
+import stat
 import subprocess
 import sys
 
@@ -183,3 +184,29 @@ def test_a_folder_without_rights_is_named_not_a_file_nobody_knows(folder):
     assert "train.xlsx: no access: " in done.stderr
     assert "error inside torsionbook" not in done.stderr
     os.chmod("hidden", 0o700)
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no named pipes on Windows")
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("batch", ".", "--out", "results", "--jobs", "1"),
+        ("batch", "train.xlsx", "--out", ".", "--jobs", "1"),
+        ("batch", "train.xlsx", "--out", "results", "--vary", "pipe.csv", "--csv"),
+        ("diff", "pipe.json", "train.xlsx"),
+        ("recalc", "train.xlsx", "--out", "pipe.xlsx"),
+        ("recalc", "train.xlsx"),
+        ("report", "train.xlsx", "--pdf", "r.pdf", "--logo", "pipe.png"),
+    ],
+)
+def test_nothing_waits_for_a_pipe(folder, words):
+    """Nobody writes into them, so that whoever opens one waits for ever."""
+    for name in ("pipe.json", "pipe.xlsx", "pipe.csv", "pipe.png", "summary.csv"):
+        os.mkfifo(name)
+    if words == ("recalc", "train.xlsx"):
+        os.mkfifo("~$train.out.xlsx")
+    line = [sys.executable, "-m", "addin.cli", *words]
+    done = subprocess.run(line, capture_output=True, text=True, timeout=120)
+    assert done.returncode in (1, 2)
+    assert "Traceback" not in done.stderr
+    assert stat.S_ISFIFO(os.stat("pipe.xlsx").st_mode)
