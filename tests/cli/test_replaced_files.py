@@ -154,3 +154,22 @@ def test_what_cannot_be_written_is_a_sentence(
     assert said.startswith("train.xlsx")
     assert "it is full" in said
     assert "Errno" not in said
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="owners are otherwise on Windows")
+@pytest.mark.parametrize(
+    "words", [("recalc", "a.xlsx", "--in-place"), ("export", "a.xlsx", "a.json")]
+)
+def test_a_file_that_is_replaced_keeps_its_owner(tmp_path: Path, words: tuple[str, ...]) -> None:
+    """Else whoever calculates as root takes the workbook from its engineer."""
+    if os.getuid() != 0:
+        pytest.skip("only root may give files away")
+    shutil.copy(PROPOSED, tmp_path / "a.xlsx")
+    (tmp_path / "a.json").touch()
+    for file in tmp_path.iterdir():
+        os.chown(file, 65534, 65533)
+        file.chmod(0o640)
+    assert torsionbook(*words, cwd=tmp_path).returncode == 0
+    for file in tmp_path.iterdir():
+        found = file.stat()
+        assert (found.st_uid, found.st_gid, found.st_mode & 0o777) == (65534, 65533, 0o640), file
