@@ -56,6 +56,8 @@ _OF_THE_DISK = {
     getattr(errno, name, None)
     for name in ("EIO", "ENOSPC", "EDQUOT", "EACCES", "EROFS", "ESTALE", "ENAMETOOLONG")
 } - {None}
+#: How `tempfile` says that no folder for temporary files can be written, as in a read-only container.
+_NO_TEMPORARY_FOLDER = "No usable temporary directory"
 COMMANDS = {name: line for commands in GROUPS.values() for name, line in commands.items()}
 
 
@@ -230,7 +232,9 @@ def main() -> None:
         _tell_interrupted()
         sys.exit(INTERRUPTED)
     except Exception as wrong:
-        if isinstance(wrong, OSError) and wrong.errno in _OF_THE_DISK:
+        if isinstance(wrong, OSError) and (
+            wrong.errno in _OF_THE_DISK or _NO_TEMPORARY_FOLDER in str(wrong)
+        ):
             place = f"{wrong.filename}: " if wrong.filename else ""
             typer.echo(
                 f"{place}{wrong.strerror}. Files that were written are complete; nothing else was written. Check the "

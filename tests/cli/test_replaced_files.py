@@ -6,6 +6,7 @@ import errno
 import os
 import shutil
 import sys
+import tempfile
 from pathlib import Path
 
 import pytest
@@ -139,7 +140,28 @@ def test_a_failing_disk_is_a_sentence(
     with pytest.raises(SystemExit) as ended:
         app.main()
     assert ended.value.code == 1
-    assert capsys.readouterr().err.startswith("train.json: Input/output error. Nothing was written")
+    assert capsys.readouterr().err.startswith(
+        "train.json: Input/output error. Files that were written are"
+    )
+
+
+def test_no_folder_for_temporary_files_is_a_sentence(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """As in a container with a read-only disk."""
+
+    def nowhere() -> str:
+        monkeypatch.setattr(tempfile, "tempdir", None)
+        monkeypatch.setattr(tempfile, "_candidate_tempdir_list", lambda: ["/none/such"])
+        return tempfile.gettempdir()
+
+    monkeypatch.setattr(app, "app", lambda **_: nowhere())
+    with pytest.raises(SystemExit) as ended:
+        app.main()
+    assert ended.value.code == 1
+    assert capsys.readouterr().err.startswith(
+        "No usable temporary directory found in ['/none/such']. "
+    )
 
 
 @pytest.mark.parametrize("wrong", [SaveRefused("it is full"), OSError(errno.EDQUOT, "it is full")])
