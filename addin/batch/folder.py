@@ -22,7 +22,7 @@ from pathlib import Path
 from addin.batch.inputs import OWN
 from addin.batch.journal import read_journal
 from addin.batch.records import Output, Record, Stamp
-from addin.xlsx.places import real_path, replace_file
+from addin.xlsx.places import real_path, refuse_no_end, replace_file
 from addin.xlsx.whole_files import flush_folder, write_whole
 
 
@@ -38,8 +38,7 @@ def digest_of(path: Path) -> str:
     OSError
         If it cannot be read, or is a device or a pipe, which may never end.
     """
-    if path.exists() and not path.is_file():
-        raise OSError(errno.EINVAL, "it is a device or a pipe", str(path))
+    refuse_no_end(path)
     with open(path, "rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
 

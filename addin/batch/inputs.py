@@ -13,9 +13,9 @@ from dataclasses import dataclass
 from itertools import takewhile
 from pathlib import Path
 
-from addin.batch.own_files import is_result_json
+from addin.batch.own_files import is_case, is_result_json
 from addin.writing.history_file import KINDS, history_stems
-from addin.xlsx.places import real_path
+from addin.xlsx.places import real_path, refuse_no_end
 
 #: Endings that are looked for in folders; .xls and .xlsb are refused with the reason, not passed over.
 ENDINGS = (".xlsx", ".xlsm", ".xls", ".xlsb", ".json")
@@ -131,12 +131,13 @@ def _is_input(file: Path) -> bool:
 def _may_be_case(file: Path) -> bool:
     """Whether a JSON file is a case: one that holds something else is passed over, a broken one not."""
     try:
+        refuse_no_end(file)
         if file.stat().st_size > _LOOKED_INTO:
             return True
         content = json.loads(file.read_text(encoding="utf-8-sig"))
     except (OSError, ValueError, RecursionError):
         return True
-    return isinstance(content, dict) and "format" in content and "errors" not in content
+    return is_case(content)
 
 
 def _named(roots: dict[Path, Path], json: bool) -> list[Input]:
@@ -218,7 +219,7 @@ def check_places(
                     f"Results of {file.path} and the summary of the batch would both be written to "
                     f"{place}. Name another place for the summary with --summary."
                 )
-            if place.suffix == ".json" and place.is_file() and not is_result_json(place):
+            if place.suffix == ".json" and os.path.isfile(place) and not is_result_json(place):
                 raise InputsRefused(
                     f"{place} exists and was not written by torsionbook: results of {file.path} would "
                     f"replace it. Rename it, or name another folder with {option}."

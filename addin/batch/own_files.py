@@ -10,6 +10,8 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
+from addin.xlsx.places import refuse_no_end
+
 #: What a programme is written to.
 RESULT, RESULT_CSV = "results.parquet", "results.csv"
 
@@ -56,6 +58,8 @@ _JSON_BEGINS = re.compile(
 _LOOKED_AT = 1000
 #: What both hold, in whatever order another program saved them.
 _JSON_KEYS = frozenset({"format", "version", "warnings", "errors"})
+#: Keys of the JSON that this program writes of results, errors, studies, verifications and differences.
+_NO_CASE_HAS = frozenset({"errors", "same_inputs"})
 #: Sheets of a summary, and it has no others.
 SUMMARY_SHEETS = ("Files", "Errors")
 #: More than the list of sheets of a summary ever takes. [bytes]
@@ -92,7 +96,7 @@ def is_result(path: Path) -> bool:
     except ImportError:
         return False
     try:
-        schema = read_schema(path) if path.is_file() else None
+        schema = read_schema(path) if os.path.isfile(path) else None
         if schema is None:
             return False
         stated = (schema.metadata or {}).get(_STATED)
@@ -106,7 +110,7 @@ def is_result(path: Path) -> bool:
 
 def is_result_csv(path: Path) -> bool:
     """Look at the headers of a CSV."""
-    if not path.is_file():  # such as a device, which has no end
+    if not os.path.isfile(path):  # such as a device, which has no end
         return False
     try:
         with open(path, encoding="utf-8-sig", newline="") as file:
@@ -141,7 +145,7 @@ def holds_results(path: Path) -> bool:
 
 def _json_kind(path: Path) -> str:
     """``results``, ``errors``, or nothing where it is neither."""
-    if not path.is_file():  # such as a device, which has no end
+    if not os.path.isfile(path):  # such as a device, which has no end
         return ""
     try:
         with open(path, "rb") as file:
@@ -156,6 +160,19 @@ def _json_kind(path: Path) -> str:
     return "results" if "case_sha256" in content else "errors"
 
 
+def is_case(content: object) -> bool:
+    """Whether what a JSON holds is a case, not what this program calculates."""
+    return isinstance(content, dict) and "format" in content and _NO_CASE_HAS.isdisjoint(content)
+
+
+def is_case_json(path: Path) -> bool:
+    """Look at what a file holds; False also where it cannot be read."""
+    try:
+        return is_case(json.loads(path.read_text(encoding="utf-8-sig")))
+    except (OSError, ValueError, RecursionError):
+        return False
+
+
 def is_summary(path: Path) -> bool:
     """Look at the sheets of a workbook."""
     return sheets_of(path) == SUMMARY_SHEETS
@@ -164,6 +181,7 @@ def is_summary(path: Path) -> bool:
 def sheets_of(path: Path) -> tuple[str, ...]:
     """Names of the sheets of a workbook; none where it is no workbook."""
     try:
+        refuse_no_end(path)
         with zipfile.ZipFile(path) as package, package.open("xl/workbook.xml") as part:
             text = part.read(_MOST_SHEETS).decode("utf-8", "replace")
     except (OSError, KeyError, zipfile.BadZipFile, NotImplementedError, RuntimeError):
@@ -174,6 +192,7 @@ def sheets_of(path: Path) -> tuple[str, ...]:
 def is_summary_csv(path: Path) -> bool:
     """Look at the headers of a CSV."""
     try:
+        refuse_no_end(path)
         with open(path, "rb") as file:
             return _CSV_BEGINS.match(file.read(100)) is not None
     except OSError:

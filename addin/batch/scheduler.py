@@ -8,6 +8,7 @@ before its results are put in place.
 from __future__ import annotations
 
 import contextlib
+import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -347,7 +348,7 @@ class Batch:
         return replace(record, warnings=(*record.warnings, *sentences))
 
     def _is_there(self, name: str) -> bool:
-        return self.folder.place(name).is_file()
+        return os.path.isfile(self.folder.place(name))
 
     def _write(self, record: Record) -> None:
         with _journalling():

@@ -31,7 +31,8 @@ NOT_BEGUN = "not begun"
 _FORMULA_STARTS = ("=", "+", "-", "@", "\t", "\r", "\n")
 #: Longest text of a cell. [characters]
 _LONGEST = 32_767
-_CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f]")
+#: What no XML can hold, half characters too: they stand for the bytes of a name that is no UTF-8.
+_NO_XML = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
 
 
 @dataclass(frozen=True)
@@ -156,7 +157,7 @@ def _write_csv(path: Path, files: Rows) -> None:
 
 
 def _text(value: Any) -> str:
-    return _CONTROL.sub("�", str(value))[:_LONGEST]
+    return _NO_XML.sub("�", str(value))[:_LONGEST]
 
 
 def _write_workbook(

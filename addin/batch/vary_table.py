@@ -13,6 +13,7 @@ from typing import Any
 
 from addin.batch.vary_columns import TableRefused
 from addin.reading.input_names import NamedInput
+from addin.xlsx.places import refuse_no_end
 
 #: Rows of a chunk. [count]
 ROWS = 50
@@ -99,6 +100,7 @@ class VariedTable:
         if self._is_parquet:
             return CsvForm()
         with _reading():
+            refuse_no_end(self.path)
             with open(self.path, "rb") as file:
                 encoding = "utf-16" if file.read(2) in _UTF_16 else "utf-8-sig"
             with open(self.path, encoding=encoding, newline="") as text:

@@ -98,8 +98,13 @@ def _stamp(path: Path) -> Stamp | None:
 
 
 def _opens(path: Path) -> bool:
-    """Whether a file can be read now; on Windows a program that saves it may not let us."""
+    """Whether a file can be read now; on Windows a program that saves it may not let us.
+
+    A pipe is not opened, which could take forever: the batch says what it is.
+    """
     try:
+        if not path.is_file():
+            return True
         with open(path, "rb") as file:
             file.read(1)
     except OSError:

@@ -53,8 +53,11 @@ GROUPS = {
 }
 #: Errors of disks and networks, wherever they come up. Windows has not all of them.
 _OF_THE_DISK = {
-    getattr(errno, name, None) for name in ("EIO", "ENOSPC", "EDQUOT", "EACCES", "EROFS", "ESTALE")
+    getattr(errno, name, None)
+    for name in ("EIO", "ENOSPC", "EDQUOT", "EACCES", "EROFS", "ESTALE", "ENAMETOOLONG")
 } - {None}
+#: How `tempfile` says that no folder for temporary files can be written, as in a read-only container.
+_NO_TEMPORARY_FOLDER = "No usable temporary directory"
 COMMANDS = {name: line for commands in GROUPS.values() for name, line in commands.items()}
 
 
@@ -191,6 +194,13 @@ def _tell_interrupted() -> None:
     )
 
 
+def _open_closed_streams() -> None:
+    """Have the null device where a stream is closed; the first file opened would take its number, and be written into."""
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))
+
+
 def _write_utf8() -> None:
     """Where output goes to a file or another program, write UTF-8 unless PYTHONIOENCODING names something else.
 
@@ -210,6 +220,7 @@ def main() -> None:
     # most of all on a busy machine. It is read when numpy is imported, hence before any command.
     for name in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
         os.environ.setdefault(name, "1")
+    _open_closed_streams()
     _write_utf8()
     try:
         app(standalone_mode=True)
@@ -221,11 +232,13 @@ def main() -> None:
         _tell_interrupted()
         sys.exit(INTERRUPTED)
     except Exception as wrong:
-        if isinstance(wrong, OSError) and wrong.errno in _OF_THE_DISK:
+        if isinstance(wrong, OSError) and (
+            wrong.errno in _OF_THE_DISK or _NO_TEMPORARY_FOLDER in str(wrong)
+        ):
             place = f"{wrong.filename}: " if wrong.filename else ""
             typer.echo(
-                f"{place}{wrong.strerror}. Nothing was written for the current file. Check the disk and your rights, and "
-                "run again.",
+                f"{place}{wrong.strerror}. Files that were written are complete; nothing else was written. Check the "
+                "disk, the names and your rights, and run again.",
                 err=True,
             )
             sys.exit(WRONG_INPUT)

@@ -144,9 +144,10 @@ def batch(
         try:
             return find_inputs(what, out, summary_files(book), json=json is not None)
         except InputsRefused as wrong:
-            if watch:
-                return []
-            raise failed(str(wrong)) from wrong
+            if not watch:
+                raise failed(str(wrong)) from wrong
+            tell_once(str(wrong))
+            return []
 
     def find_later() -> list[Input]:
         """What is there while it is watched; nothing while a new file is in the way of results."""
@@ -154,11 +155,14 @@ def batch(
         try:
             check_places(inputs_now, out, json, book)
         except InputsRefused as wrong:
-            if str(wrong) not in refusals:
-                refusals.add(str(wrong))
-                typer.echo(str(wrong), err=True)
+            tell_once(str(wrong))
             return []
         return inputs_now
+
+    def tell_once(sentence: str) -> None:
+        if sentence not in refusals:
+            refusals.add(sentence)
+            _tell(sentence)
 
     refusals: set[str] = set()
     inputs = find()

@@ -67,9 +67,10 @@ def recalc(
     overrides = case_overrides(method, tolerance)
     targets = [_targets(file, out, json, len(files) > 1) for file in files]
     refuse_clashes(files, targets, in_place)
-    for _, json_file in targets:
-        if json_file is not None:
-            refuse_no_json(json_file)
+    for target, json_file in targets:
+        for place in (target, json_file):
+            if place is not None and (place is json_file or place.suffix.lower() == ".json"):
+                refuse_no_json(place)
     histories = _histories(files, targets, in_place)
     with progress() as tell:
         done = [

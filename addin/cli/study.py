@@ -250,7 +250,10 @@ def _check_options(study: Study, file: Path, options: Mapping[str, Any]) -> None
         elif option.kind is Path and value is not None:
             if real_path(value) == real_path(file):
                 raise typer.BadParameter(f"--{option.name} would overwrite the input.")
-            (refuse_no_folder if option.metavar == "FOLDER" else refuse_no_json)(value)
+            if option.metavar == "FOLDER":
+                refuse_no_folder(value)
+            else:
+                refuse_no_json(value, is_case=True)
     if sentence := study.refusal(options):
         raise typer.BadParameter(sentence)
 

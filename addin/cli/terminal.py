@@ -9,6 +9,7 @@ from pathlib import Path
 
 import typer
 
+from addin.batch.own_files import is_case_json
 from addin.cli.status import WRONG_INPUT, failed
 from addin.contract.problems import CellProblem
 from addin.reading.one_file import WORKBOOK_ENDINGS, Unreadable, file_problem, read_checked
@@ -63,8 +64,8 @@ def refuse_no_place(target: Path) -> None:
     refuse_no_folder(target.parent)
 
 
-def refuse_no_json(target: Path, ending: str = ".json") -> None:
-    """As `refuse_no_place`, of a JSON (or other data) that would replace a workbook or a document too."""
+def refuse_no_json(target: Path, ending: str = ".json", *, is_case: bool = False) -> None:
+    """As `refuse_no_place`, of a JSON (or other data) that would replace a workbook, a document or, unless it is one, a case."""
     if target.suffix.lower() in WORKBOOK_ENDINGS:
         raise typer.BadParameter(f"{target} is the name of a workbook; end it in {ending}.")
     refuse_no_place(target)
@@ -74,6 +75,8 @@ def refuse_no_json(target: Path, ending: str = ".json") -> None:
         raise typer.BadParameter(
             f"{target} is there and is no JSON: it is not replaced. Choose another name."
         )
+    if ending == ".json" and not is_case and target.is_file() and is_case_json(target):
+        raise typer.BadParameter(f"{target} holds a case: it is not replaced. Choose another name.")
 
 
 def _may_be_json(path: Path) -> bool:

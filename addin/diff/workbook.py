@@ -10,6 +10,7 @@ from typing import Any
 
 import xlsxwriter
 
+from addin.contract.problems import printable
 from addin.contract.tables import caption
 from addin.diff.changes import Change, Differences
 from addin.diff.files import ComparedFile
@@ -166,7 +167,7 @@ def _verdicts(page: Any, formats: _Formats, differences: Differences, row: int) 
 def _about(side: ComparedFile) -> dict[str, str]:
     settings = ", ".join(f"{name} = {value}" for name, value in side.settings.items())
     return {
-        "File": str(side.source),
+        "File": printable(str(side.source)),
         "Revision": side.revision or "–",
         "Inputs SHA-256": side.digest or "–",
         "Software": side.software,

@@ -239,7 +239,12 @@ def _write_new(target: Path, made: Path) -> None:
     """Write a file that must not be there yet, not even as a link."""
     content = made.read_bytes()
     with target.open("xb") as file:
-        file.write(content)
+        try:
+            file.write(content)
+            file.flush()
+        except OSError:  # such as a full disk: no part of a workbook stays
+            target.unlink()
+            raise
 
 
 def server_of(tools: Tools, *, writes: bool) -> MCPServer[Any]:

@@ -474,8 +474,9 @@ def _wanted(spec: Field, unit: str | None) -> str:
     quoted = " without quotes" if unit is None else ""
     if not spec.has_unit or spec.dimension == "ratio":
         return _or_words(f"a number{quoted}", spec)
+    measure = "" if (unit or spec.si) == "1" else f" in {unit or spec.si}"
     return _or_words(
-        f'a number in {unit or spec.si}{quoted}, or one with its unit such as "1 {spec.units[0]}"',
+        f'a number{measure}{quoted}, or one with its unit such as "1 {spec.units[0]}"',
         spec,
     )
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -59,9 +60,13 @@ def file_problem(source: Path, error: Exception) -> CellProblem:
     elif isinstance(error, IsADirectoryError) and _is_elsewhere(error, source):
         sentence = f"{error.filename} is a folder. Name a result file in it."
     elif isinstance(error, IsADirectoryError) or (
-        isinstance(error, PermissionError) and source.is_dir() and not _is_elsewhere(error, source)
+        isinstance(error, PermissionError)
+        and os.path.isdir(source)
+        and not _is_elsewhere(error, source)
     ):  # the second on Windows
         sentence = f"{source} is a folder; name the workbooks in it."
+    elif isinstance(error, PermissionError) and os.path.isdir(error.filename or source):
+        sentence = f"Nothing can be read or written in the folder {error.filename or source}. Name another folder."
     elif isinstance(error, PermissionError):
         sentence = (
             f"{error.filename or source} cannot be read or written. Close it if it is open "

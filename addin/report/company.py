@@ -8,6 +8,8 @@ import zipfile
 from dataclasses import dataclass
 from pathlib import Path
 
+from addin.xlsx.places import refuse_no_end
+
 #: Largest file of either kind. [bytes]
 LARGEST = 5_000_000
 _MAIN = "application/vnd.openxmlformats-officedocument.wordprocessingml.{}.main+xml"
@@ -27,6 +29,7 @@ class Logo:
 
 def _data(path: Path) -> bytes:
     try:
+        refuse_no_end(path)
         size = path.stat().st_size
         if size > LARGEST:
             raise CompanyFileError(

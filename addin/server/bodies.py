@@ -43,9 +43,10 @@ async def read_body(request: Request, limit: int, seconds: float = 20.0) -> byte
         async with asyncio.timeout_at(began + seconds) as until:
             async for part in request.stream():
                 size += len(part)
-                if size > limit:
+                if size > 2 * limit:
                     raise too_large(limit)
-                parts.append(part)
+                if size <= limit:
+                    parts.append(part)
                 until.reschedule(began + seconds + size / BODY_RATE)
     except TimeoutError:
         raise Refused(
@@ -58,6 +59,8 @@ async def read_body(request: Request, limit: int, seconds: float = 20.0) -> byte
         raise Refused(
             400, "The connection was closed before the request was complete. Send it again."
         ) from None
+    if size > limit:  # whoever is cut off while he sends does not see why
+        raise too_large(limit)
     return b"".join(parts)
 
 

@@ -14,8 +14,10 @@ This file stands by itself: copied elsewhere it works without torsionbook.
 from __future__ import annotations
 
 import base64
+import http.client
 import json
 import math
+import os
 import ssl
 import urllib.error
 import urllib.parse
@@ -129,7 +131,7 @@ class Client:
         Refusal
             With everything that is wrong in it; nothing is written then.
         """
-        Path(target).write_bytes(self._file("/api/v1/workbook", path))
+        _write(target, self._file("/api/v1/workbook", path))
 
     def inputs(self, path: str | Path) -> dict[str, Any]:
         """Scalars and tables of a file as typed.
@@ -157,7 +159,7 @@ class Client:
             If a name or a value is none; nothing is written then.
         """
         wanted = json.dumps(changes, allow_nan=False)
-        Path(target).write_bytes(self._file("/api/v1/edited", path, changes=wanted))
+        _write(target, self._file("/api/v1/edited", path, changes=wanted))
 
     def document(
         self,
@@ -203,7 +205,7 @@ class Client:
             raise _told(told)
         made = told["value"]["files"]
         if target is not None and made:
-            Path(target).write_bytes(base64.b64decode(made[0]["content"]))
+            _write(target, base64.b64decode(made[0]["content"]))
         return list(told["value"]["blocks"])
 
     def _file(self, route: str, path: str | Path, before: bytes = b"", **asked: str) -> bytes:
@@ -220,14 +222,29 @@ class Client:
                 return bytes(response.read())
         except urllib.error.HTTPError as refused:
             raise _refusal(refused) from None
-        except urllib.error.URLError as wrong:
+        except (
+            OSError,
+            http.client.HTTPException,
+        ) as wrong:  # the second where it ends within its answer
+            reason = getattr(wrong, "reason", wrong)
             hint = ""
-            if isinstance(wrong.reason, ssl.SSLCertVerificationError):
+            if isinstance(reason, ssl.SSLCertVerificationError):
                 hint = (
                     " Its certificate is not trusted here: set the environment variable SSL_CERT_FILE to "
                     "the file of that certificate or of its issuer."
                 )
-            raise Refusal(f"{self._address} cannot be reached: {wrong.reason}.{hint}") from None
+            raise Refusal(f"{self._address} cannot be reached: {reason}.{hint}") from None
+
+
+def _write(target: str | Path, content: bytes) -> None:
+    """Write a file; one that was there stays until the new one is whole."""
+    place = Path(os.path.realpath(target))
+    made = place.with_name(f".torsionbook-{os.getpid()}.part")
+    try:
+        made.write_bytes(content)
+        os.replace(made, place)
+    finally:
+        made.unlink(missing_ok=True)
 
 
 def _as_json(name: str, given: Sequence[Any]) -> str | Refusal:

@@ -233,7 +233,7 @@ class RequestGuard:
         if scope["type"] == "http" and scope["path"].startswith(("/api/", "/metrics")):
             if not self._keys.admits(given, address):
                 raise Refused(401, no_key(given), {"WWW-Authenticate": "Bearer"})
-            if size > settings.limits.body:
+            if size > 2 * settings.limits.body:  # what is less is read to its end, see `read_body`
                 raise too_large(settings.limits.body)
         is_large = "transfer-encoding" in headers or size > LARGE
         if is_large and self._large >= settings.limits.large:

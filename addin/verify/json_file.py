@@ -25,6 +25,7 @@ from addin.verify.findings import (
 from addin.verify.tables import TablePair, compare_tables
 from addin.writing.recalculate import recalculate_case
 from addin.writing.results_json import results_to_json
+from addin.xlsx.places import refuse_no_end
 from engine.case.data import case_digest
 
 #: Keys beside the tables whose values are compared wherever they are nested.
@@ -51,6 +52,7 @@ def read_results_json(path: Path) -> dict[str, Any]:
     OSError
         When it cannot be read.
     """
+    refuse_no_end(path)
     try:
         content = json.loads(
             path.read_text(encoding="utf-8"), parse_int=_bounded, parse_constant=str

@@ -19,6 +19,9 @@ from multiprocessing.process import BaseProcess
 from pathlib import Path
 from types import ModuleType
 
+if sys.platform != "win32":
+    from multiprocessing import resource_tracker
+
 #: How long a process that is asked to end may take. [s]
 LAST_WORDS = 2.0
 #: How often a process whose program seems gone looks whether it is. [s]
@@ -50,6 +53,20 @@ def _without_the_script() -> Iterator[None]:
                 os.environ["PYTHONSAFEPATH"] = safe
 
 
+@contextmanager
+def _untold_of_ctrl_c() -> Iterator[None]:
+    """Ctrl-C waits for a process that begins now until it is deaf to it; else it dies, loudly, within its imports."""
+    if sys.platform == "win32":
+        yield
+        return
+    resource_tracker.ensure_running()  # which would lift the block
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
 class Process:
     """A spawned process and the line to it.
 
@@ -66,7 +83,7 @@ class Process:
         self._process: BaseProcess = context.Process(
             target=_begin, args=(serve, child_end), daemon=True
         )
-        with _without_the_script():
+        with _without_the_script(), _untold_of_ctrl_c():
             self._process.start()
         child_end.close()  # so that a process that ends is seen as the end of the line
 
@@ -162,6 +179,8 @@ def bounded_memory(more: int) -> Iterator[None]:
 
 def _begin(serve: Callable[[Connection], None], line: Connection) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if sys.platform != "win32":
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
     _end_with_parent()
     serve(line)
 

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from addin.calculation.calculation import Calculation
+from addin.xlsx.whole_files import write_whole
 
 #: Kinds of files, which are their endings too.
 KINDS = ("parquet", "npz")
@@ -60,6 +61,8 @@ def write_history(
     ------
     HistoryUnavailable
         If Parquet is wanted and pyarrow is not installed.
+    OSError
+        If it cannot be written; one that was there is as before.
     """
     start = calculation.results.start
     if start is None:
@@ -80,17 +83,17 @@ def write_history(
         for name, force in zip(forces.bearings, forces.bearing_force, strict=True):
             columns[f"bearing_force_N: {name}"] = force[inside]
     if kind == "npz":
-        np.savez_compressed(target, **columns)  # type: ignore[arg-type]
+        write_whole(target, lambda made: np.savez_compressed(made, **columns))  # type: ignore[arg-type]
     else:
         try:
             import pyarrow
             from pyarrow import parquet
-
-            parquet.write_table(pyarrow.table(columns), target, compression="zstd")
         except ImportError:
             raise HistoryUnavailable(
                 "KeepHistory is parquet, but pyarrow is not installed. Choose npz, or run pip install "
                 "-r requirements/parquet.txt in the checkout, or install the wheel with its extra "
                 "[parquet]."
             ) from None
+        table = pyarrow.table(columns)
+        write_whole(target, lambda made: parquet.write_table(table, made, compression="zstd"))
     return target, hashlib.sha256(target.read_bytes()).hexdigest()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -40,7 +41,11 @@ def continued(source: WorkbookInput, target: Path) -> tuple[WorkbookInput | None
         Why they begin anew although it has results of studies. [sentences]
     """
     # Nothing goes through a link: it is refused when results are written.
-    if not target.exists() or target.is_symlink() or target.resolve() == source.path.resolve():
+    if (
+        not os.path.exists(target)
+        or target.is_symlink()
+        or target.resolve() == source.path.resolve()
+    ):
         return None, ()
     try:
         workbook = open_workbook(target, read_only=True)

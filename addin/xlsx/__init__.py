@@ -8,10 +8,10 @@ step. This room knows nothing of torsional vibration; numbers are written as the
 module             responsibility
 =================  ===============================================================================
 `errors`           the error tree
-`locks`            lock files of spreadsheet programs
 `places`           where a path leads, links followed; names that no file can have; a file put
                    into its place
 `references`       A1 arithmetic
+`locks`            lock files of spreadsheet programs
 `temporary`        files and folders that are gone when their process ends, however it ends
 `whole_files`      files written whole or not at all
 `xml_part`         parsing without trust, writing with the original's declaration

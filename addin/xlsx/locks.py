@@ -6,6 +6,7 @@ import os
 from pathlib import Path
 
 from addin.xlsx.errors import WorkbookLocked
+from addin.xlsx.places import refuse_no_end
 
 
 def check_not_open(path: Path) -> None:
@@ -23,7 +24,9 @@ def check_not_open(path: Path) -> None:
         if not os.path.exists(lock_file):  # its name may be too long for any file
             continue
         try:
-            owner = reader(lock_file.read_bytes()[:2000])
+            refuse_no_end(lock_file)
+            with open(lock_file, "rb") as file:
+                owner = reader(file.read(2000))
         except OSError:
             # Excel holds its lock file so that nobody else may read it; that it is there says enough.
             owner = ""

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import re
+import sys
 import time
+from contextlib import suppress
 from pathlib import Path
 
-__all__ = ["real_path", "refuse_strange_name", "replace_file"]
+__all__ = ["real_path", "refuse_no_end", "refuse_strange_name", "replace_file", "take_owner"]
 
 #: Windows takes such a name for a device, whatever its ending, and what follows a colon for another stream of the file.
 _DEVICE = re.compile(r"(?:con|prn|aux|nul|conin\$|conout\$|(?:com|lpt)[1-9¹²³]) *(?:\..*)?", re.I)
@@ -40,6 +43,29 @@ def refuse_strange_name(path: Path) -> None:
     name = path.name
     if _DEVICE.fullmatch(name) or _FORBIDDEN.search(name) or name != name.rstrip(" ."):
         raise OSError(22, "is no name that a file can have on Windows", str(path))
+
+
+def refuse_no_end(path: Path) -> None:
+    """Refuse a device or a pipe, which may never end.
+
+    Raises
+    ------
+    OSError
+        With the sentence.
+    """
+    if path.exists() and not (path.is_file() or path.is_dir()):
+        raise OSError(errno.EINVAL, "it is a device or a pipe", str(path))
+
+
+def take_owner(made: Path, earlier: Path) -> None:
+    """Give a file that is to replace another the owner and group of that, as far as this process may."""
+    if sys.platform == "win32" or not earlier.exists():
+        return
+    was, is_now = earlier.stat(), made.stat()
+    for owner, group in ((was.st_uid, -1), (-1, was.st_gid)):
+        if owner not in (-1, is_now.st_uid) or group not in (-1, is_now.st_gid):
+            with suppress(OSError):
+                os.chown(made, owner, group)
 
 
 def replace_file(made: Path, place: Path) -> None:

@@ -22,7 +22,7 @@ from addin.xlsx.container import Container, stored_bytes
 from addin.xlsx.errors import SaveRefused, SourceChanged
 from addin.xlsx.formulas import CacheReport
 from addin.xlsx.locks import check_not_open
-from addin.xlsx.places import refuse_strange_name, replace_file
+from addin.xlsx.places import refuse_strange_name, replace_file, take_owner
 from addin.xlsx.temporary import temporary_file
 from addin.xlsx.whole_files import flush_folder
 
@@ -144,7 +144,7 @@ def _deliver(
     container: Container, package: bytes, target: Path, destination: Destination
 ) -> Delivered:
     """Write a package in one step; keep a copy of what stood there."""
-    with _beside(target, package, _mode(target, container.path)) as temporary:
+    with _beside(target, package, _mode(target, container.path), target) as temporary:
         if temporary.read_bytes() != package:
             raise SaveRefused(
                 f"{target.name} was not written: the disk returned wrong data when read back. Check "
@@ -195,6 +195,8 @@ def _target(source: Path, destination: Destination) -> Path:
         refuse_strange_name(target)
     except OSError as problem:
         raise SaveRefused(f"{target.name} {problem.strerror}. Name another file.") from problem
+    if target.exists() and not target.is_file():
+        raise SaveRefused(f"{target.name} is a folder, a device or a pipe. Name another file.")
     if target.exists() and not os.access(target, os.W_OK):
         raise SaveRefused(
             f"{target.name} is write-protected. Remove the protection or name another file."
@@ -273,14 +275,14 @@ def _keep(data: bytes, target: Path, keep_backups: bool) -> Path:
     while keep_backups and backup.exists():
         number += 1
         backup = target.with_name(f"{target.name}.bak{number}")
-    with _beside(backup, data, _mode(target, target)) as temporary:
+    with _beside(backup, data, _mode(target, target), target) as temporary:
         _put(temporary, backup)
     return backup
 
 
 @contextmanager
-def _beside(target: Path, data: bytes, mode: int) -> Iterator[Path]:
-    """A file beside the target, flushed to the disk, that takes its place or disappears."""
+def _beside(target: Path, data: bytes, mode: int, owned: Path) -> Iterator[Path]:
+    """A file beside the target, flushed to the disk, owned as another; it takes its place or disappears."""
     try:
         handle, made = temporary_file(target.parent, ".tmp")
     except OSError as problem:
@@ -294,6 +296,7 @@ def _beside(target: Path, data: bytes, mode: int) -> Iterator[Path]:
                 file.write(data)
                 file.flush()
                 os.fsync(file.fileno())
+            take_owner(made, owned)  # which takes bits of the mode
             os.chmod(made, mode)
         except OSError as problem:
             raise SaveRefused(

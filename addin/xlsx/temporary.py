@@ -43,9 +43,11 @@ def temporary_folder(*, within: Path | None = None) -> Iterator[Path]:
     parent = Path(tempfile.gettempdir()) if within is None else within
     _clear(parent)
     hidden = "" if within is None else "."
-    with tempfile.TemporaryDirectory(
-        prefix=f"{hidden}{_prefix()}", dir=parent, ignore_cleanup_errors=True
-    ) as folder:
+    with _naming(parent):
+        made = tempfile.TemporaryDirectory(
+            prefix=f"{hidden}{_prefix()}", dir=parent, ignore_cleanup_errors=True
+        )
+    with made as folder:
         yield Path(folder)
 
 
@@ -65,8 +67,18 @@ def temporary_file(folder: Path, suffix: str) -> tuple[int, Path]:
         Handle and place.
     """
     _clear(folder)
-    handle, name = tempfile.mkstemp(dir=folder, prefix=f".{_prefix()}", suffix=suffix)
+    with _naming(folder):
+        handle, name = tempfile.mkstemp(dir=folder, prefix=f".{_prefix()}", suffix=suffix)
     return handle, Path(name)
+
+
+@contextmanager
+def _naming(folder: Path) -> Iterator[None]:
+    """An error names the folder: nobody knows the file."""
+    try:
+        yield
+    except OSError as wrong:
+        raise OSError(wrong.errno, wrong.strerror, str(folder)) from wrong
 
 
 def _prefix() -> str:

@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from addin.xlsx.places import refuse_strange_name, replace_file
+from addin.xlsx.places import refuse_strange_name, replace_file, take_owner
 from addin.xlsx.temporary import temporary_file
 
 #: Of XlsxWriter: parts made in memory have the same line ends on every system.
@@ -53,6 +53,7 @@ def put_in_place(made: Path, path: Path, mode: int | None = None) -> None:
     """
     flush_file(made)
     if mode is not None:
+        take_owner(made, path)
         os.chmod(made, mode)
     replace_file(made, path)
     flush_folder(path.parent)
@@ -121,6 +122,8 @@ def write_json(path: Path, content: Mapping[str, Any]) -> None:
 def write_text(path: Path, text: str) -> None:
     """Write text whole or not at all, in UTF-8 with the line ends it has.
 
+    Half characters, of file names that are no UTF-8, are written as JSON writes them.
+
     Raises
     ------
     OSError
@@ -129,4 +132,4 @@ def write_text(path: Path, text: str) -> None:
     if path.is_dir():
         raise IsADirectoryError(errno.EISDIR, "is a folder", str(path))
     path.parent.mkdir(parents=True, exist_ok=True)
-    write_whole(path, lambda made: made.write_text(text, encoding="utf-8", newline=""))
+    write_whole(path, lambda made: made.write_text(text, "utf-8", "backslashreplace", newline=""))

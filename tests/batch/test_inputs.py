@@ -28,6 +28,7 @@ def test_what_is_passed_over(tmp_path):
     put(tmp_path, "train.results.json", ".~lock.train.xlsx#")
     put(tmp_path, "package.json", text='{"name": "no case"}')
     put(tmp_path, "result.json", text='{"format": 1, "errors": []}')
+    put(tmp_path, "difference.json", text='{"format": 1, "a": {}, "same_inputs": 5}')
     put(tmp_path, "case.json", text='{"format": 1}')
     assert names(tmp_path, tmp_path) == ["case.json", "train.xlsx"]
 

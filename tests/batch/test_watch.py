@@ -4,13 +4,14 @@ import os
 import shutil
 import signal
 import subprocess
+import threading
 import time
 from pathlib import Path
 
 import openpyxl
 import pytest
 from batch_helpers import Here, make_train
-from command_line import command, environment
+from command_line import command, environment, torsionbook
 
 from addin.batch.folder import OutFolder
 from addin.batch.inputs import Input, find_inputs
@@ -135,3 +136,33 @@ def wait_for(happens) -> None:
     while not happens():
         assert time.monotonic() < until
         time.sleep(0.05)
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no named pipes on Windows")
+def test_a_pipe_among_the_files_is_not_waited_for(tmp_path):
+    """Opening one waits for who writes into it, and no Ctrl-C ends that."""
+    os.mkfifo(tmp_path / "pipe.xlsx")
+    pipe = Input(tmp_path / "pipe.xlsx", "pipe.xlsx")
+    watch = Watch(Recorded(), list, print)
+    found = []
+    looks = threading.Thread(
+        target=lambda: found.extend(map(watch.ready, [[pipe]] * 2)), daemon=True
+    )
+    looks.start()
+    looks.join(10.0)
+    assert found == [[], [pipe]]
+
+
+def test_why_nothing_is_watched_is_told_once(tmp_path, monkeypatch):
+    """Two names that differ in capitals are refused; without a word, nobody would know that nothing is calculated."""
+    (tmp_path / "in").mkdir()
+    for name in ("a.xlsx", "A.xlsx"):
+        (tmp_path / "in" / name).write_bytes(b"")
+    if len(list((tmp_path / "in").iterdir())) < 2:
+        pytest.skip("this disk does not tell capitals apart")
+    looks = []
+    monkeypatch.setattr(Watch, "run", lambda self, _: looks.extend([self.find(), self.find()]))
+    done = torsionbook("batch", "in", "--out", "out", "--watch", "--jobs", 1, cwd=tmp_path)
+    assert done.returncode == 0
+    assert looks == [[], []]
+    assert done.stderr.count("would both be written to") == 1

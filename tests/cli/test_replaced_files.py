@@ -6,6 +6,7 @@ import errno
 import os
 import shutil
 import sys
+import tempfile
 from pathlib import Path
 
 import pytest
@@ -51,6 +52,33 @@ def test_a_workbook_is_known_by_its_content(tmp_path: Path, name: str) -> None:
     done = torsionbook("export", MODIFIED, name, cwd=tmp_path)
     assert done.returncode == 2
     assert (tmp_path / name).read_bytes() == PROPOSED.read_bytes()
+
+
+@pytest.mark.parametrize(
+    "words", [("recalc", "case.json", "--out"), ("starts", "a.xlsx", "--json")]
+)
+def test_results_replace_neither_a_workbook_nor_a_case(
+    tmp_path: Path, words: tuple[str, ...]
+) -> None:
+    shutil.copy(PROPOSED, tmp_path / "a.xlsx")
+    shutil.copy(PROPOSED, tmp_path / "mine.json")
+    for name in ("case.json", "other.json"):
+        assert torsionbook("export", "a.xlsx", name, cwd=tmp_path).returncode == 0
+    for name in ("mine.json", "other.json"):
+        before = (tmp_path / name).read_bytes()
+        assert torsionbook(*words, name, cwd=tmp_path).returncode == 2
+        assert (tmp_path / name).read_bytes() == before
+
+
+def test_results_of_a_case_replace_no_text_in_their_usual_place(tmp_path: Path) -> None:
+    assert torsionbook("export", PROPOSED, "case.json", cwd=tmp_path).returncode == 0
+    place = tmp_path / "case.results.json"
+    place.write_text("mine", encoding="utf-8")
+    assert torsionbook("recalc", "case.json", cwd=tmp_path).returncode == 2
+    assert place.read_text(encoding="utf-8") == "mine"
+    place.unlink()
+    for _ in range(2):  # its own earlier results it does replace
+        assert torsionbook("recalc", "case.json", cwd=tmp_path).returncode == 0
 
 
 def test_a_text_that_is_no_json_is_not_replaced(tmp_path: Path) -> None:
@@ -112,7 +140,28 @@ def test_a_failing_disk_is_a_sentence(
     with pytest.raises(SystemExit) as ended:
         app.main()
     assert ended.value.code == 1
-    assert capsys.readouterr().err.startswith("train.json: Input/output error. Nothing was written")
+    assert capsys.readouterr().err.startswith(
+        "train.json: Input/output error. Files that were written are"
+    )
+
+
+def test_no_folder_for_temporary_files_is_a_sentence(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """As in a container with a read-only disk."""
+
+    def nowhere() -> str:
+        monkeypatch.setattr(tempfile, "tempdir", None)
+        monkeypatch.setattr(tempfile, "_candidate_tempdir_list", lambda: ["/none/such"])
+        return tempfile.gettempdir()
+
+    monkeypatch.setattr(app, "app", lambda **_: nowhere())
+    with pytest.raises(SystemExit) as ended:
+        app.main()
+    assert ended.value.code == 1
+    assert capsys.readouterr().err.startswith(
+        "No usable temporary directory found in ['/none/such']. "
+    )
 
 
 @pytest.mark.parametrize("wrong", [SaveRefused("it is full"), OSError(errno.EDQUOT, "it is full")])
@@ -127,3 +176,22 @@ def test_what_cannot_be_written_is_a_sentence(
     assert said.startswith("train.xlsx")
     assert "it is full" in said
     assert "Errno" not in said
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="owners are otherwise on Windows")
+@pytest.mark.parametrize(
+    "words", [("recalc", "a.xlsx", "--in-place"), ("export", "a.xlsx", "a.json")]
+)
+def test_a_file_that_is_replaced_keeps_its_owner(tmp_path: Path, words: tuple[str, ...]) -> None:
+    """Else whoever calculates as root takes the workbook from its engineer."""
+    if os.getuid() != 0:
+        pytest.skip("only root may give files away")
+    shutil.copy(PROPOSED, tmp_path / "a.xlsx")
+    (tmp_path / "a.json").touch()
+    for file in tmp_path.iterdir():
+        os.chown(file, 65534, 65533)
+        file.chmod(0o640)
+    assert torsionbook(*words, cwd=tmp_path).returncode == 0
+    for file in tmp_path.iterdir():
+        found = file.stat()
+        assert (found.st_uid, found.st_gid, found.st_mode & 0o777) == (65534, 65533, 0o640), file

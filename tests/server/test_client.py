@@ -1,8 +1,10 @@
 """The Python client against a real server: files in, doubles and sentences out."""
 
 import math
+import socket
 import subprocess
 import sys
+import threading
 
 import openpyxl
 import pytest
@@ -79,6 +81,50 @@ def test_inputs_edits_and_documents(served, tmp_path):
     with pytest.raises(Refusal) as told:
         server.document("verify", tmp_path / "r.docx")
     assert "workbook" in told.value.message
+
+
+def test_a_file_beyond_the_limit_is_told_not_cut_off(served, tmp_path):
+    """Whoever is cut off while he sends sees a broken connection and not why."""
+    (tmp_path / "large.xlsx").write_bytes(b"PK\3\4" + bytes(27_000_000))
+    with pytest.raises(Refusal, match="larger than 25 MB"):
+        Client(served).recalculate(tmp_path / "large.xlsx", tmp_path / "out.xlsx")
+    assert [path.name for path in tmp_path.iterdir()] == ["large.xlsx"]
+
+
+def test_a_server_that_ends_within_its_answer_is_told(tmp_path):
+    def answer():
+        line, _ = listening.accept()
+        with line:
+            line.recv(100_000)
+            line.sendall(b"HTTP/1.1 200 OK\r\nContent-Length: 1000\r\n\r\nhalf")
+
+    (tmp_path / "out.xlsx").write_bytes(b"before")
+    (tmp_path / "train.xlsx").write_bytes(b"PK")
+    with socket.create_server(("127.0.0.1", 0)) as listening:
+        ends = threading.Thread(target=answer)
+        ends.start()
+        client = Client(f"http://127.0.0.1:{listening.getsockname()[1]}")
+        with pytest.raises(Refusal, match="cannot be reached"):
+            client.recalculate(tmp_path / "train.xlsx", tmp_path / "out.xlsx")
+        ends.join()
+    assert (tmp_path / "out.xlsx").read_bytes() == b"before"
+
+
+def test_a_full_disk_leaves_the_file_that_was_there(tmp_path, monkeypatch):
+    def full(path, content):
+        path.open("wb").close()
+        raise OSError(28, "No space left on device")
+
+    (tmp_path / "out.xlsx").write_bytes(b"before")
+    monkeypatch.setattr(Client, "_file", lambda *given, **asked: b"after")
+    with monkeypatch.context() as patched:
+        patched.setattr("pathlib.Path.write_bytes", full)
+        with pytest.raises(OSError, match="No space"):
+            Client("http://127.0.0.1:9").recalculate("train.xlsx", tmp_path / "out.xlsx")
+    assert [path.name for path in tmp_path.iterdir()] == ["out.xlsx"]
+    assert (tmp_path / "out.xlsx").read_bytes() == b"before"
+    Client("http://127.0.0.1:9").recalculate("train.xlsx", tmp_path / "out.xlsx")
+    assert (tmp_path / "out.xlsx").read_bytes() == b"after"
 
 
 def test_no_server_is_told():

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -40,6 +42,21 @@ def test_a_closed_pipe_is_not_taken_for_the_end_of_the_program() -> None:
         assert [process.line.recv() for _ in range(2)] == [("ready", None), ("done", 3)]
     finally:
         process.end()
+
+
+@pytest.mark.skipif(os.name != "posix", reason="no signals to a process on Windows")
+def test_ctrl_c_does_not_end_a_process_that_begins(capfd: pytest.CaptureFixture[str]) -> None:
+    process = Process(_serve)
+    try:
+        for _ in range(20):  # while it imports
+            os.kill(process.pid, signal.SIGINT)
+            time.sleep(0.01)
+        process.line.send((abs, -3, False))
+        assert process.line.poll(60.0)
+        assert [process.line.recv() for _ in range(2)] == [("ready", None), ("done", 3)]
+    finally:
+        process.end()
+    assert capfd.readouterr().err == ""
 
 
 def test_a_process_takes_no_module_from_the_folder_where_it_begins(

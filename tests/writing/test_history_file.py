@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import errno
 import hashlib
+import os
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -11,6 +13,7 @@ import numpy as np
 import pytest
 
 from addin.writing.history_file import write_history
+from addin.xlsx import whole_files
 
 TIME = np.array([0.0, 1.0, 2.0, 3.0])
 
@@ -63,3 +66,31 @@ def test_parquet_holds_the_same_columns(tmp_path: Path) -> None:
     (npz, _), (parquet, _) = (pair for pair in pairs if pair is not None)
     table = pd.read_parquet(parquet)
     assert {k: v.tolist() for k, v in np.load(npz).items()} == table.to_dict("list")
+
+
+@pytest.mark.parametrize("kind", ["npz", "parquet"])
+def test_a_history_that_cannot_be_finished_leaves_the_one_before(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kind: str
+) -> None:
+    if kind == "parquet":
+        pytest.importorskip("pyarrow")
+    place = tmp_path / f"train.history.{kind}"
+    place.write_bytes(b"before")
+
+    def full(_: Path) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(whole_files, "flush_file", full)
+    with pytest.raises(OSError, match="No space left"):
+        write_history(calculated(), tmp_path / "train.xlsx", kind)
+    assert place.read_bytes() == b"before"
+    assert list(tmp_path.iterdir()) == [place]
+
+
+@pytest.mark.skipif(os.name == "nt", reason="links need rights on Windows")
+def test_a_history_does_not_go_through_a_link(tmp_path: Path) -> None:
+    (tmp_path / "mine").write_bytes(b"mine")
+    (tmp_path / "train.history.npz").symlink_to("mine")
+    with pytest.raises(OSError, match="is a link"):
+        write_history(calculated(), tmp_path / "train.xlsx", "npz")
+    assert (tmp_path / "mine").read_bytes() == b"mine"

@@ -37,7 +37,8 @@ CURVE_SPEED = Limit(
         f"at most {TOP_SPEED:g} ({100 * TOP_SPEED:g} %) of synchronous speed",
     ),
     "",
-    "Write 50 % or 900 rpm; a plain number in JSON is a fraction of synchronous speed.",
+    "Write 50 % or 900 rpm (in a workbook the unit stands above the header); a plain number in JSON is a fraction of "
+    "synchronous speed.",
 )
 PULSATING = Limit("Pulsating", NOT_NEGATIVE, "N m")
 PULSATION1 = Limit("Pulsation1", NOT_NEGATIVE, "N m")

@@ -205,7 +205,7 @@ def check_elements(case: CaseData) -> Iterator[Problem]:
                 None,
                 "positive where a material is named",
                 "a material is named but the stress diameter is blank: no stress can be judged. "
-                "Type the diameter or clear the material.",
+                "Type the diameter, of a plain shaft its OD, or clear the material.",
             )
 
 
