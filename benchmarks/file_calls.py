@@ -74,6 +74,7 @@ _VARY = ("batch", "train.xlsx", "--vary", "table.csv", "--csv", "--out", "result
 COMMANDS = (
     Command("recalc", ("recalc", "train.xlsx", "--json", "train.json")),
     Command("recalc --in-place", ("recalc", "train.xlsx", "--in-place")),
+    Command("recalc with a history", ("recalc", "history.xlsx", "--in-place"), ("history.xlsx",), every=2),
     Command("recalc of a JSON", ("recalc", "case.json", "--json", "results.json"), ("case.json",)),
     Command("batch", _BATCH, again=(*_BATCH, "--resume"), made="results", every=8),
     Command("batch --summary", (*_BATCH, "--summary", "sum.xlsx", "--json", "results"),
@@ -668,6 +669,7 @@ def prepared(
     folder: Path, names: Set[str], run: Callable[[Command, Path, Hindrance], Ended] = ended
 ) -> dict[str, bytes]:
     """The files that commands find: inputs, and results of an earlier run that they replace; those of the names, and what they are made from."""
+    from addin.xlsx import open_workbook
     from benchmarks.workbook_fuzz import seeds
 
     (folder / "train.xlsx").write_bytes(seeds()[0].data)
@@ -687,6 +689,10 @@ def prepared(
         made_by = run(Command("", words), folder, Hindrance()) if made in names else None
         if made_by and made_by.status and made != "measured.xlsx":
             raise SystemExit(f"{' '.join(words)}: exit status {made_by.status}: {made_by.said}")
+    if "history.xlsx" in names:
+        book = open_workbook(ROOT / "templates" / "example_proposed.xlsx")
+        book.set_name("KeepHistory", "npz")
+        book.save(folder / "history.xlsx")
     if "measured.xlsx" in names:
         _measured(folder / "measured.xlsx")
     return {path.name: path.read_bytes() for path in sorted(folder.iterdir())}
