@@ -77,6 +77,7 @@ def _curve(case: CaseData, table: str, abscissa: str, columns: Sequence[str]) ->
                 f"above {previous:.6g} of row {before.row}",
                 f"The rows of '{point.station}' must be in rising order, without repeated values"
                 + (" (for a step, two rows a microsecond apart)." if abscissa == "Time" else "."),
+                quoted=quote_quantity(previous, "", (*before, abscissa)),
             )
         elif point.station is not None:
             last[point.station] = (cells, x)
