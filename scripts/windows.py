@@ -110,6 +110,7 @@ MATH, OUR_MATH = "api-ms-win-crt-math-l1-1-0.dll", "xpi-ms-win-crt-math-l1-1-0.d
 WINE = {
     "WINEPREFIX": str(PREFIX),
     "WINEDEBUG": "-all",
+    "LC_ALL": "C.UTF-8",  # of the words that a program is given
     "WINEDLLOVERRIDES": "mscoree,mshtml,winemenubuilder.exe,winedbg.exe=",
 }
 #: Libraries of Windows 10 itself; those whose name begins so, too.

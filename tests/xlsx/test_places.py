@@ -62,7 +62,7 @@ def test_where_the_console_is_nobody_says(monkeypatch):
         raise OSError(22, "Invalid handle", str(path))
 
     monkeypatch.setattr(os.path, "realpath", nowhere)
-    assert real_path(Path("con")) == Path.cwd() / "con"
+    assert real_path(Path("console")) == Path.cwd() / "console"
 
 
 def refusing(times: int, error: int | None):
