@@ -124,10 +124,7 @@ def build(root: Path) -> list[Path]:
     folder = root / KERNELS
     made, described = folder / f"_loops{SUFFIX.get(sys.platform, '.so')}", folder / f"{MODULE}.py"
     sources = sources_digest(folder)
-    built = (
-        described.exists() and made.exists() and f"sources {sources}".encode() in made.read_bytes()
-    )
-    if built and not os.environ.get("CC"):
+    if is_built(made, described, sources) and not os.environ.get("CC"):
         return [made, described]
     command = compiler()
     if command is None:
@@ -137,15 +134,23 @@ def build(root: Path) -> list[Path]:
     return [made, described]
 
 
+def is_built(made: Path, described: Path, sources: str) -> bool:
+    """Whether a library and its description are there, of these sources."""
+    there = described.exists() and made.exists()
+    return there and f"sources {sources}".encode() in made.read_bytes()
+
+
 def build_for(root: Path, tag: str) -> list[Path]:
-    """Compiles the library for another system into `build/`; the files that were made."""
+    """Compiles the library for another system into `build/` unless it is there; the files that were made."""
     target, suffix = TARGETS[tag]
     folder = root / KERNELS
     place = root / "build" / "loops" / tag
     place.mkdir(parents=True, exist_ok=True)
     made, described = place / f"_loops{suffix}", folder / f"{MODULE}.py"
-    declarations(described)
-    compile_into(made, folder, (*ZIG, "-target", target, "-s"), sources_digest(folder))
+    sources = sources_digest(folder)
+    if not is_built(made, described, sources):
+        declarations(described)
+        compile_into(made, folder, (*ZIG, "-target", target, "-s"), sources)
     return [made, described]
 
 

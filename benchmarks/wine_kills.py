@@ -1,9 +1,9 @@
 """Commands killed under Wine, at calls of the file system: `python -m benchmarks.wine_kills --record`.
 
 The commands of `file_calls`, in the Windows Python of `scripts/windows.py`. There is no library to put in front of Windows' own: an
-audit hook of Python counts what concerns the folder of a command (opening for writing, renaming, removing, folders, flushing, and
-each write of Python's own files), and TerminateProcess ends it before one of them, or halfway through a write. The same is
-demanded as on Linux, of the files and of the same command run again there. Commands of one process only.
+audit hook of Python counts, in all processes of a command, what concerns its folder (opening for writing, renaming, removing, folders,
+flushing, and each write of Python's own files), and TerminateJobObject ends them all before one of them, or halfway through a write.
+The same is demanded as on Linux, of the files and of the same command run again there.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ import argparse
 import json
 import os
 import signal
+import struct
 import subprocess
 import sys
 import tempfile
@@ -41,36 +42,40 @@ import windows  # noqa: E402
 __all__ = ["RECORD", "study"]
 
 RECORD = windows.KILLS
-#: Exit status of a process that was ended; no command has it.
-KILLED = 77
-#: Several processes: ending one of them is not ending all.
-NOT_TRIED = tuple(one.name for one in COMMANDS if one.words[0] == "batch")
-DRIVER = r"""
-import builtins, ctypes, io, os, sys
-folder, at, counts, *words = sys.argv[1:]
-at, calls = int(at), 0
-os.chdir(folder)
-inside = os.path.normcase(os.path.abspath(folder))
-kernel = ctypes.windll.kernel32
-kernel.GetCurrentProcess.restype = ctypes.c_void_p
-kernel.TerminateProcess.argtypes = [ctypes.c_void_p, ctypes.c_uint]
-
-def end():
-    kernel.TerminateProcess(kernel.GetCurrentProcess(), KILLED)
+#: In each process, as its `sitecustomize.py`.
+HOOK = r"""
+import builtins, ctypes, io, mmap, os, stat, struct, sys
+folder, at, counts = os.environ["TORSIONBOOK_CALLS"].split("|")
+at, inside = int(at), os.path.normcase(os.path.abspath(folder))
+handle = os.open(counts, os.O_RDWR | os.O_BINARY)
+calls = mmap.mmap(handle, 16)
+os.close(handle)
+kernel = ctypes.WinDLL("kernel32")
+for name in ("GetCurrentProcess", "CreateJobObjectW", "CreateMutexW"):
+    getattr(kernel, name).restype = ctypes.c_void_p
+name = "torsionbook" + os.path.basename(os.path.dirname(counts))
+job, lock = (ctypes.c_void_p(make(None, *more)) for make, more in ((kernel.CreateJobObjectW, [name]), (kernel.CreateMutexW, [0, name + "-lock"])))
+me, in_job = ctypes.c_void_p(kernel.GetCurrentProcess()), ctypes.c_int()
+kernel.IsProcessInJob(me, job, ctypes.byref(in_job))
+if not in_job and not kernel.AssignProcessToJobObject(job, me):
+    raise OSError("no job object")
 
 def count(halfway=lambda: None):
-    global calls
-    calls += 1
-    if calls == at:
+    kernel.WaitForSingleObject(lock, 0xFFFFFFFF)
+    number = struct.unpack("qq", calls)[0] + 1
+    calls[:] = struct.pack("qq", number, number == at)
+    if number == at:
         halfway()
-        end()
+        kernel.TerminateJobObject(job, 1)
+        kernel.WaitForSingleObject(me, 0xFFFFFFFF)
+    kernel.ReleaseMutex(lock)
 
 def concerns(path):
-    if isinstance(path, int):
-        return True
     try:
+        if isinstance(path, int):
+            return stat.S_ISREG(os.fstat(path).st_mode)
         return os.path.normcase(os.path.abspath(os.fspath(path))).startswith(inside)
-    except (TypeError, ValueError):
+    except (OSError, TypeError, ValueError):
         return False
 
 NAMES = {"os.rename", "os.remove", "os.mkdir", "os.rmdir", "os.link", "os.truncate", "os.chmod"}
@@ -112,63 +117,55 @@ def flushed(handle):
     count()
     flush(handle)
 
-from addin.cli.app import main, module_of
-import importlib
-importlib.import_module(module_of(words[0]))
-sys.argv = ["torsionbook", *words]
 builtins.open = io.open = opened
 os.fsync = flushed
 sys.addaudithook(hook)
-try:
-    main()
-finally:
-    at = 0
-    with plain(counts, "w") as file:
-        file.write(str(calls))
 """
 
 
 def ended(command: Command, folder: Path, hindrance: Hindrance) -> Ended:
     """Run a command in a folder under Wine."""
-    with tempfile.TemporaryDirectory() as beside:
-        driver, counts = Path(beside, "driver.py"), Path(beside, "counts")
-        driver.write_text(DRIVER.replace("KILLED)", f"{KILLED})"), encoding="utf-8")
+    with tempfile.TemporaryDirectory(prefix="hook-") as beside:
+        counts, hook = Path(beside, "counts"), windows.SITE_CUSTOMIZE + HOOK
+        counts.write_bytes(bytes(16))
+        Path(beside, "sitecustomize.py").write_text(hook, encoding="utf-8")
         at = hindrance.at if hindrance.way == KILL else 0
-        places = [windows.wine_path(folder), str(at), windows.wine_path(counts)]
+        calls = [windows.wine_path(folder), str(at), windows.wine_path(counts)]
         environment = {k: v for k, v in os.environ.items() if not k.startswith("PYTHON")}
         environment |= windows.WINE | {
             "PYTHONHOME": windows.wine_path(windows.PYTHON),
+            "PYTHONPATH": windows.wine_path(Path(beside)),
+            "TORSIONBOOK_CALLS": "|".join(calls),
             "COLUMNS": "1000",
             "SOURCE_DATE_EPOCH": "1800000000",
         }
         done = subprocess.run(
-            ["wine", windows.PYTHON / "python.exe", windows.wine_path(driver), *places, *command.words],
-            cwd=windows.CHECKOUT, env=environment, input=b"", stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False,
+            ["wine", windows.PYTHON / "python.exe", "-m", "addin.cli", *command.words],
+            cwd=folder, env=environment, input=b"", stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False,
         )  # fmt: skip
-        made = int(counts.read_text()) if counts.exists() else 0
-    status = -signal.SIGKILL if done.returncode == KILLED else done.returncode
+        made, killed = struct.unpack("qq", counts.read_bytes())
+    status = -signal.SIGKILL if killed else done.returncode
     return Ended(status, done.stdout.decode(errors="replace"), Calls(made, made))
 
 
-def study(command: Command, originals: dict[str, bytes], every: int, until: float) -> Study:
-    """A command killed at one of so many calls, while there is time."""
+def study(command: Command, originals: dict[str, bytes], most: int, until: float) -> Study:
+    """A command killed at some of its calls, evenly spread, while there is time."""
     found = Study()
     trial = Trial(command, originals, found, run=ended)
     with tempfile.TemporaryDirectory(prefix="calls-") as place:
         trial.undisturbed(Path(place, "log"), Path(place))
     if not found.faults:
-        for at in range(1, found.calls.changes + 1, every):
+        for at in range(1, found.calls.changes + 1, -(-found.calls.changes // most)):
             if time.monotonic() < until and not trial.hindered("killed", Hindrance(KILL, at)):
                 found.faults.append(f"{command.name}: was not killed at {at}")
     return found
 
 
-def record(command: Command, done: Study, every: int) -> None:
+def record(command: Command, done: Study) -> None:
     """Keep what was tried, for docs/windows.md."""
     kept = json.loads(RECORD.read_text("utf-8")) if RECORD.exists() else {}
     kept[command.name] = {
         "calls": done.calls.changes,
-        "every": every,
         "killed": done.tried["killed"],
         "again": done.tried["again"],
         "faults": done.faults,
@@ -180,14 +177,14 @@ def record(command: Command, done: Study, every: int) -> None:
 def main(given: Sequence[str] | None = None) -> int:
     """Kill the commands; 1 where something was lost or torn."""
     words = argparse.ArgumentParser(prog="python -m benchmarks.wine_kills")
-    words.add_argument("--every", type=int, default=1, help="take one of so many calls")
+    words.add_argument("--most", type=int, default=10**6, help="kills of a command")
     words.add_argument("--only", action="append", help="one command, by its name; may be repeated")
     words.add_argument("--minutes", type=float, default=1e6, help="begin nothing after that")
     words.add_argument(
         "--record", action="store_true", help=f"keep it in {RECORD.name} and docs/windows.md"
     )
     asked = words.parse_args(given)
-    commands = [one for one in COMMANDS if one.name not in NOT_TRIED]
+    commands = [one for one in COMMANDS if not one.watches]  # which ends by Ctrl-C
     if asked.only:
         commands = [one for name in asked.only for one in commands if one.name == name]
     windows.prepare()
@@ -198,12 +195,11 @@ def main(given: Sequence[str] | None = None) -> int:
         with tempfile.TemporaryDirectory(prefix="calls-") as place:
             files = prepared(Path(place), set().union(*map(names_of, commands)), ended)
             for command in commands:
-                every = asked.every * command.every
-                done = study(command, originals_of(command, files), every, until)
+                done = study(command, originals_of(command, files), asked.most, until)
                 total.update(done.tried)
                 faults += len(done.faults)
                 if asked.record and done.tried["killed"]:
-                    record(command, done, every)
+                    record(command, done)
                 print(f"{command.name}: {done.calls.changes} calls, {dict(done.tried)}, {len(done.faults)} faults", flush=True)  # fmt: skip
     finally:
         windows.end()

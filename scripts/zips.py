@@ -253,7 +253,7 @@ def tried(kind: Kind, made: Path, wanted: Any) -> float:
         else:
             prepare_wine()
             fill_gaps(folder / "python", folder / "python" / "lib" / "site-packages")
-            share = PREFIX / "dosdevices" / "unc" / "server" / "share"
+            share = PREFIX / "dosdevices" / "unc" / "server" / "share"  # where Wine looks for it
             share.parent.mkdir(parents=True, exist_ok=True)
             share.unlink(missing_ok=True)
             share.symlink_to(Path(place, "train"))

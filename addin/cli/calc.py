@@ -9,6 +9,7 @@ import typer
 
 from addin.cli.options import ForceOption
 from addin.cli.status import failed
+from addin.cli.terminal import refuse_no_name
 from addin.libreoffice.oxt import extension, worker_command
 from addin.xlsx.whole_files import write_whole
 
@@ -44,6 +45,7 @@ def install(
     """
     if to.suffix.lower() != ".oxt":
         raise typer.BadParameter(f"'{to}' must end in .oxt.")
+    refuse_no_name(to)
     if to.exists() and not force:
         raise failed(f"{to} exists. Name another with --to, or use --force.")
 

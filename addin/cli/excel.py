@@ -9,7 +9,7 @@ import typer
 
 from addin.cli.options import ForceOption, IgnoreLockOption
 from addin.cli.status import WRONG_INPUT, failed, failing_on
-from addin.cli.terminal import writing
+from addin.cli.terminal import refuse_no_name, writing
 from addin.excel.doctor import WRONG, examine
 from addin.excel.errors import ExcelError
 from addin.excel.workbook import install as put
@@ -61,6 +61,7 @@ def install(
             f"{target} is the input workbook. Name another with --out, or use: "
             f"torsionbook excel upgrade {file}"
         )
+    refuse_no_name(target)
     if target.exists() and not force:
         raise failed(f"{target} exists. Name another with --out, or use --force.")
     report = _written(file, target, interpreter, ignore_lock)

@@ -15,7 +15,7 @@ from addin.contract.problems import CellProblem
 from addin.reading.one_file import WORKBOOK_ENDINGS, Unreadable, file_problem, read_checked
 from addin.reading.typed_case import CaseInput
 from addin.xlsx.errors import PackageError
-from addin.xlsx.places import real_path
+from addin.xlsx.places import real_path, refuse_strange_name
 
 #: A table on the terminal is at least so wide. [characters]
 TABLE_WIDTH = 110
@@ -59,9 +59,24 @@ def refuse_no_place(target: Path) -> None:
     typer.BadParameter
         With the sentence.
     """
+    refuse_no_name(target)
     if target.is_dir():
         raise typer.BadParameter(f"{target} is a folder; name a file in it.")
     refuse_no_folder(target.parent)
+
+
+def refuse_no_name(target: Path) -> None:
+    """Refuse, on Windows, what is a device there or no name at all.
+
+    Raises
+    ------
+    typer.BadParameter
+        With the sentence.
+    """
+    try:
+        refuse_strange_name(target)
+    except OSError as wrong:
+        raise typer.BadParameter(f"{target} {wrong.strerror}. Choose another name.") from None
 
 
 def refuse_no_json(target: Path, ending: str = ".json", *, is_case: bool = False) -> None:
@@ -189,6 +204,7 @@ def read_or_stop(file: Path) -> CaseInput:
 
 def refuse_existing(target: Path, force: bool) -> None:
     """End the command if a file is there already and may not be replaced, or has no folder."""
+    refuse_no_name(target)
     if target.exists() and not force:
         raise failed(f"{target} exists. Choose another name, or use --force to replace it.")
     if not target.parent.is_dir():

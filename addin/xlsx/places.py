@@ -7,10 +7,18 @@ import os
 import re
 import sys
 import time
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
-__all__ = ["real_path", "refuse_no_end", "refuse_strange_name", "replace_file", "take_owner"]
+__all__ = [
+    "real_path",
+    "refuse_no_end",
+    "refuse_open_elsewhere",
+    "refuse_strange_name",
+    "replace_file",
+    "take_owner",
+]
 
 #: Windows takes such a name for a device, whatever its ending, and what follows a colon for another stream of the file.
 _DEVICE = re.compile(r"(?:con|prn|aux|nul|conin\$|conout\$|(?:com|lpt)[1-9¹²³]) *(?:\..*)?", re.I)
@@ -23,11 +31,14 @@ _PATIENCE = 2.0
 
 
 def real_path(path: Path) -> Path:
-    """The place behind a path; of links in a circle, where the circle begins.
+    """The place behind a path; of links in a circle, where the circle begins, and of a device of Windows its name.
 
     `Path.resolve` raises on a circle before Python 3.13, so that one such link would stop a whole folder.
     """
-    return Path(os.path.realpath(path))
+    try:
+        return Path(os.path.realpath(path))
+    except OSError:  # the console, CON
+        return Path(os.path.abspath(path))
 
 
 def refuse_strange_name(path: Path) -> None:
@@ -76,10 +87,26 @@ def replace_file(made: Path, place: Path) -> None:
     OSError
         If it cannot be put there; one that was there is as before.
     """
+    _patiently(lambda: os.replace(made, place))
+
+
+def refuse_open_elsewhere(place: Path) -> None:
+    """Refuse, on Windows, a file that another program keeps from being replaced: it cannot get its own name either.
+
+    Raises
+    ------
+    PermissionError
+        If another program has it open.
+    """
+    if _IS_WINDOWS:
+        _patiently(lambda: os.rename(place, place))
+
+
+def _patiently(rename: Callable[[], None]) -> None:
     until = time.monotonic() + _PATIENCE
     while True:
         try:
-            os.replace(made, place)
+            rename()
             return
         except PermissionError as problem:
             is_open = getattr(problem, "winerror", None) in _OPEN_ELSEWHERE

@@ -22,7 +22,13 @@ from addin.xlsx.container import Container, stored_bytes
 from addin.xlsx.errors import SaveRefused, SourceChanged
 from addin.xlsx.formulas import CacheReport
 from addin.xlsx.locks import check_not_open
-from addin.xlsx.places import refuse_strange_name, replace_file, take_owner
+from addin.xlsx.places import (
+    real_path,
+    refuse_open_elsewhere,
+    refuse_strange_name,
+    replace_file,
+    take_owner,
+)
 from addin.xlsx.temporary import temporary_file
 from addin.xlsx.whole_files import flush_folder
 
@@ -152,10 +158,11 @@ def _deliver(
             )
         _check_source(container)
         backup = None
-        if destination.in_place:
-            backup = _keep(container.file, target, destination.keep_backups)
-        elif destination.keep_replaced and target.exists():
-            backup = _keep(target.read_bytes(), target, destination.keep_backups)
+        if destination.in_place or (destination.keep_replaced and target.exists()):
+            with _putting(target):  # before the copy, which replaces an earlier one
+                refuse_open_elsewhere(target)
+            kept = container.file if destination.in_place else target.read_bytes()
+            backup = _keep(kept, target, destination.keep_backups)
         notes = _put(temporary, target)
     return Delivered(backup, notes)
 
@@ -173,8 +180,10 @@ def _target(source: Path, destination: Destination) -> Path:
         raise SaveRefused(
             f"{path} is a link to another file, which is not replaced. Remove the link, or name another file."
         )
-    original = Path(os.path.realpath(source))
-    target = original if path is None else Path(os.path.realpath(path))
+    if path is not None:
+        _refuse_strange_name(Path(path))  # as typed: where a device leads is no name
+    original = real_path(source)
+    target = original if path is None else real_path(Path(path))
     if target == original and not in_place:
         raise SaveRefused(
             f"{source.name} is the file that was opened; use --in-place to replace it."
@@ -191,10 +200,6 @@ def _target(source: Path, destination: Destination) -> Path:
             f"{target.name} must end in {suffix}: {what}, and Excel does not open a file with a "
             "wrong extension."
         )
-    try:
-        refuse_strange_name(target)
-    except OSError as problem:
-        raise SaveRefused(f"{target.name} {problem.strerror}. Name another file.") from problem
     if target.exists() and not target.is_file():
         raise SaveRefused(f"{target.name} is a folder, a device or a pipe. Name another file.")
     if target.exists() and not os.access(target, os.W_OK):
@@ -202,6 +207,13 @@ def _target(source: Path, destination: Destination) -> Path:
             f"{target.name} is write-protected. Remove the protection or name another file."
         )
     return target
+
+
+def _refuse_strange_name(path: Path) -> None:
+    try:
+        refuse_strange_name(path)
+    except OSError as problem:
+        raise SaveRefused(f"{path.name} {problem.strerror}. Name another file.") from problem
 
 
 def _verify(container: Container, package: bytes, change: PackageChange, check: Check) -> None:
@@ -310,8 +322,21 @@ def _beside(target: Path, data: bytes, mode: int, owned: Path) -> Iterator[Path]
 
 def _put(temporary: Path, target: Path) -> tuple[str, ...]:
     """Put a file in its place; what the user should know of it then."""
-    try:
+    with _putting(target):
         replace_file(temporary, target)
+    doubt = flush_folder(target.parent)
+    if not doubt:
+        return ()
+    return (
+        f"{target.name} is written, but the disk did not confirm it ({doubt}): should the power fail now, the file "
+        "before it may be back. Check the disk.",
+    )
+
+
+@contextmanager
+def _putting(target: Path) -> Iterator[None]:
+    try:
+        yield
     except PermissionError as problem:
         raise SaveRefused(
             f"{target.name} could not be replaced; it is probably open in Excel. Close it there and run again."
@@ -320,10 +345,3 @@ def _put(temporary: Path, target: Path) -> tuple[str, ...]:
         raise SaveRefused(
             f"{target.name} could not be replaced ({problem.strerror}). Name another file."
         ) from problem
-    doubt = flush_folder(target.parent)
-    if not doubt:
-        return ()
-    return (
-        f"{target.name} is written, but the disk did not confirm it ({doubt}): should the power fail now, the file "
-        "before it may be back. Check the disk.",
-    )

@@ -191,7 +191,10 @@ def test_a_made_up_journal_moves_nothing_from_or_to_elsewhere(tmp_path, name, ta
     folder = OutFolder(tmp_path / "out")
     there = staged(folder, "a.xlsx", "made up")
     link = folder.staging / "link"
-    link.symlink_to(secret)
+    if os.name == "posix":
+        link.symlink_to(secret)
+    elif taken == "LINK":
+        pytest.skip("links need rights on Windows")
     of_staged = {
         "STAGED": there.staged,
         "FULL": str(secret),

@@ -426,4 +426,4 @@ def test_redirected_output_is_utf8_whatever_the_locale(tmp_path):
     own.pop("PYTHONIOENCODING")
     done = subprocess.run(command("--help"), cwd=tmp_path, capture_output=True, env=own, timeout=60)
     assert done.returncode == 0, done.stderr
-    assert "╭" in done.stdout.decode("utf-8")
+    assert "─" in done.stdout.decode("utf-8")  # the corners differ on Windows

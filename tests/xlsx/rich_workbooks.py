@@ -189,9 +189,9 @@ def with_calc_chain(path: Path) -> Path:
 
 
 def parts_of(path: Path) -> dict[str, bytes]:
-    """All parts of a workbook."""
+    """All parts of a workbook, by the names in the file, which Windows shows with slashes."""
     with zipfile.ZipFile(path) as archive:
-        return {name: archive.read(name) for name in archive.namelist()}
+        return {entry.orig_filename: archive.read(entry) for entry in archive.infolist()}
 
 
 def changed_parts(before: Path, after: Path) -> set[str]:

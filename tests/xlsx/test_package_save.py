@@ -11,11 +11,12 @@ import zipfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
+from unittest.mock import Mock
 
 import pytest
 from rich_workbooks import changed_parts, parts_of
 
-from addin.xlsx import Formula, Workbook, open_workbook
+from addin.xlsx import Formula, Workbook, open_workbook, places
 from addin.xlsx import save as save_module
 from addin.xlsx.errors import SaveRefused, SourceChanged, WorkbookLocked
 from addin.xlsx.references import Rect
@@ -54,6 +55,24 @@ def test_in_place_keeps_a_copy(train: Path) -> None:
     assert report.backup == backup
     assert backup.read_bytes() == before
     assert open_workbook(train).value("Case", "B2") == 5000.0
+    assert leftovers(train.parent) == ["train.xlsx", "train.xlsx.bak"]
+
+
+def test_a_workbook_that_is_open_elsewhere_keeps_its_copy(
+    train: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Excel leaves no lock file on some drives; Windows refuses to replace what it has open, which is imitated elsewhere."""
+    before = train.read_bytes()
+    backup = train.with_name("train.xlsx.bak")
+    backup.write_bytes(b"older copy")
+    book = edited(train)
+    if os.name != "nt":
+        monkeypatch.setattr(places, "_IS_WINDOWS", True)
+        monkeypatch.setattr(os, "rename", Mock(side_effect=PermissionError(13, "open elsewhere")))
+    with open(train, "rb"), pytest.raises(SaveRefused, match="probably open in Excel"):
+        book.save(in_place=True)
+    assert train.read_bytes() == before
+    assert backup.read_bytes() == b"older copy"
     assert leftovers(train.parent) == ["train.xlsx", "train.xlsx.bak"]
 
 

@@ -6,9 +6,12 @@ import os
 from pathlib import Path
 
 import pytest
+import typer
 
-from addin.xlsx import places
-from addin.xlsx.places import refuse_strange_name, replace_file
+from addin.cli.terminal import refuse_existing, refuse_no_place
+from addin.xlsx import open_workbook, places
+from addin.xlsx.errors import SaveRefused
+from addin.xlsx.places import real_path, refuse_strange_name, replace_file
 
 
 @pytest.mark.parametrize(
@@ -38,6 +41,28 @@ def test_names_that_no_file_can_have(monkeypatch, name):
 def test_names_that_look_like_them(monkeypatch, name):
     monkeypatch.setattr(places, "_IS_WINDOWS", True)
     refuse_strange_name(Path(name))
+
+
+def test_a_device_is_refused_before_anything_is_calculated(train, monkeypatch):
+    """Windows says that it exists, that it is a file, and that it lies elsewhere."""
+    monkeypatch.setattr(places, "_IS_WINDOWS", True)
+    words = "no name that a file can have on Windows"
+    with pytest.raises(typer.BadParameter, match=words):
+        refuse_no_place(Path("nul.json"))
+    with pytest.raises(typer.BadParameter, match=words):
+        refuse_existing(Path("con.xlsx"), force=False)
+    with pytest.raises(SaveRefused, match=rf"^nul.xlsx is {words}"):
+        open_workbook(train).save(Path("nul.xlsx"))
+
+
+def test_where_the_console_is_nobody_says(monkeypatch):
+    """Of CON Windows tells no place."""
+
+    def nowhere(path):
+        raise OSError(22, "Invalid handle", str(path))
+
+    monkeypatch.setattr(os.path, "realpath", nowhere)
+    assert real_path(Path("console")) == Path.cwd() / "console"
 
 
 def refusing(times: int, error: int | None):
