@@ -10,10 +10,9 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 
 from addin.xlsx.dependents import FormulaMap
-from addin.xlsx.references import Rect
 from addin.xlsx.sheet_part import SheetPart
 from addin.xlsx.state import WorkbookState
 from addin.xlsx.workbook_part import SIGNATURES, relationships_part
@@ -37,7 +36,7 @@ _USUAL_PREFIX = rb'\1xmlns:r="%s" r:id=' % RELATIONSHIP_IDS.encode()
 def calculator_copy(
     workbook: WorkbookState,
     formulas: FormulaMap,
-    read: Collection[tuple[str, Rect]] | None,
+    read: Mapping[str, int] | None,
     left_out: Collection[str] = (),
 ) -> tuple[dict[str, bytes], set[str]]:
     """Parts of the copy that differ from the file as it was opened, and parts that it lacks.
@@ -48,8 +47,8 @@ def calculator_copy(
         The workbook, with the cells that were written.
     formulas : FormulaMap
         Its formulas.
-    read : collection of (str, Rect) or None
-        What formulas read; None when some formula may read anything.
+    read : mapping of str to int, or None
+        The last row of each sheet that formulas read; None when some formula may read anything.
     left_out : collection of str
         Formulas that are not to be calculated, as the map has them; their cells keep their values, as do those of data
         tables, formulas on other workbooks and formulas without text.
@@ -80,8 +79,7 @@ def calculator_copy(
             continue
         data = parts.get(part) or workbook.container.read(part)
         if read is not None and sheet not in with_formulas:
-            last = max((rect.bottom for one, rect in read if one == sheet), default=0)
-            data = _without_rows_below(data, last)
+            data = _without_rows_below(data, read.get(sheet, 0))
         if sheet in texts:
             copy = SheetPart(sheet, part, data, workbook.shared_texts.text)
             copy.exchange_formulas(texts[sheet])

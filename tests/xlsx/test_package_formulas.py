@@ -30,7 +30,7 @@ from addin.xlsx.dependents import (
 )
 from addin.xlsx.formula_text import Reference, parse_formula, shifted_formula
 from addin.xlsx.formulas import CacheReport, _formula_cells
-from addin.xlsx.references import Rect, parse_range
+from addin.xlsx.references import parse_range
 
 pytestmark = pytest.mark.filterwarnings("ignore::UserWarning:openpyxl")
 
@@ -814,7 +814,7 @@ def test_the_copy_for_the_calculator_has_no_tables(tmp_path: Path) -> None:
     book = open_workbook(wide_workbook(tmp_path / "t.xlsx", 3, named=True))
     book.set_cell("In", "A1", 2.0)
     table = book.table("Wide_0")
-    for read in ({("Data", table.data), ("In", Rect(1, 1, 1, 1))}, None):
+    for read in ({"Data": table.data.bottom, "In": 1}, None):
         parts, dropped = calculator_copy(book, map_of(book), read)
         assert dropped == {one.part for one in book.tables.values()}
         assert (b'r="170"' in parts["xl/worksheets/sheet3.xml"]) == (read is None)
@@ -852,7 +852,7 @@ def test_a_table_of_a_query_leaves_the_copy_with_what_it_leads_to(tmp_path: Path
 
 def test_rows_below_those_read_are_left_out_of_the_copy(tmp_path: Path) -> None:
     book = open_workbook(workbook_of(tmp_path / "t.xlsx", {"A1": ("=SUM(In!A1:A3)", 6)}))
-    parts, _ = calculator_copy(book, map_of(book), {("In", Rect(1, 1, 3, 1))})
+    parts, _ = calculator_copy(book, map_of(book), {"In": 3})
     sheet = parts["xl/worksheets/sheet1.xml"]
     assert b'<c r="A3">' in sheet
     assert b'<c r="A4">' not in sheet
