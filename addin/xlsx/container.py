@@ -21,7 +21,7 @@ from typing import BinaryIO
 
 from addin.xlsx.errors import WorkbookRefused, damaged
 from addin.xlsx.strict import in_ordinary_dialect, starts_in_1904
-from addin.xlsx.xml_part import Element, has_misleading_tags, is_utf8, parse_part
+from addin.xlsx.xml_part import Element, has_misleading_tags, in_utf8, is_utf8, parse_part
 
 _OLE_MAGIC = bytes.fromhex("D0CF11E0A1B11AE1")
 _ZIP_MAGIC = b"PK\x03\x04"
@@ -183,7 +183,7 @@ class Container:
         return name if name in self._by_name else self._by_lower.get(name.lower())
 
     def read(self, name: str) -> bytes:
-        """A part, inflated and checked against its CRC.
+        """A part, inflated and checked against its CRC; one of XML in UTF-16 as it is in UTF-8.
 
         Raises
         ------
@@ -203,7 +203,7 @@ class Container:
                 )
             self._charge(name, entry.file_size // _MARK_SIZE)
             try:
-                self._inflated[name] = inflated(self.data, entry)
+                self._inflated[name] = in_utf8(inflated(self.data, entry), name)
             except _UNPACKING as problem:
                 raise _damaged(
                     self.path, f"the part {shown_name(name)} cannot be unpacked"

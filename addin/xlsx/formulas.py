@@ -47,6 +47,8 @@ _HAS_FORMULA = re.compile(rb"<(?:\w+:)?f[\s/>]")
 _HAS_RICH_VALUE = re.compile(rb"""\svm=["']""")
 
 _PARENTHESES = re.compile(r"[()]")
+# What it says of a file that is not written as most programs write it.
+_OF_THE_FILE = "Unsupported feature"
 # How the calculator calls a structured reference that it does not know.
 _NAMED_REFERENCE = re.compile(r"[^\s\[\]]*\[.*\]")
 # Spreadsheet programs take 64 levels of functions; a calculator that is given far more may run out of stack.
@@ -273,6 +275,8 @@ class _Refresh:
         self.reads = formulas.reads
         self.rich_values = _rich_values(workbook)
         self.left_out: Collection[str] = frozenset()
+        # Whether the calculator takes its copy only with sheets written anew.
+        self.sheets_anew = False
         # Formulas, by the id of their record, whose value came back as it was.
         self.as_before: set[int] = set()
         self.changed = 0
@@ -404,7 +408,9 @@ class _Refresh:
             )
         if any(_is_beyond_programs(cell.text) for cell in cells if cell.text not in left_out):
             return None, "A formula is too long or nested too deeply for a spreadsheet program."
-        fed, dropped = calculator_copy(self.workbook, self.formulas, read, left_out)
+        fed, dropped = calculator_copy(
+            self.workbook, self.formulas, read, left_out, anew=self.sheets_anew
+        )
         package = io.BytesIO()
         # Not compressed, as it lives for milliseconds.
         self.workbook.container.write(package, fed, dropped, compress=False, slashes=True)
@@ -413,6 +419,9 @@ class _Refresh:
         except (KeyboardInterrupt, SystemExit):
             raise
         except BaseException as problem:  # a panic of the Rust side is a BaseException
+            if not self.sheets_anew and _OF_THE_FILE in str(problem):
+                self.sheets_anew = True
+                return self._calculated(read, left_out, keep=keep)
             return None, f"The formulas could not be recalculated ({in_short(problem)})."
         recalculated = _Recalculated(self.workbook, fed, result)
         if keep and not self.rich_values and SHELF.wants(self.formulas):
