@@ -284,6 +284,7 @@ class Container:
             if entry.filename in dropped:
                 continue
             name = entry.filename if slashes else entry.orig_filename
+            payload: bytes | memoryview
             if entry.filename in new_content:
                 local, central, payload = _packed_entry(
                     entry, name, new_content[entry.filename], compress, position
