@@ -209,6 +209,20 @@ def calculation_settings(workbook: Workbook) -> Iterator[str]:
         )
 
 
+def formulas_without_tables(workbook: Workbook) -> Iterator[str]:
+    """A sentence on formulas of the template that do not follow their tables any more; the banner is the witness of all.
+
+    OpenDocument has no references to tables: a program that saves in it writes the cells of that moment in their place.
+    """
+    banner = _banner(workbook)
+    if "COUNTIFS(" in banner and "[" not in banner:
+        yield (
+            "The formulas of this workbook refer to single cells instead of tables, as after saving as .ods: the banners, "
+            "sheet Summary and the lines above tables may show what is not true; the tables hold the results. Copy the "
+            "inputs into a new workbook: torsionbook new NEW.xlsx --from OLD.xlsx"
+        )
+
+
 def _banner(workbook: Workbook) -> str:
     """The formula of the banner; empty where there is none."""
     name = workbook.defined_names.get("OverallVerdict")
@@ -254,7 +268,7 @@ def tables_to_write(
     copied = input_copy(read or read_workbook(workbook), stamp.sha256)
     if not copied and CHANGED_WORDS in _banner(workbook):
         problems = [*problems, COPY_LOST]
-    problems = [*problems, *calculation_settings(workbook)]
+    problems = [*problems, *calculation_settings(workbook), *formulas_without_tables(workbook)]
     wanted += copied
     workbook.notes += problems
     return _present(workbook, wanted)

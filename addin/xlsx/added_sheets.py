@@ -17,6 +17,7 @@ from pathlib import Path
 
 from lxml import etree
 
+from addin.xlsx.cell_looks import BUILT_IN
 from addin.xlsx.errors import damaged
 from addin.xlsx.formulas import CacheReport
 from addin.xlsx.references import whole_number
@@ -457,8 +458,15 @@ class _Looks:
         return (
             here is not None
             and there is not None
-            and here.get("numFmtId", "0") != there.get("numFmtId", "0")
+            and (
+                here.get("numFmtId", "0") != there.get("numFmtId", "0")
+                or self._is_redefined(here.get("numFmtId", "0"))
+            )
         )
+
+    def _is_redefined(self, number: str) -> bool:
+        """Whether a format that is built in means something else here, as some programs let it."""
+        return any(entry.get("numFmtId") == number for entry in self._codes(self._here))
 
     def style(self, index: str) -> str:
         """The number here of a style of a cell there."""
@@ -493,14 +501,16 @@ class _Looks:
         entries = self._here.find(main(listed))
         if entries is None:  # of the lists used here only this one may be missing
             entries = etree.Element(main("dxfs"))
-            self._here.find(main("cellXfs")).getparent().find(main("cellStyles")).addnext(entries)
+            before = [self._here.find(main(tag)) for tag in ("cellStyles", "cellXfs")]
+            next(one for one in before if one is not None).addnext(entries)
         entries.append(entry)
         entries.set("count", str(len(entries)))
         return len(entries) - 1
 
     def _format(self, number: str) -> str:
         """The number here of a number format there."""
-        if (whole_number(number) or 0) < _OWN_FORMATS:
+        built_in = whole_number(number) or 0
+        if built_in < _OWN_FORMATS and not self._is_redefined(number):
             return number
         if number not in self._formats:
             code = next(
@@ -509,7 +519,7 @@ class _Looks:
                     for e in self._codes(self._there)
                     if e.get("numFmtId") == number
                 ),
-                "General",
+                BUILT_IN.get(built_in, "General"),
             )
             same = [
                 e.get("numFmtId") for e in self._codes(self._here) if e.get("formatCode") == code

@@ -10,14 +10,20 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 
 from addin.xlsx.dependents import FormulaMap
-from addin.xlsx.references import Rect
 from addin.xlsx.sheet_part import SheetPart
 from addin.xlsx.state import WorkbookState
 from addin.xlsx.workbook_part import SIGNATURES, relationships_part
-from addin.xlsx.xml_part import RELATIONSHIP_IDS, Element, main, parse_part, serialise
+from addin.xlsx.xml_part import (
+    BYTE_ORDER_MARK,
+    RELATIONSHIP_IDS,
+    Element,
+    main,
+    parse_part,
+    serialise,
+)
 
 # Attributes hold no bracket: a search that passed over one could be led on to the end of the part each time.
 _ROW = re.compile(rb'<((?:\w+:)?)row\b[^<>]*?\br="([0-9]{1,7})"')
@@ -37,8 +43,10 @@ _USUAL_PREFIX = rb'\1xmlns:r="%s" r:id=' % RELATIONSHIP_IDS.encode()
 def calculator_copy(
     workbook: WorkbookState,
     formulas: FormulaMap,
-    read: Collection[tuple[str, Rect]] | None,
+    read: Mapping[str, int] | None,
     left_out: Collection[str] = (),
+    *,
+    anew: bool = False,
 ) -> tuple[dict[str, bytes], set[str]]:
     """Parts of the copy that differ from the file as it was opened, and parts that it lacks.
 
@@ -48,11 +56,14 @@ def calculator_copy(
         The workbook, with the cells that were written.
     formulas : FormulaMap
         Its formulas.
-    read : collection of (str, Rect) or None
-        What formulas read; None when some formula may read anything.
+    read : mapping of str to int, or None
+        The last row of each sheet that formulas read; None when some formula may read anything.
     left_out : collection of str
         Formulas that are not to be calculated, as the map has them; their cells keep their values, as do those of data
         tables, formulas on other workbooks and formulas without text.
+    anew : bool
+        Whether sheets and shared texts are written anew: the calculator takes no byte order mark, no cell without a name
+        and no character data.
     """
     structure = workbook.structure
     parts = workbook.changed_parts()
@@ -80,16 +91,21 @@ def calculator_copy(
             continue
         data = parts.get(part) or workbook.container.read(part)
         if read is not None and sheet not in with_formulas:
-            last = max((rect.bottom for one, rect in read if one == sheet), default=0)
-            data = _without_rows_below(data, last)
-        if sheet in texts:
+            data = _without_rows_below(data, read.get(sheet, 0))
+        if sheet in texts or anew:
             copy = SheetPart(sheet, part, data, workbook.shared_texts.text)
             copy.exchange_formulas(texts[sheet])
-            data = copy.to_bytes()
+            if anew:
+                copy.name_cells()
+            data = copy.to_bytes().removeprefix(BYTE_ORDER_MARK)
         parts |= structure.without_relationships(part, dropped)[1]
         stated = _DIMENSION.search(data, 0, data.find(b"sheetData"))
         data = data[: stated.start()] + data[stated.end() :] if stated else data
         parts[part] = _without_rich_values(_without_tables_and_extensions(data))
+    shared = structure.related("sharedStrings")
+    if anew and shared is not None:
+        stored = workbook.container.read(shared)
+        parts[shared] = serialise(parse_part(stored, shared), stored).removeprefix(BYTE_ORDER_MARK)
     parts |= structure.as_plain_workbook(without=dropped)
     parts |= _with_plain_names(workbook, formulas)
     book = structure.part

@@ -17,7 +17,8 @@ from addin.xlsx.state import WorkbookState
 from addin.xlsx.xml_part import Element, main
 
 BLACK, WHITE = "000000", "FFFFFF"
-_BUILT_IN = {
+#: Number formats that have a number of their own.
+BUILT_IN = {
     1: "0", 2: "0.00", 3: "#,##0", 4: "#,##0.00", 9: "0%", 10: "0.00%", 11: "0.00E+00", 12: "# ?/?",
     13: "# ??/??", 14: "m/d/yyyy", 15: "d-mmm-yy", 16: "d-mmm", 17: "mmm-yy", 18: "h:mm AM/PM",
     19: "h:mm:ss AM/PM", 20: "h:mm", 21: "h:mm:ss", 22: "m/d/yyyy h:mm", 37: "#,##0;(#,##0)",
@@ -240,7 +241,7 @@ class CellLooks:
         known = self._codes.get(number)
         if known is not None:
             return known
-        return _BUILT_IN.get(int(number), "General") if number.isdigit() else "General"
+        return BUILT_IN.get(int(number), "General") if number.isdigit() else "General"
 
     def _of_style(self, at: int) -> Look:
         if at >= len(self._styles):

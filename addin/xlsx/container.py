@@ -21,7 +21,7 @@ from typing import BinaryIO
 
 from addin.xlsx.errors import WorkbookRefused, damaged
 from addin.xlsx.strict import in_ordinary_dialect, starts_in_1904
-from addin.xlsx.xml_part import Element, has_misleading_tags, is_utf8, parse_part
+from addin.xlsx.xml_part import Element, has_misleading_tags, in_utf8, is_utf8, parse_part
 
 _OLE_MAGIC = bytes.fromhex("D0CF11E0A1B11AE1")
 _ZIP_MAGIC = b"PK\x03\x04"
@@ -42,6 +42,9 @@ _UNPACKING = (
     RuntimeError,
 )
 
+#: What a mark takes, and how much text comes with it in cells of numbers; each byte of text beyond takes six. [byte]
+_MARK_SIZE, _TEXT_OF_MARK, _SIZE_OF_TEXT = 150, 8, 6
+
 _CELLS_BEGIN = re.compile(rb"<(\w+:)?sheetData>")
 
 _LOCAL_HEADER = struct.Struct("<4s5H3L2H")
@@ -59,8 +62,10 @@ class Limits:
     part_size: int = 100 * 2**20  #: Likewise. [byte]
     #: Sum of the parts that are inflated here; pictures and the like stay packed. [byte]
     inflated: int = 150 * 2**20
-    #: Sum of brackets and twice the equal signs of the parts that are parsed, each of which costs
-    #: some hundred bytes of memory, and five for each row; 300,000 cells have about as many.
+    #: Sum of brackets and twice the equal signs of the parts that are parsed, each of which costs some 150 bytes of memory,
+    #: and five for each row; 300,000 cells have about as many. What else takes memory counts as so many of them: the file,
+    #: which is there as it was and as it is written, the parts that are read, and long texts. In the strict dialect, all
+    #: parts have no more together.
     marks: int = 2_500_000
     #: Likewise of what is no cell: the workbook part, and what sheets hold beside their cells. Its elements take several
     #: times the memory of a cell; 100,000 names or merged ranges have about as many.
@@ -112,7 +117,7 @@ class Container:
         _check_directory(self.entries, path, limits)
         _check_places(self.entries, self.data, self._zip.start_dir, path)
         self._inflated_size = 0
-        self._marks = 0
+        self._marks = 2 * len(self.file) // _MARK_SIZE
         self._other_marks = 0
 
     def _take(self, data: bytes) -> None:
@@ -138,6 +143,7 @@ class Container:
         """
         from_1904 = starts_in_1904(self.read(workbook_part))
         replaced: dict[str, bytes] = {}
+        marks = 0
         names = [name for name in self.names if name.lower().endswith((".xml", ".rels"))]
         if sum(self._by_name[name].file_size for name in names) > self.limits.strict:
             raise self._refused_strict(f"and has more than {self.limits.strict // 2**20} MB of it")
@@ -147,12 +153,17 @@ class Container:
                 raise self._refused_strict(
                     f"with the part {shown_name(name)} in another encoding than UTF-8"
                 )
+            # A percentage or a date takes as long as five more marks.
+            marks += _marks(data) + 5 * (data.count(b"%") + data.count(b'"d"') + data.count(b"'d'"))
+            if marks > self.limits.marks:
+                raise self._refused_strict("and has more than about 300,000 cells of it")
             replaced[name] = in_ordinary_dialect(data, from_1904=from_1904)
             del self._inflated[name]
         made = io.BytesIO()
         self.write(made, replaced)
         self._take(made.getvalue())
         self._inflated_size = 0
+        self._marks += len(self.data) // _MARK_SIZE
         self.was_strict = True
 
     def _refused_strict(self, what: str) -> WorkbookRefused:
@@ -172,7 +183,7 @@ class Container:
         return name if name in self._by_name else self._by_lower.get(name.lower())
 
     def read(self, name: str) -> bytes:
-        """A part, inflated and checked against its CRC.
+        """A part, inflated and checked against its CRC; one of XML in UTF-16 as it is in UTF-8.
 
         Raises
         ------
@@ -190,8 +201,9 @@ class Container:
                     f"{self.path.name} would unpack to more than {self.limits.inflated // 2**20} MB of "
                     "cells and charts, the limit for a workbook. Move bulk data to another workbook.",
                 )
+            self._charge(name, entry.file_size // _MARK_SIZE)
             try:
-                self._inflated[name] = inflated(self.data, entry)
+                self._inflated[name] = in_utf8(inflated(self.data, entry), name)
             except _UNPACKING as problem:
                 raise _damaged(
                     self.path, f"the part {shown_name(name)} cannot be unpacked"
@@ -205,7 +217,7 @@ class Container:
     def charged(self, name: str) -> bytes:
         """A part that is about to be parsed; refused when all parsed parts together would take too much memory."""
         data = self.read(name)
-        self._charge(name, _marks(data))
+        self._charge(name, _with_texts(data, _marks(data)))
         return data
 
     def charged_beside_cells(self, name: str) -> bytes:
@@ -221,7 +233,8 @@ class Container:
                 "or start from a new template.",
             )
         # A row takes as much memory as five more marks.
-        self._charge(name, marks + 5 * (data.count(b"<row") + data.count(b":row ")))
+        rows = data.count(b"<row") + data.count(b":row ")
+        self._charge(name, _with_texts(data, marks) + 5 * rows)
         return data
 
     def _charge(self, name: str, marks: int) -> None:
@@ -230,8 +243,8 @@ class Container:
             raise WorkbookRefused(
                 "too large",
                 f"With the part {shown_name(name)} of {self.path.name}, the workbook exceeds about "
-                "300,000 cells on sheets with inputs, results or formulas, the limit of torsionbook. "
-                "Move bulk data to another workbook.",
+                "300,000 cells on sheets with inputs, results or formulas, or what takes as much memory in long texts, "
+                "pictures and other sheets, the limit of torsionbook. Move bulk data to another workbook.",
             )
 
     def write(
@@ -271,6 +284,7 @@ class Container:
             if entry.filename in dropped:
                 continue
             name = entry.filename if slashes else entry.orig_filename
+            payload: bytes | memoryview
             if entry.filename in new_content:
                 local, central, payload = _packed_entry(
                     entry, name, new_content[entry.filename], compress, position
@@ -330,20 +344,23 @@ def read_file(path: Path, limit: int = DEFAULT_LIMITS.file_size) -> bytes:
         ) from problem
 
 
-def stored_bytes(archive: bytes, entry: zipfile.ZipInfo) -> bytes:
+def stored_bytes(archive: bytes, entry: zipfile.ZipInfo) -> memoryview:
     """Compressed bytes of an entry inside an archive held in memory."""
     start = entry.header_offset
     name_length, extra_length = struct.unpack_from("<HH", archive, start + 26)
     begin = start + _LOCAL_HEADER.size + name_length + extra_length
-    return archive[begin : begin + entry.compress_size]
+    return memoryview(archive)[begin : begin + entry.compress_size]
 
 
 def inflated(archive: bytes, entry: zipfile.ZipInfo) -> bytes:
     """An entry of an archive held in memory, checked against the size and the check sum that its directory states."""
-    data = stored_bytes(archive, entry)
+    stored = stored_bytes(archive, entry)
     if entry.compress_type == zipfile.ZIP_DEFLATED:
         # Not a byte beyond the size, which may be a lie; 0 would mean any.
-        data = zlib.decompressobj(-15).decompress(data, entry.file_size) if entry.file_size else b""
+        packed = zlib.decompressobj(-15)
+        data = packed.decompress(stored, entry.file_size) if entry.file_size else b""
+    else:
+        data = bytes(stored)
     if len(data) != entry.file_size or zlib.crc32(data) != entry.CRC:
         raise zipfile.BadZipFile("size or check sum are not those that its directory states")
     return data
@@ -438,6 +455,11 @@ def _cells_of(data: bytes) -> tuple[int, int]:
 
 def _marks(data: bytes, begin: int = 0, end: int = sys.maxsize) -> int:
     return data.count(b"<", begin, end) + 2 * data.count(b"=", begin, end)
+
+
+def _with_texts(data: bytes, marks: int) -> int:
+    """Marks of a part, and what its texts take beyond that of numbers."""
+    return marks + max(0, len(data) - _TEXT_OF_MARK * marks) * _SIZE_OF_TEXT // _MARK_SIZE
 
 
 def shown_name(name: str) -> str:

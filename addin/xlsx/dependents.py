@@ -139,6 +139,7 @@ class ReferenceResolver:
         self._folded = {sheet.casefold() for sheet in sheets}
         self._names = {(name.local_sheet.lower(), name.name.lower()): name for name in names}
         self._known: dict[FormulaCell, list[tuple[str, Rect]] | None] = {}
+        self._records: dict[tuple[str, Rect], tuple[str, Rect]] = {}
         self._name_steps = 0
 
     def reads(self, formula: FormulaCell) -> list[tuple[str, Rect]] | None:
@@ -156,13 +157,14 @@ class ReferenceResolver:
         self._name_steps += depth > 0
         if not text or parsed.unclear or depth > 20 or self._name_steps > _MOST_NAME_STEPS:
             return None
-        areas: list[tuple[str, Rect]] = []
+        areas: dict[tuple[str, Rect], None] = {}
         for reference in parsed.references:
             read = self._areas(reference, sheet, shift, depth)
             if read is None:
                 return None
-            areas.extend(read)
-        return areas
+            areas |= dict.fromkeys(read)
+        # One record for all formulas that read an area.
+        return [self._records.setdefault(area, area) for area in areas]
 
     def _areas(
         self,
@@ -358,6 +360,14 @@ class FormulaMap:
     def known_areas(self) -> frozenset[tuple[str, Rect]]:
         """What the formulas read of which that is known."""
         return frozenset(area for found in self.areas for area in found or ())
+
+    @cached_property
+    def last_rows(self) -> dict[str, int]:
+        """The last row of each sheet that they read, as far as known."""
+        last: dict[str, int] = {}
+        for sheet, rect in self.known_areas:
+            last[sheet] = max(last.get(sheet, 0), rect.bottom)
+        return last
 
     @cached_property
     def graph(self) -> DependencyGraph:

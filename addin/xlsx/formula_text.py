@@ -50,7 +50,7 @@ CHANGES_BY_ITSELF = frozenset(["NOW", "TODAY", "RAND", "RANDBETWEEN", "RANDARRAY
 LOOKS_AT_HIDDEN_ROWS = frozenset(["SUBTOTAL", "AGGREGATE"])
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Reference:
     """A cell range written in a formula."""
 
@@ -58,7 +58,7 @@ class Reference:
     text: str  #: The range as written.
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class TableReference:
     """A structured reference; ``table`` is empty when it stands for the table around the formula."""
 
@@ -66,7 +66,7 @@ class TableReference:
     inside: str
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class NameReference:
     """A defined name or a table named without brackets."""
 
@@ -74,7 +74,7 @@ class NameReference:
     name: str
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Span:
     """``A1:INDEX(range, ...)``: cells from one reference to a place within another."""
 
@@ -83,7 +83,7 @@ class Span:
     within: Reference | TableReference | NameReference
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Parsed:
     """What a formula text refers to."""
 

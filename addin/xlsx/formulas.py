@@ -16,7 +16,7 @@ import io
 import math
 import re
 import zipfile
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -47,16 +47,20 @@ _HAS_FORMULA = re.compile(rb"<(?:\w+:)?f[\s/>]")
 _HAS_RICH_VALUE = re.compile(rb"""\svm=["']""")
 
 _PARENTHESES = re.compile(r"[()]")
+# What it says of a file that is not written as most programs write it.
+_OF_THE_FILE = "Unsupported feature"
 # How the calculator calls a structured reference that it does not know.
 _NAMED_REFERENCE = re.compile(r"[^\s\[\]]*\[.*\]")
 # Spreadsheet programs take 64 levels of functions; a calculator that is given far more may run out of stack.
 MAX_DEPTH = 256
 
-# What may be spent on finding formulas that the calculator refuses: calculations, and formulas calculated in all of them.
+# What may be spent on finding formulas that the calculator refuses: calculations, and as below in all of them.
 _MOST_TRIES = 50
-_MOST_TRIED = 20_000
-# The calculator takes some 5 kB of memory and 0.1 ms of processor time for each formula.
-_MOST_CALCULATED = 50_000
+_MOST_TRIED = 2_000_000
+# Characters of formulas, a shared one counted in each cell: so many are followed. Each costs some 100 bytes and a
+# microsecond, as do what it refers to and its value; the calculator takes 64 times that for each formula.
+_MOST_TEXT = 4_000_000
+_CALCULATED_AS = 64
 
 # Cells without a value any more that are named.
 _MOST_NAMED = 20
@@ -90,8 +94,11 @@ def refresh_formula_caches(workbook: WorkbookState) -> CacheReport:
     """
     if not workbook.changed:
         return CacheReport("not needed")
+    cells = tuple(_formula_cells(workbook))
+    if _text_of(cells) > _MOST_TEXT:
+        return _without_values(workbook, cells)
     formulas = formula_map(
-        tuple(_formula_cells(workbook)),
+        cells,
         tuple(workbook.sheet_names),
         tuple(workbook.structure.names),
         tuple(workbook.tables.values()),
@@ -109,6 +116,50 @@ def refresh_formula_caches(workbook: WorkbookState) -> CacheReport:
     if not affected:
         return CacheReport("not needed", formulas=len(everything))
     return _Refresh(workbook, formulas, affected).run()
+
+
+def _text_of(cells: Sequence[FormulaCell]) -> int:
+    """Length of all formulas."""
+    return sum(len(cell.text) for cell in cells)
+
+
+def _cost_of(cells: Sequence[FormulaCell]) -> int:
+    """What it takes to calculate formulas, in characters."""
+    return _text_of(cells) + _CALCULATED_AS * len(cells)
+
+
+def _without_values(workbook: WorkbookState, cells: Sequence[FormulaCell]) -> CacheReport:
+    """Remove the values of all formulas, where it would take too much to find out which of them are old."""
+    removed = [_remove(workbook, cell, _places(workbook, cell)) for cell in cells]
+    return CacheReport(
+        "removed",
+        len(cells),
+        len(cells),
+        0,
+        len(cells),
+        tuple(removed[:_MOST_NAMED]),
+        f"The formulas of the workbook have more than {_MOST_TEXT:,} characters, too many to follow here.",
+    )
+
+
+def _places(workbook: WorkbookState, cell: FormulaCell) -> Sequence[tuple[int, int]]:
+    """Cells that show the result of a formula now."""
+    home = (cell.rect.top, cell.rect.left)
+    rect = workbook.sheet_part(cell.sheet).arrays.get(home)
+    if rect is None:
+        return [home]
+    # Cells that are not in the file show nothing; a damaged file may state a range of any size.
+    return list(workbook.sheet_part(cell.sheet).cells_in(rect))
+
+
+def _remove(workbook: WorkbookState, cell: FormulaCell, places: Iterable[tuple[int, int]]) -> str:
+    """Leave the cells of a formula without a value, and name the first."""
+    sheet = workbook.sheet_part(cell.sheet)
+    for row, column in places:
+        if sheet.constant(row, column) is not None:
+            sheet.set_cached(row, column, None)
+            workbook.note_changed(cell.sheet, Rect(row, column, row, column))
+    return f"{cell.sheet[:40]}!{cell_name(cell.rect.top, cell.rect.left)}"
 
 
 def _over_shown_rows(workbook: WorkbookState, formulas: FormulaMap) -> list[int]:
@@ -224,6 +275,8 @@ class _Refresh:
         self.reads = formulas.reads
         self.rich_values = _rich_values(workbook)
         self.left_out: Collection[str] = frozenset()
+        # Whether the calculator takes its copy only with sheets written anew.
+        self.sheets_anew = False
         # Formulas, by the id of their record, whose value came back as it was.
         self.as_before: set[int] = set()
         self.changed = 0
@@ -238,13 +291,13 @@ class _Refresh:
             return CacheReport("recalculated", len(self.everything), count, self.changed)
         recalculated, reason = self._recalculate()
         if recalculated is not None and (kept := self._with_values_to_keep(recalculated)):
-            again = self._calculated(self._areas(), kept.union(self.left_out))[0]
+            again = self._calculated(self._rows_read(), kept.union(self.left_out))[0]
             if again is not None:
                 recalculated, self.left_out = again, kept.union(self.left_out)
         suspects = set(self.affected) if recalculated is None else self._suspects(recalculated)
         for cell in self.affected:
             if recalculated is None or cell in suspects:
-                self._remove(cell)
+                self.removed.append(_remove(self.workbook, cell, _places(self.workbook, cell)))
             elif id(cell) not in self.as_before:
                 self._renew(cell, recalculated)
         if recalculated is not None:
@@ -259,9 +312,9 @@ class _Refresh:
             reason,
         )
 
-    def _areas(self) -> frozenset[tuple[str, Rect]] | None:
-        """What formulas read; None when some formula may read anything."""
-        return None if None in self.formulas.areas else self.formulas.known_areas
+    def _rows_read(self) -> Mapping[str, int] | None:
+        """The last row of each sheet that formulas read; None when some formula may read anything."""
+        return None if None in self.formulas.areas else self.formulas.last_rows
 
     def _with_values_to_keep(self, recalculated: _Recalculated) -> set[str]:
         """Formulas with functions that the calculator does not know and values that no change has made old.
@@ -276,14 +329,14 @@ class _Refresh:
             and not parse_formula(cell.text).functions.isdisjoint(recalculated.unknown_functions)
             and all(
                 self.workbook.sheet_part(cell.sheet).constant(*place) is not None
-                for place in self._places(cell)
+                for place in _places(self.workbook, cell)
             )
         }
 
     def _recalculate(self) -> tuple[_Recalculated | None, str]:
         """A recalculated copy of the whole, or else of the formulas of which is known what they read."""
-        areas, known = self.formulas.areas, self.formulas.known_areas
-        recalculated, reason = self._calculated(self._areas(), keep=True)
+        areas, known = self.formulas.areas, self.formulas.last_rows
+        recalculated, reason = self._calculated(self._rows_read(), keep=True)
         if recalculated is not None:
             return recalculated, reason
         # Formulas that may read anything may be what it refuses; and it refuses circles, which spreadsheet programs leave
@@ -334,7 +387,7 @@ class _Refresh:
 
     def _calculated(
         self,
-        read: Collection[tuple[str, Rect]] | None,
+        read: Mapping[str, int] | None,
         left_out: Collection[str] = (),
         *,
         keep: bool = False,
@@ -348,14 +401,16 @@ class _Refresh:
                 "Formulas were not recalculated because the package formualizer is not installed.",
             )
         cells = self.everything
-        if len(cells) > _MOST_CALCULATED:
+        if _cost_of(cells) > _MOST_TEXT:
             return (
                 None,
-                f"The workbook has more than {_MOST_CALCULATED:,} formulas, too many to calculate here.",
+                f"The workbook has {len(cells):,} formulas, too many or too long to calculate here.",
             )
         if any(_is_beyond_programs(cell.text) for cell in cells if cell.text not in left_out):
             return None, "A formula is too long or nested too deeply for a spreadsheet program."
-        fed, dropped = calculator_copy(self.workbook, self.formulas, read, left_out)
+        fed, dropped = calculator_copy(
+            self.workbook, self.formulas, read, left_out, anew=self.sheets_anew
+        )
         package = io.BytesIO()
         # Not compressed, as it lives for milliseconds.
         self.workbook.container.write(package, fed, dropped, compress=False, slashes=True)
@@ -364,22 +419,23 @@ class _Refresh:
         except (KeyboardInterrupt, SystemExit):
             raise
         except BaseException as problem:  # a panic of the Rust side is a BaseException
+            if not self.sheets_anew and _OF_THE_FILE in str(problem):
+                self.sheets_anew = True
+                return self._calculated(read, left_out, keep=keep)
             return None, f"The formulas could not be recalculated ({in_short(problem)})."
         recalculated = _Recalculated(self.workbook, fed, result)
         if keep and not self.rich_values and SHELF.wants(self.formulas):
             SHELF.make(self.workbook, self.formulas, package.getvalue(), recalculated.constant)
         return recalculated, ""
 
-    def _refused(
-        self, read: Collection[tuple[str, Rect]], left_out: set[str], reason: str
-    ) -> set[str]:
+    def _refused(self, read: Mapping[str, int], left_out: set[str], reason: str) -> set[str]:
         """Formulas that the calculator does not take, of which it refuses the whole workbook; found by halving them.
 
         Those that are not told from their neighbours in the tries allowed are among them.
         """
         texts = dict.fromkeys(cell.text for cell in self.everything)
         given = [text for text in texts if text not in left_out]
-        tries = min(_MOST_TRIES, _MOST_TRIED // max(len(self.everything), 1))
+        tries = min(_MOST_TRIES, _MOST_TRIED // max(_cost_of(self.everything), 1))
 
         def refusal(of: Collection[str]) -> str | None:
             calculated, why = self._calculated(read, (texts.keys() - set(of)).union(left_out))
@@ -452,7 +508,7 @@ class _Refresh:
         if sheet.arrays.get(home) != again.arrays.get(home):
             return True
         same = True
-        for row, column in self._places(cell):
+        for row, column in _places(self.workbook, cell):
             old, new = sheet.constant(row, column), again.constant(row, column)
             if old == new:
                 continue
@@ -468,20 +524,11 @@ class _Refresh:
     def _meets_rich_value(self, cell: FormulaCell) -> bool:
         """Whether a formula reads or shows a rich value."""
         areas = self.reads(cell)
-        shown = [(cell.sheet, Rect(*place, *place)) for place in self._places(cell)]
+        shown = [(cell.sheet, Rect(*place, *place)) for place in _places(self.workbook, cell)]
         return areas is None or any(self.rich_values.touch(*area) for area in (*areas, *shown))
 
-    def _places(self, cell: FormulaCell) -> Sequence[tuple[int, int]]:
-        """Cells that show the result of the formula now."""
-        home = (cell.rect.top, cell.rect.left)
-        rect = self.workbook.sheet_part(cell.sheet).arrays.get(home)
-        if rect is None:
-            return [home]
-        # Cells that are not in the file show nothing; a damaged file may state a range of any size.
-        return list(self.workbook.sheet_part(cell.sheet).cells_in(rect))
-
     def _renew(self, cell: FormulaCell, recalculated: _Recalculated) -> None:
-        for place in self._places(cell):
+        for place in _places(self.workbook, cell):
             self._show((cell.sheet, *place), recalculated.constant((cell.sheet, *place)))
 
     def _show(self, place: Place, new: Constant) -> None:
@@ -492,14 +539,6 @@ class _Refresh:
             sheet.set_cached(row, column, new)
             self.workbook.note_changed(name, Rect(row, column, row, column))
             self.changed += 1
-
-    def _remove(self, cell: FormulaCell) -> None:
-        sheet = self.workbook.sheet_part(cell.sheet)
-        for row, column in self._places(cell):
-            if sheet.constant(row, column) is not None:
-                sheet.set_cached(row, column, None)
-                self.workbook.note_changed(cell.sheet, Rect(row, column, row, column))
-        self.removed.append(f"{cell.sheet[:40]}!{cell_name(cell.rect.top, cell.rect.left)}")
 
 
 class _Recalculated:

@@ -32,6 +32,8 @@ from addin.xlsx.places import (
 from addin.xlsx.temporary import temporary_file
 from addin.xlsx.whole_files import flush_folder
 
+_PIECE = 2**20
+
 Check = Callable[[Mapping[str, bytes]], list[str]]
 
 
@@ -151,7 +153,7 @@ def _deliver(
 ) -> Delivered:
     """Write a package in one step; keep a copy of what stood there."""
     with _beside(target, package, _mode(target, container.path), target) as temporary:
-        if temporary.read_bytes() != package:
+        if not _holds(temporary, package):
             raise SaveRefused(
                 f"{target.name} was not written: the disk returned wrong data when read back. Check "
                 "the disk."
@@ -259,18 +261,34 @@ def _identical(
         new.CRC,
         new.file_size,
         new.compress_type,
-    ) and (stored_bytes(container.data, old) == stored_bytes(package, new))
+    ) and _are_same(stored_bytes(container.data, old), stored_bytes(package, new))
+
+
+def _are_same(one: memoryview, other: memoryview) -> bool:
+    """Whether two parts have the same bytes; piece by piece, as they may be large."""
+    return len(one) == len(other) and all(
+        bytes(one[at : at + _PIECE]) == bytes(other[at : at + _PIECE])
+        for at in range(0, len(one), _PIECE)
+    )
+
+
+def _holds(path: Path, data: bytes) -> bool:
+    """Whether a file has these bytes and no more."""
+    with path.open("rb") as file:
+        return all(
+            file.read(_PIECE) == data[at : at + _PIECE] for at in range(0, len(data) + 1, _PIECE)
+        )
 
 
 def _check_source(container: Container) -> None:
     try:
-        now = container.path.read_bytes()
+        same = _holds(container.path, container.file)
     except OSError as problem:
         raise SourceChanged(
             f"Nothing was written: {container.path.name} can no longer be read ({problem.strerror}). Check "
             "the file and run again."
         ) from problem
-    if now != container.file:
+    if not same:
         raise SourceChanged(
             f"{container.path.name} was changed by another program since it was opened; nothing "
             "was written. Run again."

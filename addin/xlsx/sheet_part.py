@@ -437,6 +437,12 @@ class SheetPart:
             cell.attrib.pop("cm", None)
         self._touch()
 
+    def name_cells(self) -> None:
+        """Give every cell its name, which programs may leave out."""
+        for number in self._row_numbers:
+            self._row_as_it_is(number)
+        self._touch()
+
     def show_rows(self, top: int, bottom: int) -> list[int]:
         """Make hidden rows visible, and say which they were."""
         hidden = self.hidden_rows(top, bottom)

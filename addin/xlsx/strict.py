@@ -7,6 +7,7 @@ dates as text, and percentages with their sign in drawings. Nothing is parsed he
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from datetime import datetime
 
 STRICT_HOST = b"http://purl.oclc.org/ooxml/"
@@ -23,13 +24,14 @@ _THUMBNAIL = b"package/2006/relationships/metadata/thumbnail"
 _ONLY_STRICT = re.compile(rb"""\s(?:conformance|dateCompatibility)=(?:"[^"]*"|'[^']*')""")
 _WORKBOOK_TAG = re.compile(rb"<(?:\w+:)?workbook(?:Pr)?\b[^<>]*>")
 _FROM_1904 = re.compile(rb"""<(?:\w+:)?workbookPr\b[^<>]*\bdate1904=["'](?:1|true)["']""")
-#: A cell that holds a date, up to its value.
+#: A cell that holds a date, up to its value. Only the first type of a cell counts, so that no tag is gone through again.
 _DATE_CELL = re.compile(
-    rb"""(<(\w+:)?c\b[^<>]*?)\st=["']d["']([^<>/]*>(?:(?!</?(?:\w+:)?c\b).)*?<(?:\w+:)?v\b[^<>]*>)([^<]*)(?=<)""",
-    re.DOTALL,
+    rb"""(<(?:\w+:)?c\b(?:[^<>\s]++|\s(?!t=["']d["']))*+)\st=["']d["']"""
+    rb"""([^<>/]*+>(?:[^<]++|<(?!/?(?:\w+:)?c\b|(?:\w+:)?v\b))*+<(?:\w+:)?v\b[^<>]*+>)([^<]*)(?=<)"""
 )
 _PERCENT_TAG = re.compile(rb"""<(?:\w+:)?(\w+)\s[^<>]*%["']""")
-_PERCENT = re.compile(rb"""\b(\w+)=(["'])(-?\d+(?:\.\d+)?)%\2""")
+#: Of more digits than a drawing can mean it stays, and is no number to any program.
+_PERCENT = re.compile(rb"""\b(\w+)=(["'])(-?\d{1,9}(?:\.\d{1,20})?)%\2""")
 #: Texts of drawings, which are no percentages.
 _TEXTS = (b"name", b"descr", b"title", b"typeface", b"formatCode")
 #: Of charts, in whole percent; all others in thousandths.
@@ -47,11 +49,26 @@ def in_ordinary_dialect(data: bytes, *, from_1904: bool) -> bytes:
     """A part in UTF-8 in the dialect of ordinary workbooks."""
     if STRICT_HOST not in data:
         return data
-    data = _TAG_WITH_NAME.sub(lambda tag: _NAME.sub(_ordinary_name, tag[0]), data)
+    data = _exchanged(_TAG_WITH_NAME, _with_ordinary_names, data)
     if b"/spreadsheetml/" not in data:
-        return _PERCENT_TAG.sub(_without_percent, data)
-    data = _WORKBOOK_TAG.sub(lambda tag: _ONLY_STRICT.sub(b"", tag[0]), data)
-    return _DATE_CELL.sub(lambda cell: _with_serial(cell, from_1904=from_1904), data)
+        return _exchanged(_PERCENT_TAG, _without_percent, data)
+    data = _exchanged(_WORKBOOK_TAG, lambda tag: _ONLY_STRICT.sub(b"", tag[0]), data)
+    return _exchanged(_DATE_CELL, lambda cell: _with_serial(cell, from_1904=from_1904), data)
+
+
+def _exchanged(
+    pattern: re.Pattern[bytes], change: Callable[[re.Match[bytes]], bytes], data: bytes
+) -> bytes:
+    """As ``pattern.sub``, which would keep millions of pieces in memory at once."""
+    made, position = bytearray(), 0
+    for found in pattern.finditer(data):
+        made += data[position : found.start()]
+        made += change(found)
+        position = found.end()
+    if not position:
+        return data
+    made += data[position:]
+    return bytes(made)
 
 
 def serial_number(text: str, *, from_1904: bool) -> float | None:
@@ -67,6 +84,10 @@ def serial_number(text: str, *, from_1904: bool) -> float | None:
     return passed.days + (passed.seconds + passed.microseconds / 1e6) / 86400
 
 
+def _with_ordinary_names(tag: re.Match[bytes]) -> bytes:
+    return _exchanged(_NAME, _ordinary_name, tag[0])
+
+
 def _ordinary_name(found: re.Match[bytes]) -> bytes:
     """A name of the other dialect: with the year, and as its last word is spelled there."""
     quote, family, rest = found.groups()
@@ -79,7 +100,7 @@ def _ordinary_name(found: re.Match[bytes]) -> bytes:
 
 def _with_serial(found: re.Match[bytes], *, from_1904: bool) -> bytes:
     """A cell with its date as a number; as text where it is none."""
-    before, _, between, text = found.groups()
+    before, between, text = found.groups()
     number = serial_number(text.decode("utf-8", "replace"), from_1904=from_1904)
     if number is None:
         return before + b' t="str"' + between + text
@@ -96,4 +117,4 @@ def _without_percent(tag: re.Match[bytes]) -> bytes:
             return found[0]
         return name + b"=" + quote + str(round(float(text) * factor)).encode() + quote
 
-    return _PERCENT.sub(number, tag[0])
+    return _exchanged(_PERCENT, number, tag[0])

@@ -22,6 +22,8 @@ CHART = "http://schemas.openxmlformats.org/drawingml/2006/chart"
 EXCEL_2010 = "http://schemas.microsoft.com/office/spreadsheetml/2009/9/main"
 EXCEL_2010_FORMULA = "http://schemas.microsoft.com/office/excel/2006/main"
 
+BYTE_ORDER_MARK = b"\xef\xbb\xbf"  #: Of UTF-8.
+_UTF16_MARKS = (b"\xff\xfe", b"\xfe\xff")
 _DECLARATION = re.compile(rb"\A(?:\xef\xbb\xbf)?\s*<\?xml[^>]*\?>\s*")
 _ENCODING = re.compile(rb"""encoding\s*=\s*["']([A-Za-z0-9._-]+)["']""")
 _STANDARD_DECLARATION = b'<?xml version="1.0" encoding="UTF-8" standalone="yes"?>\n'
@@ -117,11 +119,25 @@ def serialise(root: Element, original: bytes) -> bytes:
 
 def is_utf8(data: bytes) -> bool:
     """Whether a part states no other encoding than UTF-8, so that its bytes can be searched for tags."""
-    if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
+    if data[:2] in _UTF16_MARKS:
         return False
     found = _DECLARATION.match(data)
     encoding = _ENCODING.search(found.group(0)) if found is not None else None
     return encoding is None or encoding.group(1).upper() in (b"UTF-8", b"US-ASCII")
+
+
+def in_utf8(data: bytes, name: str) -> bytes:
+    """A part of XML in UTF-16, which a few programs write, in UTF-8; any other as it is.
+
+    Raises
+    ------
+    UnicodeDecodeError
+        For what is no UTF-16.
+    """
+    if data[:2] not in _UTF16_MARKS or not name.lower().endswith((".xml", ".rels", ".vml")):
+        return data
+    text = data.decode("utf-16").encode()
+    return _STANDARD_DECLARATION + text[len(_declaration(text)) :]
 
 
 def has_misleading_tags(data: bytes) -> bool:
@@ -138,5 +154,9 @@ def declaration_of(original: bytes) -> bytes:
     """The XML declaration of a part; the usual one when the part was not UTF-8."""
     if not is_utf8(original):
         return _STANDARD_DECLARATION
-    found = _DECLARATION.match(original)
+    return _declaration(original)
+
+
+def _declaration(data: bytes) -> bytes:
+    found = _DECLARATION.match(data)
     return b"" if found is None else found.group(0)

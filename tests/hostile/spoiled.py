@@ -127,14 +127,17 @@ from addin.writing.recalculate import recalculate
 import addin.writing.workbook, addin.calculation.calculation, addin.reading.workbook, formualizer  # before the fork
 from addin.contract.units import _registry
 _registry()
+import addin.xlsx.container as container
 counted = 0
-real = zipfile.ZipExtFile.read
-def read(self, n=-1):
-    global counted
-    data = real(self, n)
-    counted += len(data)
-    return data
-zipfile.ZipExtFile.read = read
+def counting(real):
+    def read(*given):
+        global counted
+        data = real(*given)
+        counted += len(data)
+        return data
+    return read
+zipfile.ZipExtFile.read = counting(zipfile.ZipExtFile.read)
+container.inflated = counting(container.inflated)
 def one(path):
     source = Path(path)
     try:

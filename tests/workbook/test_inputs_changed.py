@@ -410,6 +410,21 @@ def test_settings_that_make_banners_late_are_told_and_left_as_they_are(
         assert settings in written.read("xl/workbook.xml")
 
 
+def test_formulas_that_lost_their_tables_are_told(tmp_path: Path) -> None:
+    """Saved as .ods and back: Summary went on to say NOT CALCULATED, and `unlimited` where 477 starts were allowable."""
+    with zipfile.ZipFile(SOURCE) as shipped, zipfile.ZipFile(tmp_path / "in.xlsx", "w") as new:
+        for entry in shipped.namelist():
+            data = shipped.read(entry)
+            if entry.startswith("xl/worksheets/sheet"):
+                data = re.sub(rb"\b(?:Verdicts|Audit)\[\w+\]", b"Summary!$E$28", data)
+            new.writestr(entry, data)
+    report = write_results(tmp_path / "in.xlsx", tmp_path / "out.xlsx", made_up_run(), STAMP)
+    (note,) = [one for one in report.notes if "single cells instead of tables" in one]
+    assert "torsionbook new NEW.xlsx --from OLD.xlsx" in note
+    report = write_results(SOURCE, tmp_path / "other.xlsx", made_up_run(), STAMP)
+    assert not [one for one in report.notes if "single cells" in one]
+
+
 def with_other_names(path: Path, names: bytes) -> None:
     """The example with other names of tables, and of cells."""
     with (

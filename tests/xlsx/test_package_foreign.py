@@ -111,15 +111,29 @@ def test_a_workbook_without_styles_takes_sheets_with_theirs(tmp_path: Path, list
     assert (cell.value, cell.font.b, cell.number_format) == ("other", True, "0.000")
 
 
-def test_a_number_without_a_style_stays_one_where_plain_cells_are_dates(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda styles: re.sub(rb'(<cellXfs[^>]*><xf numFmtId=)"0"', rb'\1"14"', styles),
+        lambda styles: styles.replace(
+            b"<fonts",
+            b'<numFmts count="1"><numFmt numFmtId="0" formatCode="dd.mm.yyyy"/></numFmts><fonts',
+            1,
+        ),
+    ],
+    ids=["a date", "General redefined as a date"],
+)
+def test_a_number_without_a_style_stays_one_where_plain_cells_are_dates(
+    tmp_path: Path, change: Callable[[bytes], bytes]
+) -> None:
     """Other programs give the first style, which cells without one have, any format."""
     for name in ("dates", "other"):
         with xlsxwriter.Workbook(str(tmp_path / f"{name}.xlsx")) as book:
             book.add_worksheet(name).write("A1", 60)
     parts = parts_of(tmp_path / "dates.xlsx")
-    xfs = re.compile(rb'(<cellXfs[^>]*><xf numFmtId=)"0"')
-    parts["xl/styles.xml"], changed = xfs.subn(rb'\1"14"', parts["xl/styles.xml"])
-    assert changed == 1
+    before = parts["xl/styles.xml"]
+    parts["xl/styles.xml"] = change(before)
+    assert parts["xl/styles.xml"] != before
     here, both = tmp_path / "here.xlsx", tmp_path / "both.xlsx"
     with zipfile.ZipFile(here, "w") as archive:
         for name, data in parts.items():
@@ -128,3 +142,26 @@ def test_a_number_without_a_style_stays_one_where_plain_cells_are_dates(tmp_path
     book = openpyxl.load_workbook(both)
     assert book["dates"]["A1"].is_date
     assert book["other"]["A1"].value == 60
+
+
+def test_sheets_with_rules_go_into_a_workbook_whose_styles_list_little(tmp_path: Path) -> None:
+    """Neither named styles nor those of rules: where the latter belong was looked for behind the former."""
+    for name in ("bare", "other"):
+        with xlsxwriter.Workbook(str(tmp_path / f"{name}.xlsx")) as book:
+            sheet = book.add_worksheet(name)
+            sheet.write("A1", 60)
+            if name == "other":
+                bold = book.add_format({"bold": True})
+                rule = {"type": "cell", "criteria": ">", "value": 5, "format": bold}
+                sheet.conditional_format("A1", rule)
+    parts = parts_of(tmp_path / "bare.xlsx")
+    lists = re.compile(rb"<cellStyles.*?</cellStyles>|<dxfs[^>]*/>", re.DOTALL)
+    parts["xl/styles.xml"], gone = lists.subn(b"", parts["xl/styles.xml"])
+    assert gone == 2
+    here, both = tmp_path / "here.xlsx", tmp_path / "both.xlsx"
+    with zipfile.ZipFile(here, "w") as archive:
+        for name, data in parts.items():
+            archive.writestr(name, data)
+    save_with_sheets(open_workbook(here), open_workbook(tmp_path / "other.xlsx"), ["other"], both)
+    (rules,) = openpyxl.load_workbook(both)["other"].conditional_formatting
+    assert rules.rules[0].dxf.font.b

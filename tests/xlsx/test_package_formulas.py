@@ -2,6 +2,8 @@
 
 import re
 import sys
+import zipfile
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -30,7 +32,7 @@ from addin.xlsx.dependents import (
 )
 from addin.xlsx.formula_text import Reference, parse_formula, shifted_formula
 from addin.xlsx.formulas import CacheReport, _formula_cells
-from addin.xlsx.references import Rect, parse_range
+from addin.xlsx.references import parse_range
 
 pytestmark = pytest.mark.filterwarnings("ignore::UserWarning:openpyxl")
 
@@ -59,6 +61,74 @@ def refreshed(path: Path, changes: dict[str, Any]) -> tuple[dict[str, Any], Cach
     report = book.save(path.with_name("out.xlsx"))
     sheet = openpyxl.load_workbook(report.path, data_only=True)["Out"]
     return {cell.coordinate: cell.value for row in sheet for cell in row}, report.caches
+
+
+BARE = re.compile(rb'(<(?:row|c)) r="\w+"')
+IN_DATA = re.compile(rb"<(f|v|t)>([^<&]+)</")
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda data: b"\xef\xbb\xbf" + data,
+        lambda data: BARE.sub(rb"\1", data),
+        lambda data: IN_DATA.sub(rb"<\1><![CDATA[\2]]></", data),
+        lambda data: data.decode().partition("?>")[2].encode("utf-16"),
+        lambda data: (
+            b"\xef\xbb\xbf" + IN_DATA.sub(rb"<\1><![CDATA[\2]]></", BARE.sub(rb"\1", data))
+        ),
+    ],
+    ids=["byte order mark", "cells without names", "character data", "UTF-16", "three of them"],
+)
+def test_files_that_other_programs_write_are_calculated(
+    tmp_path: Path, change: Callable[[bytes], bytes]
+) -> None:
+    """The calculator refuses such a file, so that values which depend on results were removed."""
+    path = tmp_path / "t.xlsx"
+    book = xlsxwriter.Workbook(str(path))
+    source, sheet = book.add_worksheet("In"), book.add_worksheet("Out")
+    source.write_column(0, 0, [1.0, 2.0, 3.0])
+    sheet.write_formula("A1", "=SUM(In!A1:A3)", None, 6)
+    sheet.write_formula("B1", '=IF(A1>50,C1,"low")', None, "low")
+    sheet.write_string("C1", "high")
+    book.close()
+    parts = parts_of(path)
+    for name in parts:
+        if name.startswith(("xl/worksheets/sheet", "xl/sharedStrings")):
+            parts[name] = change(parts[name])
+    with zipfile.ZipFile(path, "w") as archive:
+        for name, data in parts.items():
+            archive.writestr(name, data)
+    book = open_workbook(path)
+    book.set_cell("In", "A1", 100.0)
+    report = book.save(tmp_path / "out.xlsx")
+    assert (report.caches.changed, report.caches.removed) == (2, 0), report.caches.reason
+    done = open_workbook(report.path)
+    assert [done.shown_value("Out", cell) for cell in ("A1", "B1", "C1")] == [105, "high", "high"]
+    written = parts_of(report.path)
+    changed = {name for name in parts if written[name] != parts[name]}
+    assert changed == {"xl/worksheets/sheet1.xml", "xl/worksheets/sheet2.xml"}
+
+
+def test_formulas_of_too_many_characters_lose_their_values(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("addin.xlsx.formulas._MOST_TEXT", 30)
+    path = workbook_of(
+        tmp_path / "t.xlsx", {"A1": ("=SUM(In!A1:A9)", 45), "A2": ("=2*100+1*100", 300)}
+    )
+    values, report = refreshed(path, {"A1": 2.0})
+    assert values["A1"] is None
+    assert values["A2"] == 300  # too many to calculate, but followed
+    monkeypatch.setattr("addin.xlsx.formulas._MOST_TEXT", 20)
+    values, report = refreshed(path, {"A1": 2.0})
+    assert values == {"A1": None, "A2": None}
+    assert (report.method, report.removed, report.removed_cells) == (
+        "removed",
+        2,
+        ("Out!A1", "Out!A2"),
+    )
+    assert "more than 20 characters" in report.reason
 
 
 def test_values_that_hang_on_changes_are_renewed(train: Path) -> None:
@@ -814,7 +884,7 @@ def test_the_copy_for_the_calculator_has_no_tables(tmp_path: Path) -> None:
     book = open_workbook(wide_workbook(tmp_path / "t.xlsx", 3, named=True))
     book.set_cell("In", "A1", 2.0)
     table = book.table("Wide_0")
-    for read in ({("Data", table.data), ("In", Rect(1, 1, 1, 1))}, None):
+    for read in ({"Data": table.data.bottom, "In": 1}, None):
         parts, dropped = calculator_copy(book, map_of(book), read)
         assert dropped == {one.part for one in book.tables.values()}
         assert (b'r="170"' in parts["xl/worksheets/sheet3.xml"]) == (read is None)
@@ -852,7 +922,7 @@ def test_a_table_of_a_query_leaves_the_copy_with_what_it_leads_to(tmp_path: Path
 
 def test_rows_below_those_read_are_left_out_of_the_copy(tmp_path: Path) -> None:
     book = open_workbook(workbook_of(tmp_path / "t.xlsx", {"A1": ("=SUM(In!A1:A3)", 6)}))
-    parts, _ = calculator_copy(book, map_of(book), {("In", Rect(1, 1, 3, 1))})
+    parts, _ = calculator_copy(book, map_of(book), {"In": 3})
     sheet = parts["xl/worksheets/sheet1.xml"]
     assert b'<c r="A3">' in sheet
     assert b'<c r="A4">' not in sheet

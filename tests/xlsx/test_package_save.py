@@ -1,5 +1,6 @@
 """Saving: whole or not at all."""
 
+import io
 import os
 import shutil
 import signal
@@ -147,10 +148,10 @@ def test_failures_leave_the_original_and_no_rubbish(
         "read back": (SaveRefused, "disk returned wrong data"),
         "check": (SaveRefused, "Case!B2 differs when read back"),
     }[when]
-    real_replace, real_read = os.replace, Path.read_bytes
+    real_replace, real_open = os.replace, Path.open
 
-    def spoiled_reading(path: Path) -> bytes:
-        return b"rubbish" if path.suffix == ".tmp" else real_read(path)
+    def spoiled_reading(path: Path, *mode: Any) -> Any:
+        return io.BytesIO(b"rubbish") if path.suffix == ".tmp" else real_open(path, *mode)
 
     def fail(*arguments: Any) -> None:
         if when in ("replace", "permission") and str(arguments[-1]).endswith(".bak"):
@@ -169,7 +170,7 @@ def test_failures_leave_the_original_and_no_rubbish(
     elif when in ("replace", "permission"):
         monkeypatch.setattr(save_module.os, "replace", fail)
     elif when == "read back":
-        monkeypatch.setattr(Path, "read_bytes", spoiled_reading)
+        monkeypatch.setattr(Path, "open", spoiled_reading)
     else:
         monkeypatch.setattr(book, "_misread_cells", lambda parts: ["Case!B2"])
     with pytest.raises(expected, match=words):

@@ -36,11 +36,16 @@ def saved_strict(
                 pattern = rb'<c r="%s"[^<>]*?(?:/>|>.*?</c>)' % cell.encode()
                 data, count = re.subn(pattern, lambda _, made=content: made, data, flags=re.DOTALL)
                 assert count == 1, cell
-            if entry.filename.endswith((".xml", ".rels")):
-                for ordinary, strict in NAMES:
-                    data = data.replace(ordinary, strict)
-                data = data.replace(b"<workbookPr", b'<workbookPr dateCompatibility="0"')
-                data = re.sub(rb"(<workbook\s)", rb'\1conformance="strict" ', data)
-                data = WHOLE.sub(rb'\1\2%"', THOUSANDTHS.sub(rb'\1\2%"', data))
-            new.writestr(entry.filename, data)
+            new.writestr(entry.filename, in_strict_dialect(entry.filename, data))
     return target
+
+
+def in_strict_dialect(name: str, data: bytes) -> bytes:
+    """A part in the strict dialect."""
+    if not name.endswith((".xml", ".rels")):
+        return data
+    for ordinary, strict in NAMES:
+        data = data.replace(ordinary, strict)
+    data = data.replace(b"<workbookPr", b'<workbookPr dateCompatibility="0"')
+    data = re.sub(rb"(<workbook\s)", rb'\1conformance="strict" ', data)
+    return WHOLE.sub(rb'\1\2%"', THOUSANDTHS.sub(rb'\1\2%"', data))
