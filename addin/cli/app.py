@@ -201,6 +201,14 @@ def _open_closed_streams() -> None:
             setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))
 
 
+def _drop_output() -> None:
+    """Drop what a full output does not take: Python would try again as it ends, and change the exit status."""
+    try:
+        sys.stdout.flush()
+    except OSError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
 def _write_utf8() -> None:
     """Where output goes to a file or another program, write UTF-8 unless PYTHONIOENCODING names something else.
 
@@ -241,6 +249,7 @@ def main() -> None:
                 "disk, the names and your rights, and run again.",
                 err=True,
             )
+            _drop_output()
             sys.exit(WRONG_INPUT)
         # the last resort: anything else is ours, and must not look like input
         traceback.print_exc()
