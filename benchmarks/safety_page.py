@@ -100,14 +100,20 @@ def claims_sentence(record: dict[str, Any]) -> str:
         sum(one[what] for one in runs) for what in ("starts", "sensitive", "statements")
     )
     missed = [answer for one in runs for answer in one["missed"]]
+    false = [one for one in missed if one["true"] > one["tolerance"]]
+    small = [one for one in missed if one not in false]
     text = (
         f"Of one case in {runs[0]['every']} ({len(runs)} times, other cases each time) the errors that it states are compared with its truth "
         f"([claims](claims.md)): {starts:,} starts, {sensitive} of them sensitive and left out, {statements:,} statements, "
         f"{statements - len(missed):,} hold."
     )
-    for one in missed:
+    if small:
+        ratio = max(one["true"] / one["stated"] for one in small)
+        share = max(one["true"] / one["tolerance"] for one in small)
+        text += f" {len(small)} are too small, by up to {ratio:.1f} times, at errors of at most {share:.2g} of the tolerance."
+    for one in false:
         text += (
-            f" Case {one['number']} says {one['stated']:.2g} of a {_KIND[one['kind']]} that is {one['true']:.2g} off (tolerance {one['tolerance']:g})"
+            f" Case {one['number']} said {one['stated']:.2g} of a {_KIND[one['kind']]} that was {one['true']:.2g} off (tolerance {one['tolerance']:g})"
             f"{'; mended: ' + one['mended'] if 'mended' in one else ''}."
         )
     return text + "\n"
