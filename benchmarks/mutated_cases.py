@@ -36,6 +36,7 @@ from engine.case.data import CaseData  # noqa: E402
 from engine.errors import CaseError, ModelError  # noqa: E402
 from engine.results.tables import result_tables  # noqa: E402
 from engine.run import run  # noqa: E402
+from engine.start.settings import has_start  # noqa: E402
 
 RECORD = "mutated_cases.json"
 #: Processor time that one case may take, and after which it is given up. [s]
@@ -158,7 +159,7 @@ def claims_of(number: int) -> Record | None:
     data, _ = mutated(number)
     try:
         case = Case(**vars(data))
-        if run(case).start is None:
+        if not has_start(case):
             return None
         return record_of(StudyTrain(number, number, case, (), independent=False), nudges=1)
     except (CaseError, ModelError):

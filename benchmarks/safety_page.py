@@ -24,6 +24,8 @@ after an error a sentence and an exit status, after a full disk no litter, and t
 """
 _WAYS = ("killed", "error", "full disk", "power lost")
 _FINE = ("opened", "calculated")
+#: What a statement of a case is about.
+_KIND = {"peak": "peak", "starts": "number of starts", "bound": "peak with an effect left out"}
 
 
 def kept(name: str) -> dict[str, Any]:
@@ -101,7 +103,7 @@ def claims_sentence(record: dict[str, Any]) -> str:
     )
     missed = [answer for one in runs for answer in one["missed"]]
     false = [one for one in missed if one["true"] > one["tolerance"]]
-    small = [one for one in missed if one not in false]
+    small = [one for one in missed if one["true"] <= one["tolerance"]]
     text = (
         f"Of one case in {runs[0]['every']} ({len(runs)} times, other cases each time) the errors that it states are compared with its truth "
         f"([claims](claims.md)): {starts:,} starts, {sensitive} of them sensitive and left out, {statements:,} statements, "
@@ -117,9 +119,6 @@ def claims_sentence(record: dict[str, Any]) -> str:
             f"{'; mended: ' + one['mended'] if 'mended' in one else ''}."
         )
     return text + "\n"
-
-
-_KIND = {"peak": "peak", "starts": "number of starts", "bound": "peak with an effect left out"}
 
 
 def _joined(stretches: list[dict[str, Any]]) -> list[dict[str, Any]]:
