@@ -117,7 +117,8 @@ class Container:
         _check_directory(self.entries, path, limits)
         _check_places(self.entries, self.data, self._zip.start_dir, path)
         self._inflated_size = 0
-        self._marks = 2 * len(self.file) // _MARK_SIZE
+        #: What counts against `Limits.marks`, so far.
+        self.marks = 2 * len(self.file) // _MARK_SIZE
         self._other_marks = 0
 
     def _take(self, data: bytes) -> None:
@@ -163,7 +164,7 @@ class Container:
         self.write(made, replaced)
         self._take(made.getvalue())
         self._inflated_size = 0
-        self._marks += len(self.data) // _MARK_SIZE
+        self.marks += len(self.data) // _MARK_SIZE
         self.was_strict = True
 
     def _refused_strict(self, what: str) -> WorkbookRefused:
@@ -238,8 +239,8 @@ class Container:
         return data
 
     def _charge(self, name: str, marks: int) -> None:
-        self._marks += marks
-        if self._marks > self.limits.marks:
+        self.marks += marks
+        if self.marks > self.limits.marks:
             raise WorkbookRefused(
                 "too large",
                 f"With the part {shown_name(name)} of {self.path.name}, the workbook exceeds about "

@@ -58,8 +58,9 @@ MAX_DEPTH = 256
 _MOST_TRIES = 50
 _MOST_TRIED = 2_000_000
 # Characters of formulas, a shared one counted in each cell: so many are followed. Each costs some 100 bytes and a
-# microsecond, as do what it refers to and its value; the calculator takes 64 times that for each formula.
-_MOST_TEXT = 4_000_000
+# microsecond, as do what it refers to and its value; the calculator takes 64 times that for each formula. A mark of the
+# container takes some 120.
+_MOST_TEXT, _TEXT_OF_MARK = 4_000_000, 1.2
 _CALCULATED_AS = 64
 
 # Cells without a value any more that are named.
@@ -95,7 +96,7 @@ def refresh_formula_caches(workbook: WorkbookState) -> CacheReport:
     if not workbook.changed:
         return CacheReport("not needed")
     cells = tuple(_formula_cells(workbook))
-    if _text_of(cells) > _MOST_TEXT:
+    if _text_of(cells) > _most_text(workbook):
         return _without_values(workbook, cells)
     formulas = formula_map(
         cells,
@@ -118,6 +119,11 @@ def refresh_formula_caches(workbook: WorkbookState) -> CacheReport:
     return _Refresh(workbook, formulas, affected).run()
 
 
+def _most_text(workbook: WorkbookState) -> int:
+    """How many characters of formulas are followed beside what else the workbook holds."""
+    return _MOST_TEXT - round(_TEXT_OF_MARK * workbook.container.marks)
+
+
 def _text_of(cells: Sequence[FormulaCell]) -> int:
     """Length of all formulas."""
     return sum(len(cell.text) for cell in cells)
@@ -138,7 +144,7 @@ def _without_values(workbook: WorkbookState, cells: Sequence[FormulaCell]) -> Ca
         0,
         len(cells),
         tuple(removed[:_MOST_NAMED]),
-        f"The formulas of the workbook have more than {_MOST_TEXT:,} characters, too many to follow here.",
+        f"The formulas of the workbook have more than {_most_text(workbook):,} characters, too many to follow here.",
     )
 
 
@@ -401,7 +407,7 @@ class _Refresh:
                 "Formulas were not recalculated because the package formualizer is not installed.",
             )
         cells = self.everything
-        if _cost_of(cells) > _MOST_TEXT:
+        if _cost_of(cells) > _most_text(self.workbook):
             return (
                 None,
                 f"The workbook has {len(cells):,} formulas, too many or too long to calculate here.",

@@ -17,7 +17,7 @@ __all__ = [
     "refuse_open_elsewhere",
     "refuse_strange_name",
     "replace_file",
-    "take_owner",
+    "take_rights",
 ]
 
 #: Windows takes such a name for a device, whatever its ending, and what follows a colon for another stream of the file.
@@ -68,8 +68,8 @@ def refuse_no_end(path: Path) -> None:
         raise OSError(errno.EINVAL, "it is a device or a pipe", str(path))
 
 
-def take_owner(made: Path, earlier: Path) -> None:
-    """Give a file that is to replace another the owner and group of that, as far as this process may."""
+def take_rights(made: Path, earlier: Path) -> None:
+    """Give a file that is to replace another the owner, group, access list and attributes of that, as far as this process may."""
     if sys.platform == "win32" or not earlier.exists():
         return
     was, is_now = earlier.stat(), made.stat()
@@ -77,6 +77,16 @@ def take_owner(made: Path, earlier: Path) -> None:
         if owner not in (-1, is_now.st_uid) or group not in (-1, is_now.st_gid):
             with suppress(OSError):
                 os.chown(made, owner, group)
+    if sys.platform == "linux":
+        with suppress(OSError):  # a disk without attributes
+            attributes = {name: os.getxattr(earlier, name) for name in os.listxattr(earlier)}
+            for name in os.listxattr(made):  # the folder may have given it an access list
+                if name not in attributes:
+                    with suppress(OSError):
+                        os.removexattr(made, name)
+            for name, value in attributes.items():
+                with suppress(OSError):
+                    os.setxattr(made, name, value)
 
 
 def replace_file(made: Path, place: Path) -> None:

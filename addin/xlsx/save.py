@@ -27,7 +27,7 @@ from addin.xlsx.places import (
     refuse_open_elsewhere,
     refuse_strange_name,
     replace_file,
-    take_owner,
+    take_rights,
 )
 from addin.xlsx.temporary import temporary_file
 from addin.xlsx.whole_files import flush_folder
@@ -326,7 +326,7 @@ def _beside(target: Path, data: bytes, mode: int, owned: Path) -> Iterator[Path]
                 file.write(data)
                 file.flush()
                 os.fsync(file.fileno())
-            take_owner(made, owned)  # which takes bits of the mode
+            take_rights(made, owned)  # which takes bits of the mode
             os.chmod(made, mode)
         except OSError as problem:
             raise SaveRefused(

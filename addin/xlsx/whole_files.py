@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from addin.xlsx.places import refuse_strange_name, replace_file, take_owner
+from addin.xlsx.places import refuse_strange_name, replace_file, take_rights
 from addin.xlsx.temporary import temporary_file
 
 #: Of XlsxWriter: parts made in memory have the same line ends on every system.
@@ -53,7 +53,7 @@ def put_in_place(made: Path, path: Path, mode: int | None = None) -> None:
     """
     flush_file(made)
     if mode is not None:
-        take_owner(made, path)
+        take_rights(made, path)
         os.chmod(made, mode)
     replace_file(made, path)
     flush_folder(path.parent)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import os
 import shutil
+import struct
 import sys
 import tempfile
 from pathlib import Path
@@ -195,3 +196,46 @@ def test_a_file_that_is_replaced_keeps_its_owner(tmp_path: Path, words: tuple[st
     for file in tmp_path.iterdir():
         found = file.stat()
         assert (found.st_uid, found.st_gid, found.st_mode & 0o777) == (65534, 65533, 0o640), file
+
+
+#: An access list of Linux, packed: its version, then each entry's kind, rights and user.
+ENGINEER = 1001
+ACCESS_LIST = struct.pack("<I", 2) + b"".join(
+    struct.pack("<HHI", *entry)
+    for entry in (
+        (1, 6, 0xFFFFFFFF),  # the owner
+        (2, 6, ENGINEER),
+        (4, 4, 0xFFFFFFFF),  # the group
+        (16, 6, 0xFFFFFFFF),  # the most that both get
+        (32, 0, 0xFFFFFFFF),  # others
+    )
+)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="access lists are otherwise elsewhere")
+@pytest.mark.parametrize(
+    "words", [("recalc", "a.xlsx", "--in-place"), ("export", "a.xlsx", "a.json")]
+)
+def test_a_file_that_is_replaced_keeps_its_access_list(
+    tmp_path: Path, words: tuple[str, ...]
+) -> None:
+    """Else the colleague who was let in is out; and a folder that lets everybody in does not open a private file."""
+    shutil.copy(PROPOSED, tmp_path / "a.xlsx")
+    (tmp_path / "a.json").touch()
+    wanted = {"user.note": b"revision B", "system.posix_acl_access": ACCESS_LIST}
+    for file in tmp_path.iterdir():
+        for name, value in wanted.items():
+            try:
+                os.setxattr(file, name, value)
+            except OSError:
+                pytest.skip("this disk keeps no access lists")
+    assert torsionbook(*words, cwd=tmp_path).returncode == 0
+    for file in tmp_path.glob("a.*"):
+        assert {name: os.getxattr(file, name) for name in os.listxattr(file)} == wanted, file
+        os.removexattr(file, "system.posix_acl_access")
+        file.chmod(0o640)
+    os.setxattr(tmp_path, "system.posix_acl_default", ACCESS_LIST)
+    assert torsionbook(*words, cwd=tmp_path).returncode == 0
+    for file in (tmp_path / "a.xlsx", tmp_path / "a.json"):
+        assert os.listxattr(file) == ["user.note"], file
+        assert file.stat().st_mode & 0o777 == 0o640

@@ -539,6 +539,17 @@ def formulas(count: int, text: Callable[[int], str]) -> bytes:
     )
 
 
+def rows_of_ten(count: int) -> bytes:
+    """So many cells."""
+    rows = range(40_000, 40_000 + count // 10)
+    return b"".join(
+        b'<row r="%d">' % k
+        + b"".join(b'<c r="%c%d"><v>%d</v></c>' % (c, k, k) for c in b"ABCDEFGHIJ")
+        + b"</row>"
+        for k in rows
+    )
+
+
 def shared_formula() -> Parts:
     """Of 24,000,000 characters in a file of 100 kB."""
     text = f"{RESULT}+" + "+".join(f"A{k}" for k in range(1, 1500))
@@ -581,6 +592,15 @@ COSTLY: dict[str, tuple[Callable[[], Parts], str, int, int]] = {
     "pictures and rows": (
         lambda: million("rows") | {"xl/media/a.bin": random.Random(1).randbytes(90 * 2**20)},
         "what takes as much memory in long texts", 675, 3,
+    ),
+    "formulas of other cells and pictures": (
+        lambda: in_cells(formulas(750, lambda k: "+".join(f"A{k * 600 + j}" for j in range(600))))
+        | {"xl/media/a.bin": random.Random(1).randbytes(95 * 2**20)},
+        "too many to follow here", 540, 9,
+    ),
+    "formulas and cells": (
+        lambda: in_cells(formulas(10_000, lambda k: "+".join(f"A{k % 9 + j}" for j in range(75))) + rows_of_ten(150_000)),
+        "too many to follow here", 584, 4,
     ),
     "pictures": (
         lambda: honest() | {"xl/media/a.bin": random.Random(1).randbytes(95 * 2**20)}, "", 465, 2,
