@@ -38,7 +38,7 @@ from collections.abc import Callable, Iterator, Sequence, Set
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-__all__ = ["COMMANDS", "RECORD", "Command", "Hindrance", "disks_after", "study"]
+__all__ = ["COMMANDS", "RECORD", "Command", "Hindrance", "Watched", "disks_after", "study"]
 
 ROOT = Path(__file__).resolve().parents[1]
 RECORD = Path(__file__).parent / "records" / "file_calls.json"
@@ -214,26 +214,37 @@ def _load(names: Sequence[str]) -> None:
                 importlib.import_module(name)
 
 
+@dataclass
+class Watched:
+    """A command that watches: a file is saved for it once it looks, and it is ended once that is calculated."""
+
+    folder: Path
+    saved: float = 0.0
+    lines: int = 0
+
+    def is_done(self, said: str) -> bool:
+        """Whether to end it, by what it has said so far."""
+        now = time.monotonic()
+        if not self.saved and "atching" in said:
+            time.sleep(0.2)
+            shutil.copyfile(self.folder / "example.xlsx", self.folder / "new.xlsx")
+            os.replace(self.folder / "new.xlsx", self.folder / "train.xlsx")
+            self.saved, self.lines = now, said.count("\n")
+        return bool(self.saved) and (said.count("\n") > self.lines or now - self.saved > 15)
+
+
 def _waited(process: int, command: Command, folder: Path, out: Path) -> int:
     """The end of a process; one that watches gets a file to calculate, and then Ctrl-C."""
-    began, saved, told = time.monotonic(), 0.0, False
+    began, watched, told = time.monotonic(), Watched(folder), not command.watches
     while True:
         there, status = os.waitpid(process, os.WNOHANG)
         if there:
             _all_gone(process)
             return os.waitstatus_to_exitcode(status)
-        now = time.monotonic()
-        if command.watches and not told:
-            said = out.read_text(errors="replace") if out.exists() else ""
-            if not saved and "atching" in said:
-                time.sleep(0.2)
-                shutil.copyfile(folder / "example.xlsx", folder / "new.xlsx")
-                os.replace(folder / "new.xlsx", folder / "train.xlsx")
-                saved, lines = now, said.count("\n")
-            elif saved and (said.count("\n") > lines or now - saved > 15):
-                os.kill(process, signal.SIGINT)
-                told = True
-        if now - began > PATIENCE:
+        if not told and watched.is_done(out.read_text(errors="replace") if out.exists() else ""):
+            os.kill(process, signal.SIGINT)
+            told = True
+        if time.monotonic() - began > PATIENCE:
             os.killpg(process, signal.SIGKILL)
             os.waitpid(process, 0)
             return 98

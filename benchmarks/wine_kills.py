@@ -31,6 +31,7 @@ from benchmarks.file_calls import (
     Hindrance,
     Study,
     Trial,
+    Watched,
     names_of,
     originals_of,
     prepared,
@@ -44,7 +45,7 @@ __all__ = ["RECORD", "study"]
 RECORD = windows.KILLS
 #: In each process, as its `sitecustomize.py`.
 HOOK = r"""
-import builtins, ctypes, io, mmap, os, stat, struct, sys
+import builtins, ctypes, io, mmap, os, signal, stat, struct, sys, threading, time
 folder, at, counts = os.environ["TORSIONBOOK_CALLS"].split("|")
 at, inside = int(at), os.path.normcase(os.path.abspath(folder))
 handle = os.open(counts, os.O_RDWR | os.O_BINARY)
@@ -117,6 +118,13 @@ def flushed(handle):
     count()
     flush(handle)
 
+def end_with_ctrl_c(wish):
+    while not os.path.exists(wish):
+        time.sleep(0.05)
+    signal.raise_signal(signal.SIGINT)
+
+if "--multiprocessing-fork" not in sys.orig_argv:
+    threading.Thread(target=end_with_ctrl_c, args=[counts + "-end"], daemon=True).start()
 builtins.open = io.open = opened
 os.fsync = flushed
 sys.addaudithook(hook)
@@ -139,13 +147,21 @@ def ended(command: Command, folder: Path, hindrance: Hindrance) -> Ended:
             "COLUMNS": "1000",
             "SOURCE_DATE_EPOCH": "1800000000",
         }
-        done = subprocess.run(
+        said, watched = b"", Watched(folder)
+        with subprocess.Popen(
             ["wine", windows.PYTHON / "python.exe", "-m", "addin.cli", *command.words],
-            cwd=folder, env=environment, input=b"", stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False,
-        )  # fmt: skip
+            cwd=folder, env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+        ) as process:  # fmt: skip
+            assert process.stdin is not None
+            assert process.stdout is not None
+            process.stdin.close()
+            for line in process.stdout:
+                said += line
+                if command.watches and watched.is_done(said.decode(errors="replace")):
+                    Path(beside, "counts-end").touch()
         made, killed = struct.unpack("qq", counts.read_bytes())
-    status = -signal.SIGKILL if killed else done.returncode
-    return Ended(status, done.stdout.decode(errors="replace"), Calls(made, made))
+    status = -signal.SIGKILL if killed else process.returncode
+    return Ended(status, said.decode(errors="replace"), Calls(made, made))
 
 
 def study(command: Command, originals: dict[str, bytes], most: int, until: float) -> Study:
@@ -184,9 +200,7 @@ def main(given: Sequence[str] | None = None) -> int:
         "--record", action="store_true", help=f"keep it in {RECORD.name} and docs/windows.md"
     )
     asked = words.parse_args(given)
-    commands = [one for one in COMMANDS if not one.watches]  # which ends by Ctrl-C
-    if asked.only:
-        commands = [one for name in asked.only for one in commands if one.name == name]
+    commands = [one for one in COMMANDS if asked.only is None or one.name in asked.only]
     windows.prepare()
     windows.lay_checkout()
     windows.begin()
