@@ -165,14 +165,6 @@ def is_case(content: object) -> bool:
     return isinstance(content, dict) and "format" in content and _NO_CASE_HAS.isdisjoint(content)
 
 
-def is_case_json(path: Path) -> bool:
-    """Look at what a file holds; False also where it cannot be read."""
-    try:
-        return is_case(json.loads(path.read_text(encoding="utf-8-sig")))
-    except (OSError, ValueError, RecursionError):
-        return False
-
-
 def is_summary(path: Path) -> bool:
     """Look at the sheets of a workbook."""
     return sheets_of(path) == SUMMARY_SHEETS

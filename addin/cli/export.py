@@ -56,7 +56,7 @@ def export(
         raise typer.BadParameter(f"{out} is the input. Choose another name.")
     if form == "table" and ending not in _DELIMITERS:
         raise typer.BadParameter(f"'{out}' must end in {', '.join(_DELIMITERS)}.")
-    refuse_no_json(out, ending if form == "table" else ".json", is_case=True)
+    refuse_no_json(out, ending if form == "table" else ".json", for_case=True)
     read = read_or_stop(file)
     if form == "case":
         _export_case(file, read, out)

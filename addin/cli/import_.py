@@ -55,7 +55,7 @@ def import_(
         raise typer.BadParameter(f"'{out}' must end in .xlsx, .xlsm or .json.")
     refuse_existing(out, force)
     if as_json:
-        refuse_no_json(out, is_case=True)
+        refuse_no_json(out, for_case=True)
     train = _read(file)
     for note in train.notes:
         typer.echo(f"  {note}")

@@ -253,7 +253,7 @@ def _check_options(study: Study, file: Path, options: Mapping[str, Any]) -> None
             if option.metavar == "FOLDER":
                 refuse_no_folder(value)
             else:
-                refuse_no_json(value, is_case=True)
+                refuse_no_json(value, for_case=True)
     if sentence := study.refusal(options):
         raise typer.BadParameter(sentence)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
@@ -9,7 +10,7 @@ from pathlib import Path
 
 import typer
 
-from addin.batch.own_files import is_case_json
+from addin.batch.own_files import is_case
 from addin.cli.status import WRONG_INPUT, failed
 from addin.contract.problems import CellProblem
 from addin.reading.one_file import WORKBOOK_ENDINGS, Unreadable, file_problem, read_checked
@@ -79,28 +80,30 @@ def refuse_no_name(target: Path) -> None:
         raise typer.BadParameter(f"{target} {wrong.strerror}. Choose another name.") from None
 
 
-def refuse_no_json(target: Path, ending: str = ".json", *, is_case: bool = False) -> None:
+def refuse_no_json(target: Path, ending: str = ".json", *, for_case: bool = False) -> None:
     """As `refuse_no_place`, of a JSON (or other data) that would replace a workbook, a document or, unless it is one, a case."""
     if target.suffix.lower() in WORKBOOK_ENDINGS:
         raise typer.BadParameter(f"{target} is the name of a workbook; end it in {ending}.")
     refuse_no_place(target)
     if target.is_file() and _is_office_file(target):
         raise typer.BadParameter(f"{target} is a workbook or a document. Choose another name.")
-    if ending == ".json" and target.is_file() and not _may_be_json(target):
+    if ending == ".json" and target.is_file():
+        _refuse_unknown_json(target, for_case=for_case)
+
+
+def _refuse_unknown_json(target: Path, *, for_case: bool) -> None:
+    """Refuse to replace what is no JSON, such as a case with a slip in it, or a case by something else; an empty file is neither."""
+    try:
+        text = target.read_text(encoding="utf-8-sig").strip()
+        holds_case = is_case(json.loads(text)) if text else False
+    except OSError:
+        return  # said when it is written
+    except (ValueError, RecursionError):
         raise typer.BadParameter(
             f"{target} is there and is no JSON: it is not replaced. Choose another name."
-        )
-    if ending == ".json" and not is_case and target.is_file() and is_case_json(target):
+        ) from None
+    if holds_case and not for_case:
         raise typer.BadParameter(f"{target} holds a case: it is not replaced. Choose another name.")
-
-
-def _may_be_json(path: Path) -> bool:
-    """Whether it begins as a JSON object or list does, or is empty."""
-    try:
-        with open(path, "rb") as file:
-            return file.read(200).removeprefix(b"\xef\xbb\xbf").lstrip()[:1] in (b"{", b"[", b"")
-    except OSError:
-        return True  # said when it is written
 
 
 def _is_office_file(path: Path) -> bool:

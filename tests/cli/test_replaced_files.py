@@ -65,7 +65,9 @@ def test_results_replace_neither_a_workbook_nor_a_case(
     shutil.copy(PROPOSED, tmp_path / "mine.json")
     for name in ("case.json", "other.json"):
         assert torsionbook("export", "a.xlsx", name, cwd=tmp_path).returncode == 0
-    for name in ("mine.json", "other.json"):
+    broken = (tmp_path / "other.json").read_text(encoding="utf-8").replace(":", "", 1)
+    (tmp_path / "broken.json").write_text(broken, encoding="utf-8")
+    for name in ("mine.json", "other.json", "broken.json"):
         before = (tmp_path / name).read_bytes()
         assert torsionbook(*words, name, cwd=tmp_path).returncode == 2
         assert (tmp_path / name).read_bytes() == before
