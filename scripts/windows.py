@@ -61,7 +61,7 @@ Only the parts in the table were tried, their quick tests, on a machine that was
 `make kills-windows` ends all processes of a command (TerminateJobObject) before its calls that open for writing, write, flush, rename, remove
 or make a folder, as an audit hook of Python counts them in every process, and halfway through writes. Demanded as
 [on Linux](safety.md#kills-errors-full-disks-power); the command is run again from unequal folders, there too. Of most commands a part of
-the calls was tried, evenly spread. What a library in C writes by itself (Parquet) is not counted; `batch --watch`, which ends by Ctrl-C, is not tried.
+the calls was tried, evenly spread. What a library in C writes by itself (Parquet) is not counted.
 
 {kills}
 ## What cannot run there
