@@ -117,9 +117,9 @@ class Container:
         _check_directory(self.entries, path, limits)
         _check_places(self.entries, self.data, self._zip.start_dir, path)
         self._inflated_size = 0
-        #: What counts against `Limits.marks`, so far.
+        #: What counts against the limits of these names, so far.
         self.marks = 2 * len(self.file) // _MARK_SIZE
-        self._other_marks = 0
+        self.other_marks = 0
 
     def _take(self, data: bytes) -> None:
         """An archive in memory."""
@@ -225,8 +225,8 @@ class Container:
         """The same of the workbook part or a sheet, in which names, merged ranges and formats are counted by themselves."""
         data = self.read(name)
         marks, inside = _marks(data), _marks(data, *_cells_of(data))
-        self._other_marks += marks - inside
-        if self._other_marks > self.limits.other_marks:
+        self.other_marks += marks - inside
+        if self.other_marks > self.limits.other_marks:
             raise WorkbookRefused(
                 "too large",
                 f"With the part {shown_name(name)} of {self.path.name}, the workbook exceeds about 100,000 defined "

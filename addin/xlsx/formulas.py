@@ -59,7 +59,7 @@ _MOST_TRIES = 50
 _MOST_TRIED = 2_000_000
 # Characters of formulas, a shared one counted in each cell: so many are followed. Each costs some 100 bytes and a
 # microsecond, as do what it refers to and its value; the calculator takes 64 times that for each formula. A mark of the
-# container takes some 120.
+# container takes some 120, and one beside cells three times that.
 _MOST_TEXT, _TEXT_OF_MARK = 4_000_000, 1.2
 _CALCULATED_AS = 64
 
@@ -121,7 +121,8 @@ def refresh_formula_caches(workbook: WorkbookState) -> CacheReport:
 
 def _most_text(workbook: WorkbookState) -> int:
     """How many characters of formulas are followed beside what else the workbook holds."""
-    return _MOST_TEXT - round(_TEXT_OF_MARK * workbook.container.marks)
+    container = workbook.container
+    return _MOST_TEXT - round(_TEXT_OF_MARK * (container.marks + 2 * container.other_marks))
 
 
 def _text_of(cells: Sequence[FormulaCell]) -> int:
