@@ -67,7 +67,7 @@ def refuse_no_place(target: Path) -> None:
 
 
 def refuse_no_name(target: Path) -> None:
-    """Refuse, on Windows, what is a device there or no name at all.
+    """Refuse a device or a pipe and, on Windows, a name that no file can have.
 
     Raises
     ------
@@ -78,6 +78,8 @@ def refuse_no_name(target: Path) -> None:
         refuse_strange_name(target)
     except OSError as wrong:
         raise typer.BadParameter(f"{target} {wrong.strerror}. Choose another name.") from None
+    if target.exists() and not (target.is_file() or target.is_dir()):
+        raise typer.BadParameter(f"{target} is a device or a pipe; name a file.")
 
 
 def refuse_no_json(target: Path, ending: str = ".json", *, for_case: bool = False) -> None:

@@ -102,11 +102,15 @@ def test_a_file_that_is_replaced_keeps_its_mode_and_a_device_is_refused(tmp_path
     assert private.stat().st_size > 0
     if sys.platform != "win32":
         assert private.stat().st_mode & 0o777 == 0o600
-        os.mkfifo(tmp_path / "pipe")
-        done = torsionbook("export", MODIFIED, "pipe", cwd=tmp_path)
-        assert done.returncode == 1
-        assert "no ordinary file" in done.stdout + done.stderr
-        assert (tmp_path / "pipe").is_fifo()
+        for name, *words in (
+            ("pipe", "export", MODIFIED),
+            ("pipe.pdf", "report", "none.xlsx", "--force", "--pdf"),
+        ):
+            os.mkfifo(tmp_path / name)
+            done = torsionbook(*words, name, cwd=tmp_path)
+            assert done.returncode == 2
+            assert "is a device or a pipe" in done.stdout + done.stderr
+            assert (tmp_path / name).is_fifo()
 
 
 def test_a_comparison_replaces_an_earlier_one(tmp_path: Path) -> None:
