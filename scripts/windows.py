@@ -202,7 +202,8 @@ def fill_gaps(python: Path = PYTHON, site: Path = SITE) -> None:
     names = [f"{n}={f'my_{n}' if n in ours else f'ucrtbase.{n}'}" for n in sorted(needed)]
     compile_library(python / OUR_MATH, sources, names, "-Wno-everything")
     compile_library(python / "bcryptprimitives.dll", PRNG, [], "-ladvapi32")
-    forward_stable_abi(python)
+    if not (python / "python3.dll").exists():  # a zip has its own, which is to be tried
+        forward_stable_abi(python)
     for path in libraries(python):
         data = path.read_bytes()
         if path.name != OUR_MATH and MATH.encode() in data:
