@@ -17,9 +17,8 @@ import subprocess
 import sys
 import time
 import zipfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 from xml.etree import ElementTree
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -349,7 +348,7 @@ def try_parts(parts: Sequence[str]) -> int:
             record = {key: row for key, row in record.items() if not key.startswith(f"{part}/")}
             record[part] = counts(report) | {"not passed": names_of_failed(report)}
             RECORD.write_text(json.dumps(record, indent=1, sort_keys=True) + "\n", encoding="utf-8")
-            write_page(record)
+            write_page()
     return int(bool(status))
 
 
@@ -368,7 +367,7 @@ def try_again() -> int:
                 for what in ("passed", "skipped"):
                     row[what] += counts(report)[what]
     RECORD.write_text(json.dumps(record, indent=1, sort_keys=True) + "\n", encoding="utf-8")
-    write_page(record)
+    write_page()
     return int(any(row["not passed"] for row in record.values()))
 
 
@@ -391,24 +390,27 @@ def kills_table() -> str:
     return "\n".join(lines) + "\n"
 
 
-def write_page(record: Mapping[str, Any]) -> None:
+def page() -> str:
     """docs/windows.md, from the records."""
+    record = json.loads(RECORD.read_text("utf-8"))
     lines = [
         f"| {part} | {found['passed']} | {found['failed']} | {found['skipped']} | {found['seconds']} |"
         for part, found in sorted(record.items())
     ]
     bad = [f"- `{name}`" for part in sorted(record) for name in record[part]["not passed"]]
     again = sum(len(row.get("run again", ())) for row in record.values())
-    PAGE.write_text(
-        PAGE_WORDS.format(
-            again=f" Tests that failed, were mended and run again alone: {again}." if again else "",
-            rooms=", ".join(f"`{part}`" for part in ROOMS),
-            table="\n".join(lines),
-            bad="\n".join(bad) or "None.",
-            kills=kills_table(),
-        ),
-        encoding="utf-8",
+    return PAGE_WORDS.format(
+        again=f" Tests that failed, were mended and run again alone: {again}." if again else "",
+        rooms=", ".join(f"`{part}`" for part in ROOMS),
+        table="\n".join(lines),
+        bad="\n".join(bad) or "None.",
+        kills=kills_table(),
     )
+
+
+def write_page() -> None:
+    """Write the page."""
+    PAGE.write_text(page(), encoding="utf-8", newline="\n")
 
 
 def tests(words: Sequence[str]) -> int:
