@@ -181,6 +181,41 @@ def test_what_cannot_be_written_is_a_sentence(
     assert "Errno" not in said
 
 
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("recalc", "a.xlsx", "--out", "kept.xlsx"),
+        ("recalc", "kept.xlsx", "--in-place"),
+        ("new", "kept.xlsx", "--force"),
+        ("export", "a.xlsx", "kept.json"),
+    ],
+)
+def test_a_write_protected_file_stays(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, words: tuple[str, ...]
+) -> None:
+    shutil.copy(PROPOSED, tmp_path / "a.xlsx")
+    (name,) = (word for word in words if word.startswith("kept"))
+    kept = tmp_path / name
+    if kept.suffix == ".xlsx":
+        shutil.copy(MODIFIED, kept)
+    else:
+        kept.touch()
+    before = kept.read_bytes()
+    kept.chmod(0o444)
+    if sys.platform != "win32" and os.getuid() == 0:  # who may write everywhere
+        may = os.access
+        monkeypatch.setattr(
+            os,
+            "access",
+            lambda path, mode: (mode != os.W_OK or Path(path).name != name) and may(path, mode),
+        )
+    done = torsionbook(*words, cwd=tmp_path)
+    kept.chmod(0o644)
+    assert done.returncode == 1
+    assert "write-protected" in done.stdout + done.stderr
+    assert kept.read_bytes() == before
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="links need rights on Windows")
 @pytest.mark.parametrize("is_there", [True, False])
 @pytest.mark.parametrize(
