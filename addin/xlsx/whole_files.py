@@ -96,7 +96,9 @@ def _mode_of(path: Path) -> int:
     """The mode of the file that is replaced, or the one that any other new file would get."""
     refuse_strange_name(path)
     if path.is_symlink() and (path.is_file() or not path.exists()):
-        raise OSError(errno.EINVAL, "it is a link to another file, which is not replaced", str(path))
+        raise OSError(
+            errno.EINVAL, "it is a link to another file, which is not replaced", str(path)
+        )
     if not path.exists():
         mask = os.umask(0)
         os.umask(mask)
