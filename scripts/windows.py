@@ -68,7 +68,7 @@ the calls was tried, evenly spread. What a library in C writes by itself (Parque
 | What | Why |
 |---|---|
 | tests that drive LibreOffice, Chromium, npm, `hadolint`, Redis or a cluster's terminal | programs of the machine, not of Wine; no `pty` |
-| costs of hostile workbooks (`tests/hostile`, fixture `attended`) | the process forks to be measured |
+| most hostile workbooks and cases (`tests/hostile`, fixture `attended`) | the process that calculates and measures them forks |
 | kills by signal in `tests/batch`, `tests/server`, `tests/xlsx` | Windows has no SIGKILL and no process groups |
 | links in `tests/batch`, `tests/cli`, `tests/xlsx` | Windows wants rights for them; Wine 8 says that it has made one, and has not |
 | bounds of memory of a server process | Windows has no `setrlimit`; the bounds of a file hold |
