@@ -347,7 +347,7 @@ class Workbook(WorkbookState):
         report = self.refresh_formula_caches()
         if not self.charts_current:
             self.refresh_chart_caches()
-        replaced, dropped = self._parts_to_write(values_to_fill=report.removed > 0)
+        replaced, dropped = self._parts_to_write()
         notes = (*self.notes, *_without_value(report), *self._other_copies_of_values())
         return save_package(
             self.container,
@@ -373,7 +373,7 @@ class Workbook(WorkbookState):
     def _shown(self, sheet: str, rect: Rect) -> list[Constant]:
         return self.sheet_part(sheet).constants(rect)
 
-    def _parts_to_write(self, *, values_to_fill: bool) -> tuple[dict[str, bytes], set[str]]:
+    def _parts_to_write(self) -> tuple[dict[str, bytes], set[str]]:
         replaced = self.changed_parts()
         dropped: set[str] = set()
         if "charts" in self.__dict__:
@@ -383,7 +383,7 @@ class Workbook(WorkbookState):
             replaced |= chain
         replaced |= self._drawings
         structure = self.structure.with_print_areas(self._print_areas)
-        if values_to_fill:  # else each is up to date, and Excel need not ask whether to save
+        if self.changed:
             structure = self.structure.with_full_calculation(structure)
         replaced[self.structure.part] = structure
         same = [name for name, data in replaced.items() if data == self.container.read(name)]
