@@ -92,7 +92,7 @@ explore: $(DEV_READY) $(LOOPS)
 	$(PYTEST_PY) scripts/explore.py $(MINUTES) $(PROCESSES) $(ARGS)
 
 validate: $(DEV_READY) $(LOOPS)
-	$(PY) scripts/validate.py --record $(ARGS)
+	$(PY) scripts/validate.py --all --record $(ARGS)
 
 kills: $(DEV_READY) $(LOOPS)
 	$(PY) -m benchmarks.file_calls --record $(ARGS)

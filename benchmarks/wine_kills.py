@@ -187,7 +187,7 @@ def record(command: Command, done: Study) -> None:
         "faults": done.faults,
     }
     RECORD.write_text(json.dumps(kept, indent=1, sort_keys=True) + "\n", encoding="utf-8")
-    windows.write_page(json.loads(windows.RECORD.read_text("utf-8")))
+    windows.write_page()
 
 
 def main(given: Sequence[str] | None = None) -> int:

@@ -1,6 +1,6 @@
 """Write every file that is derived from the records: `make generated`.
 
-Schemas, the pages of results, functions and published cases, the table of effects, the commands of the studies, the list of sentences, and the
+Schemas, the pages of results, functions, published cases, hostile files and Windows, the table of effects, the commands of the studies, the list of sentences, and the
 workbooks in templates/. Nothing of them is edited by hand; a test builds them all and names those that are
 stale.
 
@@ -44,6 +44,7 @@ def write_generated(root: Path) -> list[Path]:
     """
     from commands_page import commands_page
     from function_answers import function_answers
+    from windows import page as windows_page
 
     from addin.reference.effects_page import effects_page
     from addin.reference.functions_page import functions_page
@@ -63,6 +64,7 @@ def write_generated(root: Path) -> list[Path]:
         "docs/commands.md": commands_page(),
         "docs/json.md": json_page(),
         "docs/safety.md": safety_page(),
+        "docs/windows.md": windows_page(),
         "docs/effects.md": effects_page((ROOT / "docs/effects.md").read_text(encoding="utf-8")),
         "addin/cli/study_commands.py": study_commands(),
     }

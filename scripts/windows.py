@@ -17,9 +17,8 @@ import subprocess
 import sys
 import time
 import zipfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 from xml.etree import ElementTree
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -69,7 +68,7 @@ the calls was tried, evenly spread. What a library in C writes by itself (Parque
 | What | Why |
 |---|---|
 | tests that drive LibreOffice, Chromium, npm, `hadolint`, Redis or a cluster's terminal | programs of the machine, not of Wine; no `pty` |
-| costs of hostile workbooks (`tests/hostile`, fixture `attended`) | the process forks to be measured |
+| most hostile workbooks and cases (`tests/hostile`, fixture `attended`) | the process that calculates and measures them forks |
 | kills by signal in `tests/batch`, `tests/server`, `tests/xlsx` | Windows has no SIGKILL and no process groups |
 | links in `tests/batch`, `tests/cli`, `tests/xlsx` | Windows wants rights for them; Wine 8 says that it has made one, and has not |
 | bounds of memory of a server process | Windows has no `setrlimit`; the bounds of a file hold |
@@ -202,7 +201,8 @@ def fill_gaps(python: Path = PYTHON, site: Path = SITE) -> None:
     names = [f"{n}={f'my_{n}' if n in ours else f'ucrtbase.{n}'}" for n in sorted(needed)]
     compile_library(python / OUR_MATH, sources, names, "-Wno-everything")
     compile_library(python / "bcryptprimitives.dll", PRNG, [], "-ladvapi32")
-    forward_stable_abi(python)
+    if not (python / "python3.dll").exists():  # a zip has its own, which is to be tried
+        forward_stable_abi(python)
     for path in libraries(python):
         data = path.read_bytes()
         if path.name != OUR_MATH and MATH.encode() in data:
@@ -348,7 +348,7 @@ def try_parts(parts: Sequence[str]) -> int:
             record = {key: row for key, row in record.items() if not key.startswith(f"{part}/")}
             record[part] = counts(report) | {"not passed": names_of_failed(report)}
             RECORD.write_text(json.dumps(record, indent=1, sort_keys=True) + "\n", encoding="utf-8")
-            write_page(record)
+            write_page()
     return int(bool(status))
 
 
@@ -367,7 +367,7 @@ def try_again() -> int:
                 for what in ("passed", "skipped"):
                     row[what] += counts(report)[what]
     RECORD.write_text(json.dumps(record, indent=1, sort_keys=True) + "\n", encoding="utf-8")
-    write_page(record)
+    write_page()
     return int(any(row["not passed"] for row in record.values()))
 
 
@@ -390,24 +390,27 @@ def kills_table() -> str:
     return "\n".join(lines) + "\n"
 
 
-def write_page(record: Mapping[str, Any]) -> None:
+def page() -> str:
     """docs/windows.md, from the records."""
+    record = json.loads(RECORD.read_text("utf-8"))
     lines = [
         f"| {part} | {found['passed']} | {found['failed']} | {found['skipped']} | {found['seconds']} |"
         for part, found in sorted(record.items())
     ]
     bad = [f"- `{name}`" for part in sorted(record) for name in record[part]["not passed"]]
     again = sum(len(row.get("run again", ())) for row in record.values())
-    PAGE.write_text(
-        PAGE_WORDS.format(
-            again=f" Tests that failed, were mended and run again alone: {again}." if again else "",
-            rooms=", ".join(f"`{part}`" for part in ROOMS),
-            table="\n".join(lines),
-            bad="\n".join(bad) or "None.",
-            kills=kills_table(),
-        ),
-        encoding="utf-8",
+    return PAGE_WORDS.format(
+        again=f" Tests that failed, were mended and run again alone: {again}." if again else "",
+        rooms=", ".join(f"`{part}`" for part in ROOMS),
+        table="\n".join(lines),
+        bad="\n".join(bad) or "None.",
+        kills=kills_table(),
     )
+
+
+def write_page() -> None:
+    """Write the page."""
+    PAGE.write_text(page(), encoding="utf-8", newline="\n")
 
 
 def tests(words: Sequence[str]) -> int:

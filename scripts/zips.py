@@ -188,18 +188,25 @@ def pack(folder: Path, target: Path) -> None:
 
 
 def strange_libraries(folder: Path) -> list[str]:
-    """Libraries that programs and modules for Windows in a folder ask for and that neither it nor Windows has; those of Wine's gaps."""
-    paths = [p for p in folder.rglob("*") if p.suffix.lower() in (".dll", ".pyd", ".exe")]
-    there = {path.name.lower() for path in paths}
-    found = [f"{name} is for Wine" for name in FOR_WINE if name in there]
-    for path in sorted(paths):
+    """Libraries, and functions of those inside, that programs for Windows in a folder ask for and nobody has; those of Wine's gaps."""
+    found, programs, given = list[str](), list[tuple[Path, PeFile]](), dict[str, set[str]]()
+    for path in sorted(
+        p for p in folder.rglob("*") if p.suffix.lower() in (".dll", ".pyd", ".exe")
+    ):
         try:
-            asked = PeFile.read(path).imports()
+            program = PeFile.read(path)
         except ValueError:
             continue  # launchers for other processors, as data of packages
-        for name in sorted(set(asked) - there):
-            if not is_of_windows(name):
-                found.append(f"{path.relative_to(folder)} asks for {name}")
+        programs.append((path.relative_to(folder), program))
+        given.setdefault(path.name.lower(), set()).update(program.exports())
+    found += [f"{name} is for Wine" for name in FOR_WINE if name in given]
+    for path, program in programs:
+        for name, functions in sorted(program.imports().items()):
+            if name not in given:
+                if not is_of_windows(name):
+                    found.append(f"{path} asks for {name}")
+            elif lacking := set(functions) - given[name]:
+                found.append(f"{path} asks {name} for {min(lacking)}")
     return found
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -19,7 +20,7 @@ from addin.template.examples import EXAMPLES, Example
 from addin.template.filled import MixedUnits, example_of
 from addin.template.variants import VARIANTS, Variant
 from addin.xlsx.temporary import temporary_folder
-from addin.xlsx.whole_files import put_in_place
+from addin.xlsx.whole_files import write_whole
 
 #: The example that has the sheets of the studies, and the example whose train it is.
 _STUDIES, _STUDIED = "studies", "proposed"
@@ -141,4 +142,4 @@ def make_workbook(
         if variant.suffix == ".xlsm":
             install(made, made.with_suffix(".xlsm"))
             made = made.with_suffix(".xlsm")
-        put_in_place(made, path)
+        write_whole(path, partial(shutil.copyfile, made))

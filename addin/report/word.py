@@ -53,6 +53,8 @@ except ImportError:  # `torsionbook report` says so before anything is calculate
 _TEXT_FONT, _TABLE_FONT, _MATH_FONT = "Times New Roman", "Arial", "Cambria Math"
 _PAPERS = {"a4": (210.0, 297.0), "us-letter": (215.9, 279.4)}
 _NAVY, _GREY, _RULE, _MIST, _INK = "1F3A5F", "595959", "C3CBD6", "E9EEF4", "303030"
+#: Parts of another document, by the last word of their relation: styles for Word 2010, a list of sources, a small picture.
+_OF_ANOTHER = ("stylesWithEffects", "customXml", "thumbnail")
 #: What stands behind the shade among the settings of a cell.
 _AFTER_SHADE = ("w:noWrap", "w:tcMar", "w:textDirection", "w:tcFitText", "w:vAlign")
 #: Left and right of the text of a cell. [twentieths of a point]
@@ -129,6 +131,8 @@ class _Writer:
         self.whole: frozenset[int] = frozenset()
         if template is not None:
             self._empty()
+        else:
+            self._leave_out()
         for zoom in self.file.settings.element.iterfind(qn("w:zoom")):
             zoom.set(qn("w:percent"), "100")  # demanded by the schema; Word adds it
         self._properties(document)
@@ -136,6 +140,13 @@ class _Writer:
         self._page(document)
 
     # ---- the whole -----------------------------------------------------------------------------
+
+    def _leave_out(self) -> None:
+        """Leave out what the empty document of python-docx has of another one: Word drops or rewrites it."""
+        for relations in (self.file.part.rels, self.file.part.package.rels):
+            for key, relation in list(relations.items()):
+                if relation.reltype.rpartition("/")[2] in _OF_ANOTHER:
+                    del relations[key]
 
     def _empty(self) -> None:
         """Take out what the pages of a template say; its last section stays, and with it page, heads and feet."""

@@ -11,7 +11,7 @@ import argparse
 import datetime as dt
 import io
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -29,7 +29,14 @@ from addin.contract.studies.registry import EVERY_CHART, STUDY_FACTS_SHEET, with
 from addin.reading.workbook import read_workbook
 from addin.template.charts import Places, make_chart
 from addin.template.examples import EXAMPLES, Example, example_case, study_rows
-from addin.template.live_sheet import LIVE_SHEET, NO_ANSWERS, LiveAnswers, LiveSheets, live_answers
+from addin.template.live_sheet import (
+    LIVE_SHEET,
+    MODEL_CELLS,
+    NO_ANSWERS,
+    LiveAnswers,
+    LiveSheets,
+    live_answers,
+)
 from addin.template.variants import VARIANTS, Variant
 from addin.writing.drawn_schematic import draw_schematic
 from addin.writing.print_areas import hide_empty_charts
@@ -111,16 +118,18 @@ def _build(
         builder = _Builder(workbook, system, filled, blocks, variant=variant, studies=studies)
         builder.build(answers)
     path.write_bytes(made.getvalue())
-    _draw(path)
+    _finish(path, to_calculate=MODEL_CELLS if variant.trusts_values else ())
 
 
-def _draw(path: Path) -> None:
-    """Draw the schematic of an example, and hide the charts that have nothing to draw."""
+def _finish(path: Path, to_calculate: Collection[tuple[int, int]]) -> None:
+    """Draw the schematic of an example, hide charts that have nothing to draw, and take values from cells of sheet Live."""
     made = path.with_name(f".{path.name}.drawn.xlsx")
     workbook = open_workbook(path, ignore_lock=True)
     read = read_workbook(workbook)
     draw_schematic(workbook, read.data)
     hide_empty_charts(workbook, EVERY_CHART, is_form=True)
+    for row, column in to_calculate:
+        workbook.sheet_part(LIVE_SHEET.name).set_cached(row, column, None)
     try:
         workbook.save(made)
         os.replace(made, path)

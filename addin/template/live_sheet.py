@@ -35,6 +35,8 @@ _STATE, _MODES, _MARGINS = 4, 11, 11 + MODE_ROWS + 3
 _LEFT, _LEAST, _SHAFT = 1, 9, 10
 _ALL_INPUTS, _TRAIN_ONLY, _SHOWN, _STORED = range(_STATE + 1, _STATE + 5)
 _VALUE = 2
+#: Cells of models, rows and columns counted from 1.
+MODEL_CELLS = tuple((row + 1, _VALUE + 1) for row in (_ALL_INPUTS, _TRAIN_ONLY, _SHOWN))
 #: Input tables that modes and margins need; a material is named by an element.
 _OF_TRAIN = ("Stations", "Elements", "Case", "Meshes", "ModeDamping", "Materials", "Excitations")
 #: Where a cell shows only a mark, as custom functions do.

@@ -27,6 +27,8 @@ class Variant:
     #: Name of a function of the registry → what the file holds; None = no sheet `Live`.
     spelled: Callable[[str], str] | None = None
     dynamic: bool = False  #: Whether its array formulas are dynamic arrays; else of fixed size.
+    #: Whether its program takes stored values when it opens a file, also those of models, which it has not in memory then.
+    trusts_values: bool = False
 
 
 #: By name; the first is the usual one.
@@ -39,6 +41,9 @@ VARIANTS: Mapping[str, Variant] = {
             "server", ".xlsx", "Excel on Mac, Windows and in the browser, functions from a server",
             _office, dynamic=True,
         ),
-        Variant("calc", ".xlsx", "LibreOffice Calc with torsionbook.oxt", programmatic_name),
+        Variant(
+            "calc", ".xlsx", "LibreOffice Calc with torsionbook.oxt", programmatic_name,
+            trusts_values=True,
+        ),
     )
 }  # fmt: skip

@@ -96,15 +96,17 @@ def _mode_of(path: Path) -> int:
     """The mode of the file that is replaced, or the one that any other new file would get."""
     refuse_strange_name(path)
     if path.is_symlink() and (path.is_file() or not path.exists()):
-        raise OSError(errno.EINVAL, "is a link to another file, which is not replaced", str(path))
+        raise OSError(
+            errno.EINVAL, "it is a link to another file, which is not replaced", str(path)
+        )
     if not path.exists():
         mask = os.umask(0)
         os.umask(mask)
         return 0o666 & ~mask
     if not path.is_file():  # a device or a pipe: a file would take its place
-        raise OSError(errno.EINVAL, "is no ordinary file", str(path))
+        raise OSError(errno.EINVAL, "it is no ordinary file", str(path))
     if not os.access(path, os.W_OK):
-        raise PermissionError(errno.EACCES, "is write-protected", str(path))
+        raise OSError(errno.EROFS, "it is write-protected", str(path))
     return stat.S_IMODE(path.stat().st_mode)
 
 

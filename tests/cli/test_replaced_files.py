@@ -185,9 +185,81 @@ def test_what_cannot_be_written_is_a_sentence(
     assert "Errno" not in said
 
 
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("recalc", "a.xlsx", "--out", "kept.xlsx"),
+        ("recalc", "kept.xlsx", "--in-place"),
+        ("new", "kept.xlsx", "--force"),
+        ("export", "a.xlsx", "kept.json"),
+    ],
+)
+def test_a_write_protected_file_stays(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, words: tuple[str, ...]
+) -> None:
+    shutil.copy(PROPOSED, tmp_path / "a.xlsx")
+    (name,) = (word for word in words if word.startswith("kept"))
+    kept = tmp_path / name
+    if kept.suffix == ".xlsx":
+        shutil.copy(MODIFIED, kept)
+    else:
+        kept.touch()
+    before = kept.read_bytes()
+    kept.chmod(0o444)
+    if sys.platform != "win32" and os.getuid() == 0:  # who may write everywhere
+        may = os.access
+        monkeypatch.setattr(
+            os,
+            "access",
+            lambda path, mode: (mode != os.W_OK or Path(path).name != name) and may(path, mode),
+        )
+    done = torsionbook(*words, cwd=tmp_path)
+    kept.chmod(0o644)
+    assert done.returncode == 1
+    assert "write-protected" in done.stdout + done.stderr
+    assert kept.read_bytes() == before
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="links need rights on Windows")
+@pytest.mark.parametrize("is_there", [True, False])
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("recalc", "a.xlsx", "--out", "link.xlsx"),
+        ("recalc", "a.xlsx", "--json", "link.json"),
+        ("new", "link.xlsx", "--force"),
+        ("import", "a.csv", "--out", "link.xlsx", "--force"),
+        ("export", "a.xlsx", "link.json"),
+        ("excel", "install", "a.xlsx", "--out", "link.xlsm", "--force"),
+        ("verify", "a.xlsx", "--json", "link.json"),
+    ],
+)
+def test_no_command_writes_through_a_link(
+    tmp_path: Path, words: tuple[str, ...], is_there: bool
+) -> None:
+    """Who may write into the folder of the results must not choose which file is replaced."""
+    shutil.copy(PROPOSED, tmp_path / "a.xlsx")
+    assert torsionbook("export", "a.xlsx", "a.csv", cwd=tmp_path).returncode == 0
+    (name,) = (word for word in words if word.startswith("link"))
+    link, other = tmp_path / name, tmp_path / f"other{Path(name).suffix}"
+    if is_there:
+        other.write_bytes(b"{}")
+    link.symlink_to(other.name)
+    done = torsionbook(*words, cwd=tmp_path)
+    assert done.returncode == 1
+    assert "is a link to another file, which is not replaced" in done.stdout + done.stderr
+    assert link.is_symlink()
+    assert other.read_bytes() == b"{}" if is_there else not other.exists()
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="owners are otherwise on Windows")
 @pytest.mark.parametrize(
-    "words", [("recalc", "a.xlsx", "--in-place"), ("export", "a.xlsx", "a.json")]
+    "words",
+    [
+        ("recalc", "a.xlsx", "--in-place"),
+        ("export", "a.xlsx", "a.json"),
+        ("new", "a.xlsx", "--force"),
+    ],
 )
 def test_a_file_that_is_replaced_keeps_its_owner(tmp_path: Path, words: tuple[str, ...]) -> None:
     """Else whoever calculates as root takes the workbook from its engineer."""
@@ -220,7 +292,12 @@ ACCESS_LIST = struct.pack("<I", 2) + b"".join(
 
 @pytest.mark.skipif(sys.platform != "linux", reason="access lists are otherwise elsewhere")
 @pytest.mark.parametrize(
-    "words", [("recalc", "a.xlsx", "--in-place"), ("export", "a.xlsx", "a.json")]
+    "words",
+    [
+        ("recalc", "a.xlsx", "--in-place"),
+        ("export", "a.xlsx", "a.json"),
+        ("new", "a.xlsx", "--force"),
+    ],
 )
 def test_a_file_that_is_replaced_keeps_its_access_list(
     tmp_path: Path, words: tuple[str, ...]

@@ -13,7 +13,7 @@ from xls_cells import read_cells
 
 from addin.reading.workbook import read_workbook
 from addin.template.build import build_template
-from addin.template.live_sheet import MARGIN_ROWS, MODE_ROWS, SHAFTS
+from addin.template.live_sheet import MARGIN_ROWS, MODE_ROWS, MODEL_CELLS, SHAFTS
 from addin.template.variants import VARIANTS
 from addin.worksheet.models import MODELS
 from addin.worksheet.registry import call
@@ -129,11 +129,43 @@ def test_the_values_it_is_shipped_with_are_those_a_program_calculates(calculated
     for row in openpyxl.load_workbook(shipped, data_only=True)["Live"].iter_rows(min_row=6):
         for cell in row:
             there = calculated.get((cell.row - 1, cell.column - 1))
-            if isinstance(cell.value, (int, float)):
+            if (cell.row, cell.column) in MODEL_CELLS:
+                assert cell.value is None, cell.coordinate  # Calc is to make the models
+            elif isinstance(cell.value, (int, float)):
                 numbers += 1
                 assert there == pytest.approx(cell.value, rel=1e-15), cell.coordinate
             else:
                 assert (cell.value or None) == there, cell.coordinate
+    assert numbers > 300
+
+
+@pytest.mark.slow
+def test_it_opens_right_where_nobody_has_changed_the_settings(calc, shipped):
+    """LibreOffice takes stored values then, and functions of a model that it has not made would all be errors."""
+    settings = calc.profile / "user" / "registrymodifications.xcu"
+    before = settings.read_text(encoding="utf-8")
+    lines = [line for line in before.splitlines(keepends=True) if "RecalcMode" not in line]
+    assert "".join(lines) != before
+    settings.write_text("".join(lines), encoding="utf-8")
+    try:
+        opened = calc.convert(shipped, "xlsx")
+    finally:
+        settings.write_text(before, encoding="utf-8")
+    shown, stored = (
+        openpyxl.load_workbook(path, data_only=True)["Live"] for path in (opened, shipped)
+    )
+    handle = call_of(shipped)
+    assert [shown.cell(row, 3).value for row in (6, 8)] == [handle] * 2
+    assert shown.cell(6, 4).value == "No errors."
+    numbers = 0
+    for row in stored.iter_rows(min_row=9):
+        for cell in row:
+            there = shown[cell.coordinate].value
+            if isinstance(cell.value, (int, float)):
+                numbers += 1
+                assert there == pytest.approx(cell.value, rel=1e-14), cell.coordinate
+            elif cell.value:
+                assert there == cell.value, cell.coordinate
     assert numbers > 300
 
 

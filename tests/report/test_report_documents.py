@@ -152,6 +152,16 @@ def test_the_docx_has_headings_fields_and_equations(proposed):
     assert wanted <= set(re.findall(r'w:bookmarkStart [^>]*w:name="([^"]+)"', body))
 
 
+def test_the_docx_has_no_part_that_word_rewrites(proposed):
+    """python-docx begins with a document of Word 2010: styles twice, a list of sources and a picture of its first page."""
+    with zipfile.ZipFile(proposed.docx) as package:
+        names = {n for n in package.namelist() if "media/" not in n}
+        relations = "".join(package.read(n).decode() for n in names if n.endswith(".rels"))
+    assert {n for n in names if n.startswith("customXml/")} == set()
+    assert {"word/stylesWithEffects.xml", "docProps/thumbnail.jpeg"} & names == set()
+    assert not re.search("stylesWithEffects|customXml|thumbnail", relations)
+
+
 @pytest.mark.slow
 def test_libreoffice_opens_the_docx(proposed, soffice):
     try:

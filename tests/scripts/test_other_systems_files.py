@@ -37,6 +37,10 @@ def test_every_library_of_a_zip_is_inside_or_of_windows(tmp_path):
     assert zips.strange_libraries(tmp_path) == [
         "bcryptprimitives.dll is for Wine", "other.exe asks for xernel32.dll",
     ]  # fmt: skip
+    (tmp_path / "xernel32.dll").write_bytes(data)  # which gives no function
+    assert "other.exe asks xernel32.dll for AssignProcessToJobObject" in zips.strange_libraries(
+        tmp_path
+    )
 
 
 @pytest.mark.parametrize("lock", ["run", "server", "report"])

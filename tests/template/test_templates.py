@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 import re
 import zipfile
@@ -11,14 +12,18 @@ from pathlib import Path
 import numpy as np
 import openpyxl
 import pytest
+import xlsxwriter.xmlwriter
 from openpyxl.utils import range_boundaries
 
+from addin.batch.summary import write_summary
 from addin.contract import tables as fields
 from addin.contract.run_facts import RUN_FACTS
 from addin.contract.sheets import SHEETS
 from addin.contract.shipped import template_path
+from addin.diff.compare import compare_files
+from addin.diff.workbook import write_book
 from addin.reading.workbook import read_workbook
-from addin.template.build import TEMPLATES, build_all
+from addin.template.build import TEMPLATES, build_all, build_template
 from addin.template.examples import EXAMPLES
 from engine.case.data import CaseData
 from engine.case.effects import EFFECTS
@@ -57,6 +62,20 @@ def test_rebuilding_gives_the_committed_workbook(rebuilt: Path, name: str) -> No
     assert list(made) == list(committed)
     different = [part for part in made if made[part] != committed[part]]
     assert not different, f"{name} differs from `make templates` in {different}"
+
+
+def test_parts_have_the_same_line_ends_on_every_system(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What XlsxWriter writes into files has those of the system; here they are Windows'."""
+    open_as_on_windows = functools.partial(open, newline="\r\n")
+    monkeypatch.setattr(xlsxwriter.xmlwriter, "open", open_as_on_windows, raising=False)
+    build_template(tmp_path / "template.xlsx", "us", "proposed")
+    write_summary(tmp_path / "summary.xlsx", [], "None.")
+    example = template_path("example_proposed.xlsx")
+    write_book(compare_files(example, example), tmp_path / "diff.xlsx")
+    for path in tmp_path.glob("*.xlsx"):
+        assert [name for name, part in parts(path).items() if b"\r\n" in part] == []
 
 
 @pytest.mark.slow

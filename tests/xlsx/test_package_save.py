@@ -327,10 +327,10 @@ def test_json_is_on_the_disk_before_it_takes_its_place(
 @pytest.mark.skipif(sys.platform == "win32", reason="paths there have 260 characters")
 def test_names_as_long_as_the_system_takes_them(train: Path) -> None:
     """No lock file, and no file beside it with a longer name, can be there."""
-    longest = train.rename(train.with_name("t" * 248 + ".xlsx"))
-    report = edited(longest).save(longest.with_name("o" * 248 + ".xlsx"))
-    write_json(longest.with_name("j" * 248 + ".json"), {"a": 1})
-    assert {len(name) for name in leftovers(train.parent)} == {253}
+    longest = train.rename(train.with_name("t" * 250 + ".xlsx"))
+    report = edited(longest).save(longest.with_name("o" * 250 + ".xlsx"))
+    write_json(longest.with_name("j" * 250 + ".json"), {"a": 1})
+    assert {len(name) for name in leftovers(train.parent)} == {255}
     assert report.notes == ()
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from pathlib import Path
+from pathlib import Path, PureWindowsPath
 
 import pytest
 import typer
@@ -41,6 +41,16 @@ def test_names_that_no_file_can_have(monkeypatch, name):
 def test_names_that_look_like_them(monkeypatch, name):
     monkeypatch.setattr(places, "_IS_WINDOWS", True)
     refuse_strange_name(Path(name))
+
+
+@pytest.mark.parametrize(
+    "folder", [r"C:\trains", "C:", r"\\server\share", r"\\?\C:\trains", r"\\?\UNC\server\share"]
+)
+def test_signs_of_drives_and_of_other_machines_are_no_names(monkeypatch, folder):
+    monkeypatch.setattr(places, "_IS_WINDOWS", True)
+    refuse_strange_name(PureWindowsPath(folder, "train.xlsx"))
+    with pytest.raises(OSError, match="no name that a file can have on Windows"):
+        refuse_strange_name(PureWindowsPath(folder, "nul.xlsx"))
 
 
 def test_a_device_is_refused_before_anything_is_calculated(train, monkeypatch):
