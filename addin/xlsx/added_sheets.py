@@ -19,8 +19,9 @@ from lxml import etree
 
 from addin.xlsx.cell_looks import BUILT_IN
 from addin.xlsx.errors import damaged
+from addin.xlsx.formula_text import Span, TableReference, parse_formula
 from addin.xlsx.formulas import CacheReport
-from addin.xlsx.references import whole_number
+from addin.xlsx.references import split_sheet, whole_number
 from addin.xlsx.save import Destination, PackageChange, SaveReport, save_package
 from addin.xlsx.state import WorkbookState
 from addin.xlsx.workbook_part import CONTENT_TYPES_PART, relationships_part
@@ -413,7 +414,7 @@ class _Merger:
     # ---- names ---------------------------------------------------------------------------------
 
     def add_names(self, sheets: Sequence[str]) -> None:
-        """Take over the names of the sheets, and those of the workbook that lead to them."""
+        """Take over the names of the sheets, and those of the workbook that lead to them or to no other sheet."""
         root = self._roots[self._book.structure.part]
         listed = [entry.get("name") for entry in root.find(main("sheets"))]
         there = {name.casefold() for name in self._book.defined_names}
@@ -429,6 +430,17 @@ class _Merger:
                     )
                 else:
                     self._name(root, name.name, name.text, None)
+            elif not local and name.sheet is None and name.name.casefold() not in there:
+                if self._stands_alone(name.text, sheets):
+                    self._name(root, name.name, name.text, None)
+
+    def _stands_alone(self, text: str, sheets: Sequence[str]) -> bool:
+        """Whether a formula or constant reads no other sheet than some."""
+        read = parse_formula(text)
+        cells = [one for one in read.references if not isinstance(one, TableReference)]
+        spans = [one.start if isinstance(one, Span) else one for one in cells]
+        named = {split_sheet(f"{one.sheet}A1")[0] for one in spans}
+        return not read.unclear and named <= {*sheets, ""}
 
     def _name(self, root: Element, name: str, text: str, local: int | None) -> None:
         names = root.find(main("definedNames"))
