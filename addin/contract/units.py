@@ -314,7 +314,9 @@ _WHOLE = {
 
 def _tidy(text: str) -> str:
     """A unit as typed, in the spelling of this module: ``lb·ft²`` → ``lb*ft^2``."""
-    text = re.sub("[⁰¹²³⁴⁵⁶⁷⁸⁹⁻]+", lambda m: "^" + m.group().translate(_SUPERSCRIPTS), as_seen(text))
+    text = re.sub(
+        "[⁰¹²³⁴⁵⁶⁷⁸⁹⁻]+", lambda m: "^" + m.group().translate(_SUPERSCRIPTS), as_seen(text)
+    )
     text = text.translate(_SIGNS).replace("**", "^").strip().strip("[]").strip()
     if text in _WHOLE:
         return _WHOLE[text]

@@ -309,20 +309,33 @@ def _left_behind(
     left: list[str] = []
     drawn: list[str] = []
     commented: list[str] = []
+    homes = {table.name.casefold(): table.sheet for table in template.tables.values()}
+    renamed = {
+        table.sheet: homes[table.name.casefold()]
+        for table in source.tables.values()
+        if table.name.casefold() in homes and not earlier
+    }
     for sheet in source.sheet_names:
         name = next(
-            (one for one in template.sheet_names if one.casefold() == sheet.casefold()), None
+            (one for one in template.sheet_names if one.casefold() == sheet.casefold()),
+            renamed.get(sheet),
         )
         if sheet not in ours or sheet in source.structure.hidden_sheets:
             continue
         if name is None and not earlier:
             continue
-        here, there = name and template.sheet_part(name), source.sheet_part(sheet)
+        there = source.sheet_part(sheet)
+        here = there if name is None else template.sheet_part(name)
+        words = {
+            here.value(*place) for place in here.filled_cells(WHOLE_SHEET)
+        }  # they may have been moved
         had = _CHARTS_OF_0_1_0.get(sheet, 0) if earlier else _drawings(template, str(name))
         if _drawings(source, sheet) > had:
             drawn.append(sheet)
         had_comments = set() if name is None else _comments(template, name)
-        commented += [f"{sheet}!{cell}" for cell in _comments(source, sheet) if cell not in had_comments]
+        commented += [
+            f"{sheet}!{cell}" for cell in _comments(source, sheet) if cell not in had_comments
+        ]
         tables = list(_areas_of_tables(source, template, sheet, earlier=earlier))
         areas = [parse_range(area) for area in _CELLS_OF_0_1_0.get(sheet, "").split()]
         named = {
@@ -343,7 +356,9 @@ def _left_behind(
                 of_template = _is_of_template(tables, named, row, column)
                 new = not of_template and not any(place.meets(area) for area in areas)
             else:
-                new = here is not None and here.value(row, column) is None
+                new = here.value(row, column) is None and (
+                    isinstance(held, (int, float)) or held not in words
+                )
             if new:
                 left.append(f"{sheet}!{cell_name(row, column)}")
     if left:
@@ -358,7 +373,6 @@ def _left_behind(
             "them on a sheet of their own, or name a template that has them."
         )
 
-
     if commented:
         yield (
             f"Comments on sheets of the product were not taken over: {listed_words(commented)}. Write them again."
@@ -370,7 +384,8 @@ def _areas_of_tables(
 ) -> Iterator[Rect]:
     """Cells of the product's tables on a sheet, without the columns that were put into them."""
     stored = {table.name.casefold(): table for table in template.tables.values()}
-    known = {spec.name.casefold() for spec in (*EVERY_TABLE, *CHART_TABLES)}
+    names = [*(spec.name for spec in EVERY_TABLE), *(spec.name for spec in CHART_TABLES)]
+    known = {name.casefold() for name in names}
     inputs = {spec.name.casefold() for spec in EVERY_INPUT}
     for table in source.tables.values():
         key = table.name.casefold()

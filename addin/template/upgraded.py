@@ -76,7 +76,15 @@ def upgraded_workbook(read: WorkbookInput, folder: Path) -> Upgraded:
             if new is None:
                 frozen.append(f"{sheet}!{cell_name(row, column)}")
                 new = part.constant(row, column)
-            if new != held:
+            if new == held:
+                continue
+            here = workbook.sheet_part(sheet)
+            if (array := here.arrays.get((row, column))) is not None:
+                here.exchange_formulas(
+                    {(row, column): new.text if isinstance(new, Formula) else ""}
+                )
+                workbook.note_changed(sheet, array)
+            else:
                 workbook.set_cell(sheet, cell_name(row, column), new, replace_formula=True)
     path = folder / f"upgraded{workbook.path.suffix}"
     report = workbook.save(path)
@@ -93,7 +101,8 @@ def upgraded_workbook(read: WorkbookInput, folder: Path) -> Upgraded:
 def _earlier_sheets(workbook: Workbook) -> frozenset[str]:
     """Names that sheets of the product had before, where the workbook has that layout."""
     now = {part.worksheet for part in SHEETS}
-    return frozenset() if now <= set(workbook.sheet_names) else EARLIER_SHEETS
+    names = frozenset(workbook.sheet_names)
+    return frozenset() if now <= names else EARLIER_SHEETS & names
 
 
 class _Moves:

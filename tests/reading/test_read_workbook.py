@@ -158,7 +158,8 @@ def test_names_that_look_alike_are_one(workbook, read, typed):
 
 
 @pytest.mark.parametrize(
-    ("place", "column"), [(("Stations", 1), "Station"), (("Elements", 0), "Element"), (None, "Revision")]
+    ("place", "column"),
+    [(("Stations", 1), "Station"), (("Elements", 0), "Element"), (None, "Revision")],
 )
 def test_a_date_is_no_name(workbook, read, place, column):
     """Excel makes one of 1-2, and the shaft was called 46024 in every result."""

@@ -127,8 +127,14 @@ def test_all_that_is_left_behind_is_listed(train: Path) -> None:
     assert f"Train!{sheet.cell(top, right + 1).coordinate}" in beside
     count = beside.count("!") + int(beside.split(" and ")[1].split()[0])
     assert count == (bottom - top + 1) + 1 + 1
-    assert "Charts and pictures that were added to sheets of the product were not taken over: Train." in told
-    assert f"Comments on sheets of the product were not taken over: Train!{sheet.cell(top + 1, left).coordinate}." in told
+    assert (
+        "Charts and pictures that were added to sheets of the product were not taken over: Train."
+        in told
+    )
+    assert (
+        f"Comments on sheets of the product were not taken over: Train!{sheet.cell(top + 1, left).coordinate}."
+        in told
+    )
     assert "Document properties of your own" in told
 
 
