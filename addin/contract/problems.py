@@ -15,6 +15,10 @@ _NOT_TEXT = re.compile(
 )
 
 
+#: Characters without ink or width, which come along when words are copied from elsewhere.
+_UNSEEN = dict.fromkeys(map(ord, "\u00ad\u200b\u200c\u200d\u200e\u200f\u2060\ufeff"))
+
+
 @dataclass(frozen=True)
 class CellProblem:
     """One thing wrong in a workbook or a case JSON, with the place to correct it."""
@@ -112,6 +116,11 @@ def first_of(sentences: Sequence[str], most: int) -> list[str]:
     """The first sentences, so many at the most, and how many more there are."""
     more = [f"And {len(sentences) - most} more."] if len(sentences) > most else []
     return [*sentences[:most], *more]
+
+
+def as_seen(text: str) -> str:
+    """A text without what nobody sees: characters of no width, blanks at its ends, blanks of any kind but one."""
+    return " ".join(text.translate(_UNSEEN).split())
 
 
 def shortened(text: str, longest: int = 60) -> str:

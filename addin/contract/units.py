@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
-from addin.contract.problems import nearest, shortened
+from addin.contract.problems import as_seen, nearest, shortened
 from addin.contract.tables import DIMENSIONS
 
 #: What a relative unit is a share of.
@@ -314,7 +314,9 @@ _WHOLE = {
 
 def _tidy(text: str) -> str:
     """A unit as typed, in the spelling of this module: ``lb·ft²`` → ``lb*ft^2``."""
-    text = re.sub("[⁰¹²³⁴⁵⁶⁷⁸⁹⁻]+", lambda m: "^" + m.group().translate(_SUPERSCRIPTS), text)
+    text = re.sub(
+        "[⁰¹²³⁴⁵⁶⁷⁸⁹⁻]+", lambda m: "^" + m.group().translate(_SUPERSCRIPTS), as_seen(text)
+    )
     text = text.translate(_SIGNS).replace("**", "^").strip().strip("[]").strip()
     if text in _WHOLE:
         return _WHOLE[text]

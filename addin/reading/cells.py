@@ -7,7 +7,7 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from addin.contract.problems import shortened
+from addin.contract.problems import as_seen, shortened
 from addin.contract.tables import Field
 from addin.contract.units import UnitError, parse_unit
 from addin.xlsx import ErrorValue
@@ -26,7 +26,7 @@ class Cell:
     @property
     def is_blank(self) -> bool:
         """Whether it holds nothing, or a formula that shows nothing."""
-        blank_text = isinstance(self.value, str) and not _trimmed(self.value)
+        blank_text = isinstance(self.value, str) and not as_seen(self.value)
         return blank_text or (self.value is None and not self.is_formula)
 
 
@@ -81,13 +81,7 @@ def read_number(cell: Cell, spec: Field, unit_place: str) -> float | None:
     if not math.isfinite(value):
         raise CellFault(str(value), "a finite number", f"found {value}; type a finite number.")
     if is_date_format(cell.number_format):
-        raise CellFault(
-            f"a date or time ({value:.10g})",
-            _NUMBER,
-            f"the cell is formatted as a date or time; Excel stores {value:.10g}. Excel converts "
-            "entries such as 1-2 or 3/4 to dates: format the cell as Number and type the value "
-            "again.",
-        )
+        raise _date_fault(value, _NUMBER, "Number")
     return float(value)
 
 
@@ -108,6 +102,8 @@ def read_text(cell: Cell, spec: Field) -> str | None:
     value = _plain(
         cell, allowed, lambda shown: f"found {shown}; it must be {allowed}. Type it as text."
     )
+    if isinstance(value, float) and is_date_format(cell.number_format):
+        raise _date_fault(value, allowed, "Text")
     return f"{value:.15g}" if isinstance(value, (int, float)) else value
 
 
@@ -161,11 +157,21 @@ def _plain(cell: Cell, allowed: str, sentence: Callable[[str], str]) -> int | fl
     return value
 
 
+def _date_fault(value: float, allowed: str, number_format: str) -> CellFault:
+    """Of a date or time, which Excel may have made of something else."""
+    return CellFault(
+        f"a date or time ({value:.10g})",
+        allowed,
+        f"the cell is formatted as a date or time; Excel stores {value:.10g}. Excel converts entries such as 1-2 or "
+        f"3/4 to dates: format the cell as {number_format} and type it again.",
+    )
+
+
 # --- text where a number belongs ------------------------------------------------------------------
 
 _DIGITS = re.compile(r"[+\-−]?(\d+\.?\d*|\.\d+)([eE][+\-−]?\d+)?")
 _COMMA = re.compile(r"[+\-−]?\d+,\d+([eE][+\-−]?\d+)?")
-_GROUPED = re.compile(r"[+\-−]?\d{1,3}([ ,'’]\d{3})+(\.\d*)?")
+_GROUPED = re.compile(r"[+\-−]?\d{1,3}([ .,'’]\d{3})+([.,]\d*)?")
 _WITH_UNIT = re.compile(r"([+\-−]?(?:\d[\d.,]*|\.\d+)(?:[eE][+\-−]?\d+)?)\s*([A-Za-z%°µ\"'].*)")
 
 
@@ -178,14 +184,14 @@ def number_in_text(text: str) -> str:
         What is wrong and what to do; empty if it does not look like a number. [sentence]
     """
     text = shortened(text)
-    why = _why_no_number(_trimmed(text), "")
+    why = _why_no_number(as_seen(text), "")
     return f"found '{text}', which {why}" if why else ""
 
 
 def _text_fault(text: str, spec: Field, unit_place: str) -> CellFault:
     """Why a text is not the number it may look like."""
     text = shortened(text)
-    why = _why_no_number(_trimmed(text), unit_place if spec.has_unit else "", spec.dimension)
+    why = _why_no_number(as_seen(text), unit_place if spec.has_unit else "", spec.dimension)
     words = f" or {' or '.join(spec.choices)}," if spec.choices else ""
     why = why or f"is not a number. Type a number{words} or leave the cell blank."
     return CellFault(text, _NUMBER, f"found '{text}', which {why}")
@@ -196,7 +202,7 @@ def _why_no_number(trimmed: str, unit_place: str, dimension: str = "") -> str:
     if _DIGITS.fullmatch(trimmed):
         return (
             "looks like a number but is text. Type it again, or use Data > Text to Columns; "
-            "remove spaces and a leading apostrophe."
+            "remove a leading apostrophe, and spaces, which may be without width."
         )
     if _GROUPED.fullmatch(trimmed):
         return (
@@ -222,11 +228,6 @@ def _why_no_number(trimmed: str, unit_place: str, dimension: str = "") -> str:
             f"{unit_place}."
         )
     return f"is not a plain number. Type {number}."
-
-
-def _trimmed(text: str) -> str:
-    """Without blanks at both ends, the unbreakable ones too."""
-    return text.replace("\u00a0", " ").replace("\u202f", " ").strip()
 
 
 # --- number formats -------------------------------------------------------------------------------

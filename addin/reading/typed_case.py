@@ -12,7 +12,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, TypeGuard
 
-from addin.contract.problems import CellProblem, nearest, printable, shortened
+from addin.contract.problems import CellProblem, as_seen, nearest, printable, shortened
 from addin.contract.tables import (
     INPUT_TABLES,
     SCALAR_TABLE,
@@ -283,7 +283,7 @@ def word_entry(text: str, spec: Field, place: Place, findings: Findings) -> str 
         )
         return None
     text = _HALF_CHARACTERS.sub("\ufffd", text)  # JSON may hold them, no file nor screen can
-    if spec.kind == "station" and spec.name in ("From", "To") and text.casefold() == GROUND:
+    if spec.kind == "station" and spec.name in ("From", "To") and _name_key(text) == GROUND:
         return GROUND
     if spec.kind != "choice":
         return text
@@ -328,10 +328,10 @@ def too_many_rows(table: str, count: int, findings: Findings) -> bool:
 
 
 def _folded(word: str) -> str:
-    """A choice without capitals, double blanks and hyphens of any kind."""
+    """A choice without capitals, what nobody sees, and hyphens of any kind."""
     for dash in "-‐‑–—−":
         word = word.replace(dash, " ")
-    return " ".join(word.casefold().split())
+    return as_seen(word).casefold()
 
 
 # --- numbers ------------------------------------------------------------------------------------
@@ -451,9 +451,9 @@ def to_case_data(typed: TypedCase, findings: Findings) -> CaseData:
 
 
 def with_names_as_defined(typed: TypedCase) -> TypedCase:
-    """References to stations, elements and materials in the capitals of the row that defines them.
+    """References to stations, elements and materials in the spelling of the row that defines them.
 
-    A name that no row or more than one differs from by capitals alone stays as it is typed.
+    A name that no row or more than one differs from by capitals or what nobody sees alone stays as it is typed.
 
     Parameters
     ----------
@@ -474,7 +474,7 @@ def with_names_as_defined(typed: TypedCase) -> TypedCase:
         tables[spec.name] = [
             row
             | {
-                column.name: names[column.kind].get(word.casefold(), word)
+                column.name: names[column.kind].get(_name_key(word), word)
                 for column in columns
                 if isinstance(word := row.get(column.name), str)
             }
@@ -487,8 +487,13 @@ def _by_folded_name(typed: TypedCase, table: str, column: str) -> dict[str, str]
     defined = [
         name for row in typed.tables.get(table, []) if isinstance(name := row.get(column), str)
     ]
-    folded = Counter(name.casefold() for name in dict.fromkeys(defined))
-    return {name.casefold(): name for name in defined if folded[name.casefold()] == 1}
+    folded = Counter(map(_name_key, dict.fromkeys(defined)))
+    return {_name_key(name): name for name in defined if folded[_name_key(name)] == 1}
+
+
+def _name_key(name: str) -> str:
+    """What two spellings of one name have in common."""
+    return as_seen(name).casefold()
 
 
 def _refuse_circular(typed: TypedCase, findings: Findings) -> None:

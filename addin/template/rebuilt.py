@@ -32,7 +32,8 @@ from addin.worksheet.models import system_of
 from addin.writing.workbook import chosen_elements
 from addin.xlsx import Formula, PackageError, Table, TableData, Workbook, open_workbook
 from addin.xlsx.added_sheets import save_with_sheets
-from addin.xlsx.references import MAX_COLUMN, MAX_ROW, Rect, cell_name
+from addin.xlsx.references import MAX_COLUMN, MAX_ROW, Rect, cell_name, parse_range
+from addin.xlsx.xml_part import main
 from engine.case.data import case_digest
 from engine.case.study_inputs import study_digest
 
@@ -41,13 +42,22 @@ WHOLE_SHEET = Rect(1, 1, MAX_ROW, MAX_COLUMN)
 _LISTED = 8
 #: Where earlier templates have words of their own: rows of the banner, rows above a table, columns beside a scalar.
 _BANNER, _ABOVE_TABLE, _BESIDE_SCALAR = 3, 2, 3
-#: Words on sheet Summary of 0.1.0 beside no table and no name.
-_WORDS_OF_0_1_0 = frozenset({
-    "Revision", "Checked by", "Client", "Software", "Calculated (UTC)", "Inputs SHA-256", "Results", "The train",
-    "Synchronous speed", "rpm", "First torsional mode", "Modes below 2 × line frequency", "Least separation margin",
-    "Duration of the start", "s", "Least mesh torque / transmitted", "Largest nominal stress, p-p",
-    "Least allowable starts, whole",
-})  # fmt: skip
+#: Cells of 0.1.0 beside tables and names, by sheet; of Notes and Trace, which are all words, none is told.
+_CELLS_OF_0_1_0 = {
+    "Summary": "B4:L7 B11 B25:E26 B27:E35",
+    "Case": "B5 G5 G13 B15 G20 B22 D34:D43",
+    "Frequencies": "K4",
+    "Start-up": "B4",
+    "Reversals": "B4 B35:C43",
+    "Starts": "B4 K31:P41",
+    "Effects": "B20:B24",
+    "Accuracy": "B5:B7",
+}
+#: Its charts, by sheet; it had no pictures. [count]
+_CHARTS_OF_0_1_0 = {
+    "Summary": 2, "Torque": 3, "Fatigue": 1, "Frequencies": 1, "Margins": 1, "Start-up": 3, "Histories": 6,
+    "Reversals": 2, "Starts": 1, "Accuracy": 1,
+}  # fmt: skip
 
 
 class CannotBeRebuilt(Exception):
@@ -298,19 +308,36 @@ def _left_behind(
     """What was put beside the inputs on sheets of the product: it is in no template."""
     left: list[str] = []
     drawn: list[str] = []
+    commented: list[str] = []
+    homes = {table.name.casefold(): table.sheet for table in template.tables.values()}
+    renamed = {
+        table.sheet: homes[table.name.casefold()]
+        for table in source.tables.values()
+        if table.name.casefold() in homes and not earlier
+    }
     for sheet in source.sheet_names:
         name = next(
-            (one for one in template.sheet_names if one.casefold() == sheet.casefold()), None
+            (one for one in template.sheet_names if one.casefold() == sheet.casefold()),
+            renamed.get(sheet),
         )
-        if sheet not in ours or name is None or sheet in source.structure.hidden_sheets:
+        if sheet not in ours or sheet in source.structure.hidden_sheets:
             continue
-        here, there = template.sheet_part(name), source.sheet_part(sheet)
-        if earlier:  # which charts that release had is not known; pictures it had none
-            if _drawings(source, sheet, ("image",)):
-                drawn.append(sheet)
-        elif _drawings(source, sheet) > _drawings(template, name):
+        if name is None and not earlier:
+            continue
+        there = source.sheet_part(sheet)
+        here = there if name is None else template.sheet_part(name)
+        words = {
+            here.value(*place) for place in here.filled_cells(WHOLE_SHEET)
+        }  # they may have been moved
+        had = _CHARTS_OF_0_1_0.get(sheet, 0) if earlier else _drawings(template, str(name))
+        if _drawings(source, sheet) > had:
             drawn.append(sheet)
-        tables = [table.ref for table in source.tables.values() if table.sheet == sheet]
+        had_comments = set() if name is None else _comments(template, name)
+        commented += [
+            f"{sheet}!{cell}" for cell in _comments(source, sheet) if cell not in had_comments
+        ]
+        tables = list(_areas_of_tables(source, template, sheet, earlier=earlier))
+        areas = [parse_range(area) for area in _CELLS_OF_0_1_0.get(sheet, "").split()]
         named = {
             (one.rect.top, one.rect.left)
             for one in source.defined_names.values()
@@ -321,15 +348,18 @@ def _left_behind(
             if (row, column) in named or any(place.meets(table) for table in tables):
                 continue
             held = there.value(row, column)
-            if held == "" or (earlier and _is_of_template(tables, named, row, column)):
+            if held is None or held == "":
                 continue
-            if earlier and sheet == "Summary" and held in _WORDS_OF_0_1_0:
-                continue
-            if not isinstance(held, (str, float, int)):
-                continue
-            # notes stand at other rows in other templates
-            notes = sheet == "Notes" and not earlier  # words of an earlier release are not known
-            if held not in _shipped_notes() if notes else here.value(row, column) is None:
+            if sheet == "Notes" and not earlier:  # they stand at other rows in other templates
+                new = not isinstance(held, Formula) and held not in _shipped_notes()
+            elif earlier and sheet not in ("Notes", "Trace"):
+                of_template = _is_of_template(tables, named, row, column)
+                new = not of_template and not any(place.meets(area) for area in areas)
+            else:
+                new = here.value(row, column) is None and (
+                    isinstance(held, (int, float)) or held not in words
+                )
+            if new:
                 left.append(f"{sheet}!{cell_name(row, column)}")
     if left:
         yield (
@@ -342,6 +372,44 @@ def _left_behind(
             f"Charts and pictures that were added to sheets of the product were not taken over: {listed_words(drawn)}. Put "
             "them on a sheet of their own, or name a template that has them."
         )
+
+    if commented:
+        yield (
+            f"Comments on sheets of the product were not taken over: {listed_words(commented)}. Write them again."
+        )
+
+
+def _areas_of_tables(
+    source: Workbook, template: Workbook, sheet: str, *, earlier: bool
+) -> Iterator[Rect]:
+    """Cells of the product's tables on a sheet, without the columns that were put into them."""
+    stored = {table.name.casefold(): table for table in template.tables.values()}
+    names = [*(spec.name for spec in EVERY_TABLE), *(spec.name for spec in CHART_TABLES)]
+    known = {name.casefold() for name in names}
+    inputs = {spec.name.casefold() for spec in EVERY_INPUT}
+    for table in source.tables.values():
+        key = table.name.casefold()
+        if table.sheet != sheet or key not in known:
+            continue
+        if key not in stored or (earlier and key not in inputs):
+            yield table.ref  # results, whose columns had other names before
+            continue
+        headers = {folded_header(header) for header in stored[key].columns}
+        for at, header in enumerate(table.columns, start=table.ref.left):
+            if folded_header(header) in headers:
+                yield Rect(table.ref.top, at, table.ref.bottom, at)
+
+
+def _comments(workbook: Workbook, sheet: str) -> list[str]:
+    """Cells of a sheet that have a comment."""
+    part = workbook.structure.worksheet_part(sheet)
+    related = workbook.structure.relationships(part) if part else []
+    return [
+        str(entry.get("ref"))
+        for one in related
+        if one.kind == "comments"
+        for entry in workbook.container.tree(one.part).iter(main("comment"))
+    ]
 
 
 def _is_of_template(

@@ -5,6 +5,7 @@ Formulas of these sheets that read sheets of the product follow the cells to whe
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,6 +22,8 @@ from addin.xlsx.references import Rect, cell_name, parse_range, quoted_sheet
 from addin.xlsx.values import CellValue
 from addin.xlsx.xml_part import Element, main
 
+#: Columns in a structured reference with more than one of them, or with a part of the table before them.
+_COLUMNS = re.compile(r"\[((?:'.|[^\[\]'])+)\]")
 #: Names of earlier releases for cells that this version refers to otherwise.
 _EARLIER_NAMES = frozenset({"DocumentStrip"})
 
@@ -73,24 +76,33 @@ def upgraded_workbook(read: WorkbookInput, folder: Path) -> Upgraded:
             if new is None:
                 frozen.append(f"{sheet}!{cell_name(row, column)}")
                 new = part.constant(row, column)
-            if new != held:
+            if new == held:
+                continue
+            here = workbook.sheet_part(sheet)
+            if (array := here.arrays.get((row, column))) is not None:
+                here.exchange_formulas(
+                    {(row, column): new.text if isinstance(new, Formula) else ""}
+                )
+                workbook.note_changed(sheet, array)
+            else:
                 workbook.set_cell(sheet, cell_name(row, column), new, replace_formula=True)
     path = folder / f"upgraded{workbook.path.suffix}"
     report = workbook.save(path)
     notes += report.notes
     if frozen:
         notes.append(
-            f"Formulas that read cells of torsionbook which this version has elsewhere keep their value only: "
+            f"Formulas that read cells of torsionbook which this version has elsewhere, or not at all, keep their value only: "
             f"{listed_words(frozen)}. Type them again."
         )
-    notes += _not_taken(read, workbook, own, foreign)
+    notes += _not_taken(read, own, foreign, moves.lost)
     return Upgraded(path, tuple(notes))
 
 
 def _earlier_sheets(workbook: Workbook) -> frozenset[str]:
     """Names that sheets of the product had before, where the workbook has that layout."""
     now = {part.worksheet for part in SHEETS}
-    return frozenset() if now <= set(workbook.sheet_names) else EARLIER_SHEETS
+    names = frozenset(workbook.sheet_names)
+    return frozenset() if now <= names else EARLIER_SHEETS & names
 
 
 class _Moves:
@@ -105,7 +117,11 @@ class _Moves:
             and (there := after.defined_names.get(one.name)) is not None
             and there.sheet is not None
         }
+        self.lost = _lost_names(before, after)
         stored = {table.name.casefold(): table for table in after.tables.values()}
+        self._headers = {
+            name: {folded_header(one) for one in table.columns} for name, table in stored.items()
+        }
         inputs = {spec.name.casefold() for spec in EVERY_INPUT}
         self._tables = [
             (table, stored[table.name.casefold()])
@@ -118,8 +134,12 @@ class _Moves:
         if not isinstance(held, Formula):
             return held
         text = ""
-        for piece, match, _ in pieces(held.text):
+        for piece, match, inside in pieces(held.text):
             kind = None if match is None else match.lastgroup
+            if match is not None and kind == "name" and match["name"].casefold() in self.lost:
+                return None
+            if match is not None and kind == "bracket" and self._is_gone(match["name"], inside):
+                return None
             if match is not None and kind in ("ref", "name", "bracket"):
                 written = match["sheet"] if kind == "ref" else match["nsheet"]
                 sheet = (written or "").removesuffix("!").strip("'").replace("''", "'")
@@ -131,6 +151,15 @@ class _Moves:
                     continue
             text += piece
         return held if text == held.text else Formula(text)
+
+    def _is_gone(self, table: str, inside: str | None) -> bool:
+        """Whether a structured reference reads a column that the new workbook has not."""
+        headers = self._headers.get(table.casefold())
+        if headers is None or inside is None:
+            return headers is None
+        columns = _COLUMNS.findall(inside) if "[" in inside else [inside]
+        named = (folded_header(re.sub("'(.)", r"\1", one)) for one in columns)
+        return any(one and one[0] not in "#@" and one not in headers for one in named)
 
     def _moved(self, sheet: str, text: str) -> str | None:
         try:
@@ -175,7 +204,7 @@ def _dollars(rect: Rect) -> str:
 
 
 def _not_taken(
-    read: WorkbookInput, after: Workbook, own: list[str], foreign: set[str]
+    read: WorkbookInput, own: list[str], foreign: set[str], lost: dict[str, str]
 ) -> Iterator[str]:
     """What else the new workbook has not."""
     before = read.workbook
@@ -204,17 +233,22 @@ def _not_taken(
             f"Charts, rules or drop-downs of {listed_words(drawing)} read sheets of torsionbook, whose cells may stand "
             "elsewhere now: look at them."
         )
-    ours = {name.casefold() for name in after.defined_names}
-    lost = [
-        one.name
+    if lost:
+        yield f"Names of your own for cells of torsionbook were not taken along: {listed_words(list(lost.values()))}."
+    if before.container.find("docProps/custom.xml") is not None:
+        yield "Document properties of your own were not taken along: look at File > Info > Properties."
+
+
+def _lost_names(before: Workbook, after: Workbook) -> dict[str, str]:
+    """Names of the earlier workbook that the new one has not, by the same without capitals."""
+    there = {name.casefold() for name in after.defined_names}
+    return {
+        key: one.name
         for one in before.structure.names
         if not one.local_sheet
-        and one.sheet in foreign
-        and one.name.casefold() not in ours
+        and (key := one.name.casefold()) not in there
         and one.name not in _EARLIER_NAMES
-    ]
-    if lost:
-        yield f"Names of your own for cells of torsionbook were not taken along: {listed_words(lost)}."
+    }
 
 
 def _draws(workbook: Workbook, sheet: str, foreign: set[str]) -> bool:

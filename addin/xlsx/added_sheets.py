@@ -12,15 +12,16 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from copy import deepcopy
 from functools import cached_property
-from itertools import count
+from itertools import chain, count
 from pathlib import Path
 
 from lxml import etree
 
 from addin.xlsx.cell_looks import BUILT_IN
 from addin.xlsx.errors import damaged
+from addin.xlsx.formula_text import Span, TableReference, parse_formula
 from addin.xlsx.formulas import CacheReport
-from addin.xlsx.references import whole_number
+from addin.xlsx.references import split_sheet, whole_number
 from addin.xlsx.save import Destination, PackageChange, SaveReport, save_package
 from addin.xlsx.state import WorkbookState
 from addin.xlsx.workbook_part import CONTENT_TYPES_PART, relationships_part
@@ -53,6 +54,15 @@ _NO_STYLES = (
 _STYLE_NUMBERS = re.compile(rb'\s(?:s|style)="(\d{1,5})"')
 _RULE_NUMBERS = re.compile(rb'\sdxfId="(\d{1,5})"')
 _MOST_STYLES = 65_430  # of Excel
+#: Lists of a workbook in their order.
+_LISTS = (
+    "sheets", "functionGroups", "externalReferences", "definedNames", "calcPr", "oleSize", "customWorkbookViews",
+    "pivotCaches", "smartTagPr", "smartTagTypes", "webPublishing", "fileRecoveryPr", "webPublishObjects", "extLst",
+)  # fmt: skip
+#: Beginnings of the kinds of relationships by which a workbook has what its cells and comments refer to by number:
+#: dynamic arrays, pictures in cells, linked data types, and persons.
+_REFERRED_TO = ("sheetMetadata", "rd", "rich", "person")
+_REFERS_TO_METADATA = re.compile(rb"""<(?:\w+:)?c\s[^>]*\b[cv]m=["']""")
 #: Where the parts of a style are listed, and the attribute by which a style refers to each.
 _STYLE_LISTS = {"fonts": "fontId", "fills": "fillId", "borders": "borderId"}
 
@@ -139,6 +149,7 @@ def save_with_sheets(
     for name in sheets:
         merger.add(name)
     merger.add_names(sheets)
+    merger.add_what_sheets_refer_to(sheets)
     return save_package(
         workbook.container,
         PackageChange(merger.replaced(), merger.dropped, merger.added),
@@ -273,7 +284,7 @@ class _Merger:
         relation = self._relate(self._copy(part), "worksheet")
         attributes = {"name": name, "sheetId": str(max(numbers, default=0) + 1)}
         if name in self._from.structure.hidden_sheets:
-            attributes["state"] = "hidden"
+            attributes["state"] = self._from.structure.hidden_sheets[name]
         entry = etree.SubElement(sheets, main("sheet"), attributes)
         entry.set(f"{{{RELATIONSHIP_IDS}}}id", relation)
 
@@ -377,6 +388,10 @@ class _Merger:
         for cell in root.iter(main("c")):
             if cell.get("t") == "s":
                 self._put_text(cell)
+        if not self._takes_metadata:
+            for cell in root.iter(main("c")):
+                cell.attrib.pop("cm", None)
+                cell.attrib.pop("vm", None)
         if self._references:
             for tag in ("f", "formula", "formula1", "formula2"):
                 for formula in root.iter(main(tag)):
@@ -413,7 +428,7 @@ class _Merger:
     # ---- names ---------------------------------------------------------------------------------
 
     def add_names(self, sheets: Sequence[str]) -> None:
-        """Take over the names of the sheets, and those of the workbook that lead to them."""
+        """Take over the names of the sheets, and those of the workbook that lead to them or to no other sheet."""
         root = self._roots[self._book.structure.part]
         listed = [entry.get("name") for entry in root.find(main("sheets"))]
         there = {name.casefold() for name in self._book.defined_names}
@@ -429,16 +444,96 @@ class _Merger:
                     )
                 else:
                     self._name(root, name.name, name.text, None)
+            elif not local and name.sheet is None and name.name.casefold() not in there:
+                if self._stands_alone(name.text, sheets):
+                    self._name(root, name.name, name.text, None)
+
+    def _stands_alone(self, text: str, sheets: Sequence[str]) -> bool:
+        """Whether a formula or constant reads no other sheet than some."""
+        read = parse_formula(text)
+        cells = [one for one in read.references if not isinstance(one, TableReference)]
+        spans = [one.start if isinstance(one, Span) else one for one in cells]
+        named = {split_sheet(f"{one.sheet}A1")[0] for one in spans}
+        return not read.unclear and named <= {*sheets, ""}
 
     def _name(self, root: Element, name: str, text: str, local: int | None) -> None:
-        names = root.find(main("definedNames"))
-        if names is None:
-            names = etree.Element(main("definedNames"))
-            root.find(main("sheets")).addnext(names)
-        entry = etree.SubElement(names, main("definedName"), {"name": name})
+        entry = etree.SubElement(_listed(root, "definedNames"), main("definedName"), {"name": name})
         entry.text = text
         if local is not None:
             entry.set("localSheetId", str(local))
+
+    # ---- what sheets refer to by number --------------------------------------------------------
+
+    def add_what_sheets_refer_to(self, sheets: Sequence[str]) -> None:
+        """Take over the other workbooks that formulas read, what pivot tables have stored, and metadata of cells."""
+        from_part, root = self._from.structure.part, self._roots[self._book.structure.part]
+        source = self._from.container.tree(from_part)
+        parts = {one.id: one.part for one in self._from.structure.relationships(from_part)}
+        identifier = f"{{{RELATIONSHIP_IDS}}}id"
+        others = [parts[entry.get(identifier)] for entry in source.iter(main("externalReference"))]
+        if others and root.find(main("externalReferences")) is not None:
+            self.notes.append(
+                "Formulas of added sheets may read other workbooks, and so do those of the workbook: look at what they read."
+            )
+        elif others:
+            listed = _listed(root, "externalReferences")
+            for part in others:
+                entry = etree.SubElement(listed, main("externalReference"))
+                entry.set(identifier, self._relate(self._copy(part), "externalLink"))
+        for entry in source.iter(main("pivotCache")):
+            if (part := parts.get(entry.get(identifier), "")) in self._copied:
+                self._add_pivot_cache(root, part, entry.get("cacheId"))
+        if self._takes_metadata:
+            self._add_metadata(sheets)
+
+    def _add_pivot_cache(self, root: Element, part: str, number: str) -> None:
+        """List what pivot tables have stored, under a number that is free."""
+        listed = _listed(root, "pivotCaches")
+        used = {entry.get("cacheId") for entry in listed}
+        free = next(one for one in chain((number,), map(str, count(1))) if one not in used)
+        for table, copy in self._copied.items():
+            if free != number and part in (
+                one.part for one in self._from.structure.relationships(table)
+            ):
+                pivot = parse_part(self.added[copy], copy)
+                pivot.set("cacheId", free)
+                self.added[copy] = serialise(pivot, self.added[copy])
+        entry = etree.SubElement(listed, main("pivotCache"), {"cacheId": free})
+        entry.set(
+            f"{{{RELATIONSHIP_IDS}}}id", self._relate(self._copied[part], "pivotCacheDefinition")
+        )
+
+    @cached_property
+    def _takes_metadata(self) -> bool:
+        """Whether the workbook has no metadata, so that those of the sheets keep their numbers."""
+        return self._book.structure.related("sheetMetadata") is None
+
+    def _add_metadata(self, sheets: Sequence[str]) -> None:
+        structure = self._from.structure
+        parts = [part for sheet in sheets if (part := structure.worksheet_part(sheet))]
+        refers = any(_REFERS_TO_METADATA.search(self._from.container.read(part)) for part in parts)
+        comments = any(
+            one.kind == "threadedComment" for part in parts for one in structure.relationships(part)
+        )
+        stored = self._from.container.find(relationships_part(structure.part))
+        inside = {one.id: one.part for one in structure.relationships(structure.part)}
+        for entry in self._from.container.tree(stored) if stored else ():
+            kind = str(entry.get("Type", "")).rpartition("/")[2]
+            wanted = comments if kind == "person" else refers
+            if wanted and kind.startswith(_REFERRED_TO) and entry.get("Id") in inside:
+                relation = self._relate(self._copy(inside[entry.get("Id")]), kind)
+                (made,) = (one for one in self._roots[self._relations] if one.get("Id") == relation)
+                made.set("Type", entry.get("Type"))
+
+
+def _listed(root: Element, tag: str) -> Element:
+    """A list of the workbook part, made in its place where it has none."""
+    found = root.find(main(tag))
+    if found is None:
+        found = etree.Element(main(tag))
+        before = _LISTS[: _LISTS.index(tag)]
+        [*(one for name in before for one in root.iterfind(main(name)))][-1].addnext(found)
+    return found
 
 
 class _Looks:

@@ -433,6 +433,8 @@ class SheetPart:
                 formula.text = text
                 continue
             cell.remove(formula)
+            if "formulas" in self.__dict__:
+                self._drop_formula(*place)
             # A cell that is no formula any more is no dynamic array either.
             cell.attrib.pop("cm", None)
         self._touch()

@@ -111,12 +111,12 @@ class WorkbookPart:
         root = parse_part(container.charged_beside_cells(self.part), self.part)
         if root.tag != main("workbook"):
             raise self._refused("not a workbook", "has an invalid workbook part")
-        #: Sheets that nobody sees until they are unhidden, if at all.
-        self.hidden_sheets = frozenset(
-            entry.get("name", "")
+        #: Sheets that nobody sees until they are unhidden, and how they are hidden: ``hidden`` or ``veryHidden``.
+        self.hidden_sheets: dict[str, str] = {
+            entry.get("name", ""): state
             for entry in root.iterfind(f"{main('sheets')}/{main('sheet')}")
-            if entry.get("state", "visible") != "visible"
-        )
+            if (state := entry.get("state", "visible")) != "visible"
+        }
         settings = root.find(main("calcPr"))
         #: How its program calculates: attributes of the file, such as ``calcMode``.
         self.calculation: dict[str, str] = {} if settings is None else dict(settings.attrib)

@@ -143,6 +143,35 @@ def test_names_are_trimmed_and_words_are_read_kindly(workbook, read):
     assert found.data.materials[0].below_endurance == "2k-1"
 
 
+@pytest.mark.parametrize(
+    "typed", ["LS  hub", "LS\nhub", "LS\u2009hub", "LS hub\u200b", "\ufeffls hub", "LS\u00a0hub"]
+)
+def test_names_that_look_alike_are_one(workbook, read, typed):
+    """The sentence was: found 'LS hub'; did you mean 'LS hub'?"""
+    workbook.rows["Stations"][0]["Station"] = "LS hub"
+    workbook.rows["MotorTorque"] = []
+    workbook.rows["Elements"][0] |= {"From": typed, "Kind": "coupling\u200b"}
+    workbook.units["Stations", "Inertia"] = "lb\u2009ft²\u200b"
+    found = read(workbook)
+    assert found.problems == ()
+    assert found.data.elements[0].from_ == "LS hub"
+
+
+@pytest.mark.parametrize(
+    ("place", "column"),
+    [(("Stations", 1), "Station"), (("Elements", 0), "Element"), (None, "Revision")],
+)
+def test_a_date_is_no_name(workbook, read, place, column):
+    """Excel makes one of 1-2, and the shaft was called 46024 in every result."""
+    if place is None:
+        workbook.scalars[column] = Formatted(46024, "yyyy-mm-dd")
+    else:
+        workbook.rows[place[0]][place[1]][column] = Formatted(46024, "d-mmm")
+    problem = next(p for p in read(workbook).problems if p.column == column)
+    assert "formatted as a date" in problem.message
+    assert "format the cell as Text" in problem.message
+
+
 def test_numbers_as_names(workbook, read):
     workbook.rows["Stations"] = [{"Station": 1, "Inertia": 5}, {"Station": 2, "Inertia": 5}]
     workbook.rows["Elements"][0] |= {"From": 1, "To": "2"}
@@ -217,6 +246,9 @@ WRONG_NUMBERS = [
     ),
     ("1,250", "with a thousands separator or a decimal comma"),
     ("1 250", "with a thousands separator or a decimal comma"),
+    ("1\u2009250,5", "with a thousands separator or a decimal comma"),
+    ("1.250,5", "with a thousands separator or a decimal comma"),
+    ("300\u200b", "looks like a number but is text"),
     (" 300", "looks like a number but is text"),
     ("1.2e5 ", "looks like a number but is text"),
     ("300", "looks like a number but is text"),

@@ -11,6 +11,11 @@ from typing import Any
 import openpyxl
 import pytest
 from openpyxl.chart import BarChart, Reference
+from openpyxl.comments import Comment
+from openpyxl.packaging.custom import StringProperty
+from openpyxl.utils import range_boundaries
+from openpyxl.workbook.defined_name import DefinedName
+from openpyxl.worksheet.table import Table, TableColumn
 from typer.testing import CliRunner
 
 from addin.cli.app import app
@@ -94,6 +99,71 @@ def test_what_stood_beside_the_inputs_is_listed(train: Path) -> None:
     told = said("upgrade", train)
     assert "Train!Z40" in told
     assert "Case!B70" in told
+
+
+def test_all_that_is_left_behind_is_listed(train: Path) -> None:
+    """A column in the table of stations, a table, a chart and comments beside it were lost without a word."""
+    book = openpyxl.load_workbook(train)
+    sheet = book["Train"]
+    table = sheet.tables["Stations"]
+    left, top, right, bottom = range_boundaries(table.ref)
+    for row in range(top, bottom + 1):
+        sheet.cell(row, right + 1).value = "Vendor" if row == top else f"V {row}"
+    table.tableColumns.append(TableColumn(id=99, name="Vendor"))
+    table.ref = f"{sheet.cell(top, left).coordinate}:{sheet.cell(bottom, right + 1).coordinate}"
+    if table.autoFilter:
+        table.autoFilter.ref = table.ref
+    sheet.cell(top + 1, left).comment = Comment("as drawn", "us")
+    sheet["AF31"] = "k"
+    sheet.add_table(Table(displayName="Own", ref="AF31:AF33"))
+    chart = BarChart()
+    chart.add_data(Reference(sheet, min_col=4, min_row=top, max_row=bottom))
+    sheet.add_chart(chart, "AH3")
+    book["Excitation"]["Z4"] = "=1+1"
+    book.custom_doc_props.append(StringProperty(name="Drawing", value="4711"))
+    book.save(train)
+    told = said("upgrade", train)
+    beside = next(line for line in told.splitlines() if "Cells beside the inputs" in line)
+    assert f"Train!{sheet.cell(top, right + 1).coordinate}" in beside
+    count = beside.count("!") + int(beside.split(" and ")[1].split()[0])
+    assert count == (bottom - top + 1) + 1 + 1
+    assert (
+        "Charts and pictures that were added to sheets of the product were not taken over: Train."
+        in told
+    )
+    assert (
+        f"Comments on sheets of the product were not taken over: Train!{sheet.cell(top + 1, left).coordinate}."
+        in told
+    )
+    assert "Document properties of your own" in told
+
+
+def test_names_of_the_owner_come_along_or_are_listed(train: Path) -> None:
+    """A formula with a name that is gone showed #NAME?, and nothing was said."""
+    book = openpyxl.load_workbook(train)
+    sheet = book.create_sheet("Our notes")
+    for name, text in {
+        "Constant": "3.25",
+        "Ours": "SUM('Our notes'!$A$1:$A$2)",
+        "Theirs": "SUM(Train!$D$8:$D$12)",
+    }.items():
+        book.defined_names[name] = DefinedName(name, attr_text=text)
+    formulas = (
+        "=Constant*2", "=Ours", "=Theirs", "=SUM(Stations[Gone])", "=SUM(Stations[[#Data],[Inertia]:[Speed ratio]])",
+        "=COUNTA(Stations[#All])",
+    )  # fmt: skip
+    for row, formula in enumerate(formulas, start=5):
+        sheet.cell(row, 1).value = formula
+    book.save(train)
+    told = said("upgrade", train)
+    assert "torsionbook were not taken along: Theirs." in told
+    assert "keep their value only: Our notes!A7, Our notes!A8." in told
+    new = openpyxl.load_workbook(train)
+    kept = [new["Our notes"].cell(row, 1).value for row in range(5, 11)]
+    assert kept == [one if at not in (2, 3) else None for at, one in enumerate(formulas)]
+    assert new.defined_names["Constant"].attr_text == "3.25"
+    assert new.defined_names["Ours"].attr_text == "SUM('Our notes'!$A$1:$A$2)"
+    assert "Theirs" not in new.defined_names
 
 
 def test_a_second_upgrade_keeps_the_first_copy(train: Path) -> None:

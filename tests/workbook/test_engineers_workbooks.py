@@ -22,7 +22,9 @@ from engineers_workbook import (
 )
 from lxml import etree
 from office_package import part_of_sheet
+from typer.testing import CliRunner
 
+from addin.cli.app import app
 from addin.contract.input_copy import COPY_TABLES
 from addin.contract.sheets import SCHEMATIC, part_named
 from addin.contract.shipped import template_path
@@ -515,3 +517,43 @@ def test_a_spreadsheet_program_agrees_with_every_value_there_is(returned, soffic
                     assert (other or "") == (value or ""), where
                 compared += 1
     assert compared > 200
+
+
+# --- (d) upgrade ----------------------------------------------------------------------------------
+
+
+def test_own_sheets_keep_what_they_refer_to_by_number(tmp_path):
+    """Pivot tables without their store, formulas of other workbooks and rich values without theirs are damage to Excel."""
+    source = engineers_workbook(tmp_path / "train.xlsx")
+    before = parts_of(source)
+    done = CliRunner().invoke(app, ["upgrade", str(source)])
+    assert done.exit_code == 0, done.output
+    after = parts_of(source)
+    book = after["xl/workbook.xml"].decode()
+    links = after["xl/_rels/workbook.xml.rels"].decode()
+    targets = {
+        re.search(r'Id="([^"]*)"', one)[1]: re.search(r'Target="/?([^"]*)"', one)[1]
+        for one in re.findall(r"<Relationship [^>]*>", links)
+    }
+    caches = {
+        number: after[targets[link]]
+        for number, link in re.findall(r'<pivotCache cacheId="(\d+)" r:id="(\w+)"/>', book)
+    }
+    pivots = [data for name, data in after.items() if name.startswith("xl/pivotTables/pivot")]
+    assert {re.search(rb'cacheId="(\d+)"', data)[1].decode() for data in pivots} == set(caches)
+    assert len(pivots) == 2
+    (other,) = re.findall(r'<externalReference r:id="(\w+)"/>', book)
+    assert after[targets[other]] == before["xl/externalLinks/externalLink1.xml"]
+    assert b' cm="' in after["xl/worksheets/sheet14.xml"] + after["xl/worksheets/sheet15.xml"]
+    for name in ("metadata", "richData/rdrichvalue", "richData/richValueRel"):
+        assert before[f"xl/{name}.xml"] in after.values()
+    order = [
+        book.index(f"<{one}")
+        for one in ("sheets", "externalReferences", "definedNames", "calcPr", "pivotCaches")
+    ]
+    assert order == sorted(order)
+    # the array formula in D1:D2 stopped the upgrade; it reads cells that have no place of their own now
+    assert "keep their value only: Our summary!D1" in done.output
+    own = read_workbook(source).workbook.sheet_part("Our summary")
+    assert own.constant(1, 4) is not None
+    assert (1, 4) not in own.formulas
