@@ -21,7 +21,8 @@ from addin.batch.own_files import SUMMARY_SHEETS
 from addin.batch.records import DONE, Record
 from addin.contract.number_formats import WHOLE
 from addin.contract.sheet import text_height
-from addin.xlsx.whole_files import IN_MEMORY, write_whole
+from addin.xlsx.new_book import new_book
+from addin.xlsx.whole_files import write_whole
 from engine.case.result_words import NoNumber
 
 Rows = Sequence[Sequence[Any]]
@@ -163,10 +164,8 @@ def _text(value: Any) -> str:
 def _write_workbook(
     path: Path, files: Rows, errors: Sequence[Mapping[str, Any]], heading: str
 ) -> None:
-    import xlsxwriter
-
     made = io.BytesIO()
-    book = xlsxwriter.Workbook(made, IN_MEMORY)
+    book = new_book(made)
     styles = _Styles(book)
     _write_files(book, styles, files, heading)
     _write_errors(book, styles, errors)

@@ -8,15 +8,14 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-import xlsxwriter
-
 from addin.contract.problems import printable
 from addin.contract.tables import caption
 from addin.diff.changes import Change, Differences
 from addin.diff.files import ComparedFile
 from addin.diff.wording import in_words
 from addin.verify.compare import is_number
-from addin.xlsx.whole_files import IN_MEMORY, write_whole
+from addin.xlsx.new_book import new_book
+from addin.xlsx.whole_files import write_whole
 
 #: Sheets of a comparison; where studies differ, Studies is the fourth.
 DIFF_SHEETS = ("Diff", "Inputs", "Results")
@@ -88,12 +87,12 @@ def write_book(differences: Differences, target: Path) -> None:
 
 def _content(differences: Differences) -> bytes:
     made = io.BytesIO()
-    options = IN_MEMORY | {
+    options = {
         "strings_to_formulas": False,
         "strings_to_urls": False,
         "strings_to_numbers": False,
     }
-    with xlsxwriter.Workbook(made, options) as book:
+    with new_book(made, options) as book:
         book.set_properties(
             {"title": "Differences of two torsional analyses", "author": "torsionbook"}
         )

@@ -15,7 +15,6 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-import xlsxwriter
 from xlsxwriter.utility import xl_cell_to_rowcol
 
 from addin.charts.data import chart_blocks
@@ -40,8 +39,8 @@ from addin.template.live_sheet import (
 from addin.template.variants import VARIANTS, Variant
 from addin.writing.drawn_schematic import draw_schematic
 from addin.writing.print_areas import hide_empty_charts
-from addin.xlsx import open_workbook
-from addin.xlsx.whole_files import IN_MEMORY
+from addin.xlsx import Workbook, open_workbook
+from addin.xlsx.new_book import new_book
 
 _CREATED = dt.datetime(2026, 1, 1)
 
@@ -103,8 +102,8 @@ def _build(
 ) -> None:
     blocks = _chart_rows(filled, system)
     made = io.BytesIO()
-    with xlsxwriter.Workbook(
-        made, IN_MEMORY | {"default_format_properties": {"font_name": "Arial", "font_size": 10}}
+    with new_book(
+        made, {"default_format_properties": {"font_name": "Arial", "font_size": 10}}
     ) as workbook:
         workbook.set_properties(
             {
@@ -115,6 +114,7 @@ def _build(
             }
         )
         workbook.set_size(2400, 1500)
+        workbook.calc_on_load = variant.spelled is not None  # no memory holds the models yet
         builder = _Builder(workbook, system, filled, blocks, variant=variant, studies=studies)
         builder.build(answers)
     path.write_bytes(made.getvalue())
@@ -128,6 +128,7 @@ def _finish(path: Path, to_calculate: Collection[tuple[int, int]]) -> None:
     read = read_workbook(workbook)
     draw_schematic(workbook, read.data)
     hide_empty_charts(workbook, EVERY_CHART, is_form=True)
+    _show_empty_texts(workbook)
     for row, column in to_calculate:
         workbook.sheet_part(LIVE_SHEET.name).set_cached(row, column, None)
     try:
@@ -135,6 +136,15 @@ def _finish(path: Path, to_calculate: Collection[tuple[int, int]]) -> None:
         os.replace(made, path)
     finally:
         made.unlink(missing_ok=True)
+
+
+def _show_empty_texts(workbook: Workbook) -> None:
+    """Give each formula that shows an empty text that value; XlsxWriter leaves it out."""
+    for name in workbook.sheet_names:
+        sheet = workbook.sheet_part(name)
+        for place in sheet.formulas:
+            if sheet.constant(*place) is None:
+                sheet.set_cached(*place, "")
 
 
 def _chart_rows(filled: Example, system: str) -> dict[str, Rows]:

@@ -14,6 +14,7 @@ module             responsibility
 `locks`            lock files of spreadsheet programs
 `temporary`        files and folders that are gone when their process ends, however it ends
 `whole_files`      files written whole or not at all
+`new_book`         a new workbook, made with XlsxWriter
 `xml_part`         parsing without trust, writing with the original's declaration
 `strict`           workbooks in the strict dialect of the file format, told in the ordinary one
 `chart_titles`     titles of charts that lost their cell

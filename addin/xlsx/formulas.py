@@ -149,6 +149,14 @@ def _without_values(workbook: WorkbookState, cells: Sequence[FormulaCell]) -> Ca
     )
 
 
+def lacks_values(workbook: WorkbookState) -> bool:
+    """Whether some formula of a workbook has no stored value."""
+    return any(
+        workbook.sheet_part(cell.sheet).constant(cell.rect.top, cell.rect.left) is None
+        for cell in _formula_cells(workbook)
+    )
+
+
 def _places(workbook: WorkbookState, cell: FormulaCell) -> Sequence[tuple[int, int]]:
     """Cells that show the result of a formula now."""
     home = (cell.rect.top, cell.rect.left)
@@ -542,7 +550,8 @@ class _Refresh:
         """Let a cell show the new value of a formula."""
         name, row, column = place
         sheet = self.workbook.sheet_part(name)
-        if not _alike(sheet.constant(row, column), new, _SAME_VALUE):
+        old = sheet.constant(row, column)
+        if (old is None) != (new is None) or not _alike(old, new, _SAME_VALUE):
             sheet.set_cached(row, column, new)
             self.workbook.note_changed(name, Rect(row, column, row, column))
             self.changed += 1

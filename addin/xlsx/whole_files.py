@@ -13,9 +13,6 @@ from typing import Any
 from addin.xlsx.places import refuse_strange_name, replace_file, take_rights
 from addin.xlsx.temporary import temporary_file
 
-#: Of XlsxWriter: parts made in memory have the same line ends on every system.
-IN_MEMORY = {"in_memory": True}
-
 
 def write_whole(path: Path, write: Callable[[Path], object]) -> None:
     """Make a file beside its place, flush it to the disk, and put it there in one step.

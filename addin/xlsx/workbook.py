@@ -16,7 +16,7 @@ from addin.xlsx.charts import Area, Shown
 from addin.xlsx.container import DEFAULT_LIMITS, Container, Limits
 from addin.xlsx.drawn_shapes import EMU, DrawnGroup, Shape, ShapeGroup, with_hidden
 from addin.xlsx.errors import Obstacle, ObstaclesFound, WorkbookMismatch, WorkbookRefused
-from addin.xlsx.formulas import CacheReport, refresh_formula_caches
+from addin.xlsx.formulas import CacheReport, lacks_values, refresh_formula_caches
 from addin.xlsx.locks import check_not_open
 from addin.xlsx.references import Rect, cell_name, parse_cell
 from addin.xlsx.save import Destination, PackageChange, SaveReport, save_package
@@ -383,7 +383,7 @@ class Workbook(WorkbookState):
             replaced |= chain
         replaced |= self._drawings
         structure = self.structure.with_print_areas(self._print_areas)
-        if self.changed:
+        if self.changed and lacks_values(self):
             structure = self.structure.with_full_calculation(structure)
         replaced[self.structure.part] = structure
         same = [name for name, data in replaced.items() if data == self.container.read(name)]

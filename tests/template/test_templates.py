@@ -25,6 +25,8 @@ from addin.diff.workbook import write_book
 from addin.reading.workbook import read_workbook
 from addin.template.build import TEMPLATES, build_all, build_template
 from addin.template.examples import EXAMPLES
+from addin.template.variants import VARIANTS
+from addin.writing.recalculate import recalculate
 from engine.case.data import CaseData
 from engine.case.effects import EFFECTS
 from engine.model.subdivision import natural_modes
@@ -312,3 +314,33 @@ def test_no_table_has_a_name_that_is_defined(book: openpyxl.Workbook) -> None:
     tables = [name.casefold() for name in all_tables(book)]
     assert len(set(tables)) == len(tables)
     assert not set(tables) & {name.casefold() for name in book.defined_names}
+
+
+FORMULA = re.compile(rb"<c ([^>]*)><f[^>]*(?:/>|>[^<]*</f>)(<v/>|<v>[^<]*</v>)?</c>")
+
+
+def formulas_without_value(path: Path) -> list[bytes]:
+    """Attributes of cells whose formula has no stored value; an empty text is one, by its type."""
+    return [
+        found[1]
+        for name, part in parts(path).items()
+        if name.startswith("xl/worksheets/")
+        for found in FORMULA.finditer(part)
+        if found[2] in (None, b"<v/>", b"<v></v>") and b't="str"' not in found[1]
+    ]
+
+
+def test_excel_takes_the_values_of_a_workbook_as_they_are(tmp_path: Path) -> None:
+    """Else it calculates all of it on opening and asks whether to save on closing; on sheet Live it has to."""
+    example = tmp_path / "example.xlsx"
+    build_template(example, "us", "proposed")
+    recalculated = tmp_path / "recalculated.xlsx"
+    recalculate(example, destination=recalculated)
+    for path in (example, recalculated):
+        assert formulas_without_value(path) == []
+        assert re.findall(rb"<calcPr[^>]*>", parts(path)["xl/workbook.xml"]) == [
+            b'<calcPr calcId="191029"/>'
+        ]
+    live = tmp_path / "live.xlsx"
+    build_template(live, "us", "proposed", variant=VARIANTS["server"])
+    assert b'fullCalcOnLoad="1"' in parts(live)["xl/workbook.xml"]

@@ -189,7 +189,13 @@ def test_names_that_lead_to_no_cell_cost_no_value(tmp_path: Path) -> None:
     assert ": Out!B1, Out!B2, Out!B3. " in note
 
 
-def test_recalculation_is_asked_for(train: Path) -> None:
+@pytest.mark.parametrize("calculator", [True, False])
+def test_recalculation_is_asked_for_where_a_value_is_missing(
+    train: Path, monkeypatch: pytest.MonkeyPatch, calculator: bool
+) -> None:
+    """Else Excel would calculate all of it when it opens the workbook, and ask whether to save when it closes it."""
+    if not calculator:
+        monkeypatch.setitem(sys.modules, "formualizer", None)
     with_parts(
         train,
         {},
@@ -197,14 +203,20 @@ def test_recalculation_is_asked_for(train: Path) -> None:
     )
     book = open_workbook(train)
     book.set_name("RatedPower", 1.0)
-    data = parts_of(book.save(train.with_name("out.xlsx")).path)["xl/workbook.xml"]
-    assert data == parts_of(train)["xl/workbook.xml"].replace(
-        b' iterate="1"', b' iterate="1" fullCalcOnLoad="1"'
-    )
+    report = book.save(train.with_name("out.xlsx"))
+    assert report.caches.affected
+    assert bool(report.caches.removed) is not calculator
+    before = parts_of(train)["xl/workbook.xml"]
+    asked = before.replace(b' iterate="1"', b' iterate="1" fullCalcOnLoad="1"')
+    assert parts_of(report.path)["xl/workbook.xml"] == (before if calculator else asked)
 
 
 @pytest.mark.parametrize("last", ["definedNames", "sheets"])
-def test_recalculation_is_asked_for_where_nothing_was_said(train: Path, last: str) -> None:
+def test_recalculation_is_asked_for_where_nothing_was_said(
+    train: Path, monkeypatch: pytest.MonkeyPatch, last: str
+) -> None:
+    monkeypatch.setitem(sys.modules, "formualizer", None)
+
     def without(data: bytes) -> bytes:
         data = re.sub(rb"<calcPr[^>]*/>", b"", data)
         return re.sub(rb"<definedNames>.*</definedNames>", b"", data) if last == "sheets" else data
