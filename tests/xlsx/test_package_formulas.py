@@ -113,14 +113,14 @@ def test_files_that_other_programs_write_are_calculated(
 def test_formulas_of_too_many_characters_lose_their_values(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("addin.xlsx.formulas._MOST_TEXT", 30)
+    monkeypatch.setattr("addin.xlsx.formulas._most_text", lambda workbook: 30)
     path = workbook_of(
         tmp_path / "t.xlsx", {"A1": ("=SUM(In!A1:A9)", 45), "A2": ("=2*100+1*100", 300)}
     )
     values, report = refreshed(path, {"A1": 2.0})
     assert values["A1"] is None
     assert values["A2"] == 300  # too many to calculate, but followed
-    monkeypatch.setattr("addin.xlsx.formulas._MOST_TEXT", 20)
+    monkeypatch.setattr("addin.xlsx.formulas._most_text", lambda workbook: 20)
     values, report = refreshed(path, {"A1": 2.0})
     assert values == {"A1": None, "A2": None}
     assert (report.method, report.removed, report.removed_cells) == (
