@@ -35,8 +35,13 @@ async def read_body(request: Request, limit: int, seconds: float = 20.0) -> byte
     Raises
     ------
     Refused
-        With 413 or 408.
+        With 413, 408, or 415 for a body that is packed.
     """
+    packed = request.headers.get("content-encoding", "identity").strip()
+    if packed.casefold() not in ("", "identity"):
+        raise Refused(
+            415, f"The body is packed (Content-Encoding: {packed[:20]}). Send it as it is."
+        )
     parts, size = [], 0
     began = asyncio.get_running_loop().time()
     try:

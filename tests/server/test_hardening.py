@@ -2,6 +2,7 @@
 
 import asyncio
 import contextlib
+import gzip
 import json
 import multiprocessing
 import os
@@ -114,6 +115,16 @@ def test_whole_numbers_of_any_length_are_told_in_our_words():
     with pytest.raises(Refused, match="too many digits for a cell") as told:
         parsed(b'{"a": ' + b"9" * 5000 + b"}")
     assert "sys." not in told.value.message
+
+
+@pytest.mark.parametrize("path", ["workbook", "batch"])
+def test_a_packed_body_is_told_as_such(client, path):
+    """It was told as no Excel workbook, and as no JSON."""
+    body = gzip.compress(b'{"calls": []}')
+    headers = {"Content-Encoding": "gzip", "Content-Type": "application/json"}
+    answer = client.post(f"/api/v1/{path}", content=body, headers=headers)
+    assert answer.status_code == 415
+    assert "Content-Encoding: gzip" in answer.json()["error"]["message"]
 
 
 def test_half_a_character_is_no_error_of_ours(client):

@@ -113,7 +113,6 @@ def test_files_that_other_programs_write_are_calculated(
 def test_formulas_of_too_many_characters_lose_their_values(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("addin.xlsx.formulas._TEXT_OF_MARK", 0.0)
     monkeypatch.setattr("addin.xlsx.formulas._MOST_TEXT", 30)
     monkeypatch.setattr("addin.xlsx.formulas._TEXT_OF_MARK", 0.0)
     path = workbook_of(
