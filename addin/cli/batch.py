@@ -305,6 +305,7 @@ def _varied(
     for reason in done.reasons:
         typer.echo(reason, err=True)
     counts = ", ".join(f"{count:,} {outcome}" for outcome, count in done.outcomes.items())
+    counts = counts or "the table has none below its headings"
     kept = f" ({done.kept:,} of them in an earlier run)" if done.kept else ""
     left = f", {done.rows - reached:,} not begun" if reached < done.rows else ""
     typer.echo(

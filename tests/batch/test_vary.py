@@ -228,6 +228,14 @@ def test_odd_tables(base, tmp_path, content):
         run(base, tmp_path / "table.csv", tmp_path / "out")
 
 
+def test_a_table_of_headings_alone_is_told(tmp_path, base):
+    """It said "0 rows in 0.3 s: ."."""
+    table = csv(tmp_path, "DampingRatio")
+    done = torsionbook("batch", base, "--vary", table, "--out", "out", "--jobs", 1, cwd=tmp_path)
+    assert done.returncode == 0
+    assert "the table has none below its headings." in " ".join(done.stdout.split())
+
+
 def test_a_base_case_with_errors_is_told(tmp_path, base):
     base.write_text('{"format": 1, "poles": 3}', encoding="utf-8")
     with pytest.raises(TableRefused, match="base case"):
