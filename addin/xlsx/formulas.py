@@ -622,8 +622,5 @@ def _is_beyond_programs(text: str) -> bool:
 def _alike(old: Constant, new: Constant, tolerance: float) -> bool:
     if isinstance(old, float) and isinstance(new, float):
         return math.isclose(old, new, rel_tol=tolerance, abs_tol=0.0)
-    return (
-        (old or None) == (new or None)
-        if isinstance(old, str) or isinstance(new, str)
-        else old == new
-    )
+    # A text without characters shows what no value shows; zero does not.
+    return (None if old == "" else old) == (None if new == "" else new)

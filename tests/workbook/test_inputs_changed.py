@@ -310,7 +310,7 @@ def test_every_banner_says_so_wherever_names_lead(
         for at in workbook.sheet_part(sheet).formulas
         if getattr(workbook.sheet_part(sheet).value(*at), "text", "") == "Summary!$B$9"
     ]
-    visible = set(workbook.sheet_names) - workbook.structure.hidden_sheets
+    visible = set(workbook.sheet_names) - workbook.structure.hidden_sheets.keys()
     assert sorted(sheet for sheet, _ in strips) == sorted(
         part.worksheet for part in SHEETS if part.name != "Summary"
     )
