@@ -44,7 +44,7 @@ the kills by `make kills-windows`, the zips by `make zips ARGS="--try --record"`
 
 A CPython 3.13 for Windows runs under Wine 8 with the locked packages (`make windows`). Wine is not Windows: what passes is evidence, what fails is
 a defect or a gap of Wine. `.ci/run` tries the quick tests of these rooms of `tests/` whole: {rooms}. It starts the `torsionbook.exe` of the zip
-([below](#without-python)) and kills `export` at some calls.
+([below](#without-python)), kills `export` at some calls, and compares every worksheet function with Linux ([fronts](fronts.md)).
 
 | Tests | passed | failed | skipped | seconds |
 |---|---:|---:|---:|---:|
