@@ -60,7 +60,7 @@ help:
 	@echo "make same-bits      calculate with every compiler here and as other processors would: equal to the bit"
 	@echo "make sanitize       the tests of the loops with memory and arithmetic watched (needs gcc)"
 	@echo "make smoke          install that wheel outside the checkout and use it"
-	@echo "make windows        tests in a Windows Python under Wine (ARGS=\"tests/xlsx\"; default: seven rooms)"
+	@echo "make windows        tests in a Windows Python under Wine (ARGS=\"tests/xlsx\"; default: seven rooms, some kills, every function)"
 	@echo "make kills-windows  kill commands at file calls under Wine (ARGS=\"--most 5 --only upgrade\")"
 	@echo "make front-windows  every worksheet function under Wine, to the bit, into docs/fronts.md"
 	@echo "make zips           zips for Windows and Linux with their own Python, into build/zips"
@@ -158,6 +158,7 @@ windows: $(DEV_READY) $(LOOPS)
 	$(PY) -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements/build.txt
 	$(PY) scripts/windows.py $(ARGS)
 	$(if $(ARGS),,$(PY) -m benchmarks.wine_kills --only export --most 2)
+	$(if $(ARGS),,$(PY) -m benchmarks.fronts --windows --check)
 
 kills-windows: $(DEV_READY) $(LOOPS)
 	$(PY) -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements/build.txt

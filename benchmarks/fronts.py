@@ -1,7 +1,7 @@
 """Worksheet functions through their fronts, bits and times: `python -m benchmarks.fronts`.
 
 Bits are those that tests/libreoffice/test_every_front.py compares; it is run. `--windows` asks the registry in a CPython for Windows
-under Wine instead and compares with the registry here; both are kept in benchmarks/records/fronts.json with date and commit. Times are medians of repeated calls in one run. The model is at hand and its start calculated: what is measured
+under Wine instead and compares with the registry here (`--check`: with the record, too, and writes nothing); both are kept in benchmarks/records/fronts.json with date and commit. Times are medians of repeated calls in one run. The model is at hand and its start calculated: what is measured
 is the way of the cells to the function and back.
 """
 
@@ -205,6 +205,8 @@ _FRONTS = {
     "batch": "batch",
     "Python": "Python",
 }
+#: Largest relative difference that those two may have, which processors and their kernels of LAPACK move. [1]
+_ROUNDING = 1e-12
 #: Why two functions differ under Wine: every call of numpy and SciPy that they make (6,993 of them, 1,944,410 numbers),
 #: recorded on Linux and repeated there with the same arguments.
 _CAUSE = (
@@ -237,8 +239,8 @@ def compare_fronts() -> None:
         _keep("here", json.loads(place.read_text(encoding="utf-8")))
 
 
-def compare_windows() -> None:
-    """Ask the registry here and in a Python for Windows, and keep which functions answer the same bits."""
+def compare_windows() -> tuple[list[str], dict[str, float]]:
+    """Ask the registry here and in a Python for Windows; `differences` of the two."""
     script = "scripts/front_answers.py"
     with tempfile.TemporaryDirectory() as folder:
         here, there = Path(folder, "here.json"), Path(folder, "there.json")
@@ -246,7 +248,16 @@ def compare_windows() -> None:
         under_wine = ["scripts/windows.py", "--python", script, f"Z:{there}".replace("/", "\\")]
         subprocess.run([sys.executable, *under_wine], cwd=ROOT, check=True)
         both = [json.loads(path.read_text(encoding="utf-8")) for path in (here, there)]
-    _keep("windows", *differences(*both))
+    return differences(*both)
+
+
+def check_windows(differs: dict[str, float]) -> None:
+    """Ends with a sentence where a function answers other bits that did not in the record, or is further away than rounding."""
+    known = json.loads(RECORD.read_text(encoding="utf-8"))["windows"]["differs"]
+    new = [n for n, much in differs.items() if n not in known or much > _ROUNDING]
+    if new:
+        much = ", ".join(f"{name} by {differs[name]:.2g}" for name in new)
+        raise SystemExit(f"Under Wine these answer otherwise than here: {much} (relative).")
 
 
 def differences(here: list[Any], there: list[Any]) -> tuple[list[str], dict[str, float]]:
@@ -327,9 +338,15 @@ def main() -> None:
     parser.add_argument("--write-docs", action="store_true", help=f"write {PAGE.name}")
     parser.add_argument("--bits", action="store_true", help="the bits alone; times stay")
     parser.add_argument("--windows", action="store_true", help="the bits under Wine alone")
+    parser.add_argument("--check", action="store_true", help="with --windows: write nothing, fail where more differs than in the record")  # fmt: skip
     args = parser.parse_args()
+    if args.check:
+        equal, differs = compare_windows()
+        check_windows(differs)
+        print(f"{len(equal)} functions to the bit as here, {len(differs)} within {_ROUNDING:g}")
+        return
     if args.windows:
-        compare_windows()
+        _keep("windows", *compare_windows())
         args.bits = True
     else:
         compare_fronts()

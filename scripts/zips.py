@@ -1,8 +1,8 @@
-"""torsionbook for people without Python: `python scripts/zips.py FOLDER [--try] [windows] [linux]` (default: both).
+"""torsionbook for people without Python: `python scripts/zips.py FOLDER [--try [--record]] [windows] [linux]` (default: both).
 
 Each zip holds a CPython 3.13 (`windows.py` says from where, with its hash), the locked packages of the command line, the
 server and the report, the wheel, and a program `torsionbook`. What Wine lacks is not in it. `--try` unpacks each, recalculates an
-example there, that for Windows under Wine, and compares the results with the checkout's. Needs mvn and the package ziglang.
+example there, that for Windows under Wine, and compares the results with the checkout's; `--record` keeps sizes and the time of a start for docs/windows.md. Needs mvn and the package ziglang.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ import argparse
 import json
 import os
 import shutil
+import statistics
 import subprocess
 import sys
 import tempfile
@@ -31,6 +32,7 @@ from windows import (  # noqa: E402
     FOR_WINE,
     PREFIX,
     WINE,
+    ZIPS,
     begin,
     end,
     fill_gaps,
@@ -38,6 +40,7 @@ from windows import (  # noqa: E402
     jar,
     prepare_wine,
     unpack,
+    write_page,
 )
 
 import hatch_build  # noqa: E402
@@ -56,6 +59,8 @@ WINDOWS = frozenset(
 API_SETS = ("api-ms-win-", "ext-ms-")
 #: In the lock file of a run for building from source.
 NO_PACKAGES = ("hatchling", "pathspec", "pluggy", "trove-classifiers")
+#: Starts that are measured, after a first one. [count]
+STARTS = 3
 #: Results that tell of the machine and of the time taken.
 OF_THE_MACHINE = ("accuracy_cost", "audit")
 PATHS = "lib\nlib/site-packages\nimport site\n"
@@ -225,13 +230,13 @@ def unzip(made: Path, place: Path) -> Path:
 
 def results_of(
     start: Sequence[str | Path], place: Path, environment: Mapping[str, str], called: str = ""
-) -> dict[str, Any]:
-    """The results of an example that a program makes and recalculates in a folder, which it calls so; it tells how long each call took."""
+) -> tuple[dict[str, Any], float]:
+    """The results of an example that a program makes and recalculates in a folder, which it calls so, and the median time of a start. [s]"""
     place.mkdir()
+    laps = list[float]()
     book, results = f"{called}train.xlsx", f"{called}train.json"
     for status, *words in (
-        (0, "--version"),
-        (0, "--version"),
+        *[(0, "--version")] * (1 + STARTS),
         (1, "recalc", book),
         (0, "new", book, "--example", "proposed"),
         (0, "recalc", book, "--json", results),
@@ -242,15 +247,17 @@ def results_of(
         )  # fmt: skip
         if done.returncode != status:
             raise SystemExit(f"{' '.join(words)}: exit status {done.returncode}\n{done.stdout.decode()}{done.stderr.decode()}")  # fmt: skip
-        print(f"  torsionbook {' '.join(words)}: {time.monotonic() - began:.1f} s")
+        laps.append(time.monotonic() - began)
+        print(f"  torsionbook {' '.join(words)}: {laps[-1]:.1f} s")
     found = json.loads((place / "train.json").read_text("utf-8"))
     for row in found["effects"]:  # what it costs on this machine
         row.pop("time", None)
-    return {name: value for name, value in found.items() if name not in OF_THE_MACHINE}
+    found = {name: value for name, value in found.items() if name not in OF_THE_MACHINE}
+    return found, statistics.median(laps[1 : 1 + STARTS])
 
 
-def tried(kind: Kind, made: Path) -> dict[str, Any]:
-    """The results of an example in an unpacked zip."""
+def tried(kind: Kind, made: Path) -> tuple[dict[str, Any], float]:
+    """The results of an example in an unpacked zip, and the time of a start. [s]"""
     with tempfile.TemporaryDirectory(prefix="torsionbook zip é ") as place:
         folder = unzip(made, Path(place))
         plain = {"PATH": os.defpath, "HOME": place}
@@ -270,20 +277,35 @@ def tried(kind: Kind, made: Path) -> dict[str, Any]:
             end()
 
 
+def record(name: str, made: Path, unpacked: int, start: float) -> None:
+    """Keep the sizes and the start of a zip, for docs/windows.md."""
+    kept = json.loads(ZIPS.read_text("utf-8")) if ZIPS.exists() else {}
+    kept[name] = {
+        "zip_mb": round(made.stat().st_size / 1e6),
+        "unpacked_mb": round(unpacked / 1e6),
+        "start_s": round(start, 1),
+    }
+    ZIPS.write_text(json.dumps(kept, indent=1) + "\n", encoding="utf-8")
+    write_page()
+
+
 def main() -> int:
     """Make the zips; 1 where a library is missing or strange, or where one that is tried gives other results."""
     parser = argparse.ArgumentParser(prog="python scripts/zips.py")
     parser.add_argument("target", type=Path, metavar="FOLDER")
     parser.add_argument("names", nargs="*", metavar="windows, linux")
     parser.add_argument("--try", dest="tried", action="store_true", help="start each")
+    parser.add_argument("--record", action="store_true", help=f"keep it in {ZIPS.name} and docs/windows.md; with --try")  # fmt: skip
     args = parser.parse_intermixed_args()
+    if args.record and not args.tried:
+        parser.error("--record needs --try: a start is to be measured")
     target = args.target.resolve()
     target.mkdir(parents=True, exist_ok=True)
     wrong, wanted = False, dict[str, Any]()
     if args.tried:
         with tempfile.TemporaryDirectory() as place:
             own = [sys.executable, "-m", "addin.cli"]
-            wanted = results_of(own, Path(place, "train"), os.environ)
+            wanted, _ = results_of(own, Path(place, "train"), os.environ)
     for name in args.names or list(KINDS):
         kind = KINDS[name]
         wheel = built(kind.wheel, target / "wheels" / name)
@@ -300,10 +322,12 @@ def main() -> int:
         shutil.rmtree(folder)
         wrong |= bool(strange)
         if args.tried:
-            found = tried(kind, made)
+            found, start = tried(kind, made)
             apart = [k for k in wanted.keys() | found.keys() if found.get(k) != wanted.get(k)]
             print("  other results than the checkout's:", ", ".join(sorted(apart)) or "none")
             wrong |= bool(apart)
+            if args.record:
+                record(name, made, unpacked, start)
     return int(wrong)
 
 

@@ -3,11 +3,11 @@
 ================  ================================================================================
 module            responsibility
 ================  ================================================================================
-`diff_view`       differences as tables on the terminal
 `options`         arguments and options that several commands take
 `overrides`       settings of a calculation that are given on the command line
 `status`          how a command ends: the exit statuses, and the refusal of an input or a file
 `terminal`        what commands print: tables, written files, progress, problems, refusals
+`diff_view`       differences as tables on the terminal
 `batch`           ``torsionbook batch``: folders of workbooks, overnight
 `calc`            ``torsionbook calc``: the worksheet functions in LibreOffice Calc
 `diff`            ``torsionbook diff``: what changed between two revisions, and what it did

@@ -43,7 +43,7 @@ from addin.cli.options import (
 )
 from addin.cli.overrides import case_overrides
 from addin.cli.status import INTERRUPTED, WRONG_INPUT, failed, failing_on
-from addin.cli.terminal import print_written
+from addin.cli.terminal import plain_console, print_written
 from addin.contract.version import product_version
 from addin.reading.one_file import WORKBOOK_ENDINGS, file_problem
 from addin.workers.cluster import ClusterRefused
@@ -508,7 +508,6 @@ def _progress() -> Iterator[Listener]:
     if not sys.stderr.isatty():
         yield _Lines()
         return
-    from rich.console import Console
     from rich.progress import (
         BarColumn,
         MofNCompleteColumn,
@@ -526,7 +525,7 @@ def _progress() -> Iterator[Listener]:
         TimeRemainingColumn(),
         TextColumn("{task.fields[bad]}", style="red"),
     )
-    with Progress(*columns, console=Console(stderr=True)) as shown:
+    with Progress(*columns, console=plain_console(stderr=True)) as shown:
 
         class Bar(Listener):
             def note(self, sentence: str) -> None:

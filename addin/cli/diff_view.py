@@ -8,6 +8,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from addin.cli.terminal import plain_console, show_table
 from addin.contract.tables import table
 from addin.diff.changes import Change, Differences, VerdictChange
 from addin.diff.files import ComparedFile
@@ -19,9 +20,9 @@ _WIDTH = 120
 
 def show(differences: Differences, everything: bool = False) -> None:
     """Print the differences: verdicts first, then inputs, then results."""
-    console = Console(width=max(Console().width, _WIDTH))
+    console = plain_console(width=max(plain_console().width, _WIDTH))
     for letter, side in (("A", differences.first), ("B", differences.second)):
-        console.print(_about(letter, side))
+        console.print(_about(letter, side), soft_wrap=True)
     console.print()
     _verdicts(console, differences)
     _inputs(console, differences)
@@ -49,6 +50,11 @@ def _table(title: str, *headers: str, right: Collection[int] = ()) -> Table:
     return table
 
 
+def _show(console: Console, table: Table) -> None:
+    show_table(table, _WIDTH)
+    console.print()
+
+
 def _colour(verdict: str) -> str:
     if verdict.startswith(("fail", "unbounded", "check")):
         return "red"
@@ -62,13 +68,13 @@ def _verdicts(console: Console, differences: Differences) -> None:
     for change in sorted(checks, key=lambda check: not check.changed):
         table.add_row(*_check(change))
     if checks:
-        console.print(table, "")
+        _show(console, table)
     table = _table("Other verdicts that changed", "Table", "Row", "Verdict A", "Verdict B")
     for change in others:
         verdicts = (Text(verdict, _colour(verdict)) for verdict in (change.before, change.after))
         table.add_row(change.table, change.row, *verdicts)
     if others:
-        console.print(table, "")
+        _show(console, table)
 
 
 def _check(change: VerdictChange) -> list[str | Text]:
@@ -91,7 +97,7 @@ def _inputs(console: Console, differences: Differences) -> None:
         console.print(f"Inputs: no difference in {differences.same_inputs} quantities.\n")
         return
     title = f"Inputs that differ ({differences.same_inputs} quantities are the same)"
-    console.print(_changes(title, differences.inputs), "")
+    _show(console, _changes(title, differences.inputs))
 
 
 def _changes(title: str, changes: Sequence[Change]) -> Table:
@@ -123,7 +129,7 @@ def _by_table(console: Console, results: Sequence[Change], everything: bool) -> 
         shown = changes if everything else telling(name, changes)
         listed += len(shown)
         if shown:
-            console.print(_changes(_of_table(name, changes, shown), shown), "")
+            _show(console, _changes(_of_table(name, changes, shown), shown))
     return len(results) - listed
 
 
@@ -140,10 +146,10 @@ def _studies(console: Console, differences: Differences, everything: bool) -> No
         return
     console.print()
     for note in studies.notes:
-        console.print(f"Studies: {note}", highlight=False)
+        console.print(f"Studies: {note}", highlight=False, soft_wrap=True)
     if studies.inputs:
         title = f"Study inputs that differ ({studies.same_inputs} quantities are the same)"
-        console.print(_changes(title, studies.inputs), "")
+        _show(console, _changes(title, studies.inputs))
     left = _by_table(console, studies.results, everything)
     console.print(f"{studies.same_results} results of studies are the same.{_further(left)}")
 

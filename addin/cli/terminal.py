@@ -7,6 +7,7 @@ import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import typer
 
@@ -18,8 +19,14 @@ from addin.reading.typed_case import CaseInput
 from addin.xlsx.errors import PackageError
 from addin.xlsx.places import real_path, refuse_strange_name
 
+if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.table import Table
+
 #: A table on the terminal is at least so wide. [characters]
 TABLE_WIDTH = 110
+#: More than a table needs. [characters]
+ANY_WIDTH = 10**7
 
 
 def refuse_clashes(
@@ -244,10 +251,10 @@ def progress() -> Iterator[Callable[[str], None]]:
     if not sys.stderr.isatty():
         yield lambda _: None
         return
-    from rich.console import Console
+    from rich.text import Text
 
-    with Console(stderr=True).status("starting") as status:
-        yield status.update
+    with plain_console(stderr=True).status("starting") as status:
+        yield lambda stage: status.update(Text(stage))
 
 
 def list_problems(
@@ -265,7 +272,6 @@ def list_problems(
 
 def print_table(columns: Sequence[tuple[str, str]], rows: Iterable[Sequence[str]]) -> None:
     """A table of text; a column of names is not broken, one of numbers stands to the right."""
-    from rich.console import Console
     from rich.table import Table
 
     table = Table(show_edge=False, pad_edge=False)
@@ -275,4 +281,17 @@ def print_table(columns: Sequence[tuple[str, str]], rows: Iterable[Sequence[str]
         )
     for row in rows:
         table.add_row(*row)
-    Console(width=max(Console().width, TABLE_WIDTH)).print(table)
+    show_table(table, TABLE_WIDTH)
+
+
+def plain_console(*, stderr: bool = False, width: int | None = None) -> Console:
+    """A console that prints what stands in brackets or between colons as it is: names have both."""
+    from rich.console import Console
+
+    return Console(stderr=stderr, width=width, markup=False, emoji=False)
+
+
+def show_table(table: Table, width: int) -> None:
+    """Print a table as wide as the terminal, at least so wide, and so wide that no word is cut. [characters]"""
+    needed = plain_console(width=ANY_WIDTH).measure(table).minimum
+    plain_console(width=max(plain_console().width, width, needed)).print(table)

@@ -1,17 +1,18 @@
 """Workbooks made to do harm, built from an honest one, and a process that says what they cost.
 
-`Attended` takes files one by one through a whole recalculation, each in a process of its own, and
-counts: bytes that came out of the archive, the largest memory, processor time, files left behind.
+`Attended` takes files one by one through a whole recalculation, each in a process of its own where a process can fork, and
+counts: bytes that came out of the archive, the largest memory (not on Windows), processor time, files left behind.
 """
 
 from __future__ import annotations
 
 import json
+import queue
 import re
-import select
 import struct
 import subprocess
 import sys
+import threading
 import zlib
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
@@ -121,7 +122,7 @@ def place_of(name: str) -> str:
 # --- what they cost -----------------------------------------------------------------------------
 
 _WORKER = r"""
-import json, os, resource, sys, zipfile
+import json, os, sys, time, zipfile
 from pathlib import Path
 from addin.writing.recalculate import recalculate
 import addin.writing.workbook, addin.calculation.calculation, addin.reading.workbook, formualizer  # before the fork
@@ -138,7 +139,14 @@ def counting(real):
     return read
 zipfile.ZipExtFile.read = counting(zipfile.ZipExtFile.read)
 container.inflated = counting(container.inflated)
-def one(path):
+def costs():  # largest memory [MB], which Windows does not tell, and processor time [s]
+    try:
+        import resource
+    except ImportError:
+        return 0.0, time.process_time()
+    used = resource.getrusage(resource.RUSAGE_SELF)
+    return used.ru_maxrss / 1024, used.ru_utime + used.ru_stime
+def one(path, inflated=0, seconds=0.0):
     source = Path(path)
     try:
         done = recalculate(source, destination=source.with_name("done" + source.suffix),
@@ -149,12 +157,14 @@ def one(path):
     except BaseException as wrong:
         import traceback
         said = {"crash": traceback.format_exc()}
-    said["inflated"] = counted
-    used = resource.getrusage(resource.RUSAGE_SELF)
-    said["peak_mb"] = used.ru_maxrss / 1024
-    said["cpu_s"] = used.ru_utime + used.ru_stime
+    said["inflated"] = counted - inflated
+    said["peak_mb"], spent = costs()
+    said["cpu_s"] = spent - seconds
     return said
 for line in sys.stdin:
+    if not hasattr(os, "fork"):  # Windows: one after the other in this process
+        print(json.dumps(one(line.rstrip("\n"), counted, costs()[1])), flush=True)
+        continue
     reading, writing = os.pipe()
     child = os.fork()
     if child == 0:
@@ -176,19 +186,31 @@ class Attended:
     def __init__(self) -> None:
         self._process = subprocess.Popen(
             [sys.executable, "-c", _WORKER], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
-            cwd=ROOT,
+            cwd=ROOT, encoding="utf-8",
         )  # fmt: skip
+        self._answers: queue.Queue[str] = queue.Queue()
+        threading.Thread(target=self._hear, daemon=True).start()
+
+    def _hear(self) -> None:
+        """Pass on its answers, and an empty one when it ends."""
+        assert self._process.stdout
+        for line in self._process.stdout:
+            self._answers.put(line)
+        self._answers.put("")
 
     def ask(self, path: Path) -> dict[str, Any]:
         assert self._process.stdin
-        assert self._process.stdout
         self._process.stdin.write(f"{path}\n")
         self._process.stdin.flush()
-        ready, _, _ = select.select([self._process.stdout], [], [], self.PATIENCE)
-        if not ready:
+        try:
+            answer = self._answers.get(timeout=self.PATIENCE)
+        except queue.Empty:
             self.end()
-            raise AssertionError(f"{path.name} was still being worked on after {self.PATIENCE:g} s")
-        return json.loads(self._process.stdout.readline())
+            raise AssertionError(
+                f"{path.name} was still being worked on after {self.PATIENCE:g} s"
+            ) from None
+        assert answer, f"the process ended at {path.name}"
+        return json.loads(answer)
 
     def end(self) -> None:
         self._process.kill()

@@ -10,6 +10,8 @@ import pip
 import pytest
 from script_modules import script_module
 
+from benchmarks.fronts import check_windows
+
 ROOT = Path(__file__).resolve().parents[2]
 LAUNCHER = Path(pip.__file__).parent / "_vendor" / "distlib" / "t64.exe"
 
@@ -41,6 +43,14 @@ def test_every_library_of_a_zip_is_inside_or_of_windows(tmp_path):
     assert "other.exe asks xernel32.dll for AssignProcessToJobObject" in zips.strange_libraries(
         tmp_path
     )
+
+
+def test_functions_that_answer_otherwise_under_wine_than_recorded_are_named():
+    check_windows({"TV_CALIBRATE": 1e-14})
+    with pytest.raises(
+        SystemExit, match=r": TV_PEAKS by 1e-16, TV_CALIBRATE by 2e-12 \(relative\)"
+    ):
+        check_windows({"TV_TOLERANCES": 1e-15, "TV_PEAKS": 1e-16, "TV_CALIBRATE": 2e-12})
 
 
 @pytest.mark.parametrize("lock", ["run", "server", "report"])
