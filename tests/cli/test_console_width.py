@@ -37,7 +37,7 @@ def test_a_table_shows_every_name_whole(width, capsys, monkeypatch):
     shown = capsys.readouterr().out
     for name in NAMES:
         assert len(re.findall(rf"{re.escape(name)} *│ {re.escape(name)} *│ *1234\.5", shown)) == 1
-    assert re.match(r"Row \[mm\] *┃ Words \[rpm\] *┃ *Value", shown)
+    assert re.match(r"Row \[mm\] *[┃│] Words \[rpm\] *[┃│] *Value", shown)
 
 
 @WIDTHS
