@@ -143,7 +143,7 @@ def test_zero_takes_the_place_of_an_empty_text(tmp_path: Path) -> None:
     path = workbook_of(tmp_path / "t.xlsx", {"A1": ('=IF(In!A1=1,"",0)', "before")})
     refreshed(path, {"A1": 1.0})
     assert b'<c r="A1" t="str">' in parts_of(tmp_path / "out.xlsx")["xl/worksheets/sheet2.xml"]
-    values, _ = refreshed((tmp_path / "out.xlsx").rename(path), {"A1": 2.0})
+    values, _ = refreshed((tmp_path / "out.xlsx").replace(path), {"A1": 2.0})
     assert values == {"A1": 0}
     assert type(values["A1"]) is int
 
