@@ -13,7 +13,6 @@ import json
 import os
 import signal
 import struct
-import subprocess
 import sys
 import tempfile
 import time
@@ -147,20 +146,17 @@ def ended(command: Command, folder: Path, hindrance: Hindrance) -> Ended:
             "COLUMNS": "1000",
             "SOURCE_DATE_EPOCH": "1800000000",
         }
-        said, watched = b"", Watched(folder)
-        with subprocess.Popen(
-            ["wine", windows.PYTHON / "python.exe", "-m", "addin.cli", *command.words],
-            cwd=folder, env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-        ) as process:  # fmt: skip
-            assert process.stdin is not None
-            assert process.stdout is not None
-            process.stdin.close()
-            for line in process.stdout:
-                said += line
-                if command.watches and watched.is_done(said.decode(errors="replace")):
-                    Path(beside, "counts-end").touch()
+        said, watched = bytearray(), Watched(folder)
+
+        def hear(line: bytes) -> None:
+            said.extend(line)
+            if command.watches and watched.is_done(said.decode(errors="replace")):
+                Path(beside, "counts-end").touch()
+
+        words = [windows.PYTHON / "python.exe", "-m", "addin.cli", *command.words]
+        status = windows.through_pipes(words, folder, environment, hear)
         made, killed = struct.unpack("qq", counts.read_bytes())
-    status = -signal.SIGKILL if killed else process.returncode
+    status = -signal.SIGKILL if killed else status
     return Ended(status, said.decode(errors="replace"), Calls(made, made))
 
 

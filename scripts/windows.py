@@ -17,7 +17,7 @@ import subprocess
 import sys
 import time
 import zipfile
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -183,7 +183,7 @@ def forward_stable_abi(folder: Path) -> Path:
 
 def libraries(folder: Path) -> list[Path]:
     """Libraries and extension modules for Windows in a folder."""
-    return sorted(p for p in folder.rglob("*") if p.suffix in (".dll", ".pyd", ".exe"))
+    return sorted(p for p in folder.rglob("*") if p.suffix.lower() in (".dll", ".pyd", ".exe"))
 
 
 def fill_gaps(python: Path = PYTHON, site: Path = SITE) -> None:
@@ -287,17 +287,34 @@ def start(program: Path, words: Sequence[str | Path]) -> int:
     """Exit status of a program there."""
     environment = {k: v for k, v in os.environ.items() if not k.startswith(_NOT_TAKEN_ALONG)}
     environment |= WINE | {"PYTHONHOME": wine_path(PYTHON), "PYTHONDONTWRITEBYTECODE": ""}
-    # Through pipes: a missing input, and a file as output, are handles that Wine 8 refuses to Python.
+    return through_pipes([program, *words], CHECKOUT, environment, show)
+
+
+def show(line: bytes) -> None:
+    """Print a line at once."""
+    sys.stdout.buffer.write(line)
+    sys.stdout.buffer.flush()
+
+
+def through_pipes(
+    words: Sequence[str | Path],
+    folder: Path,
+    environment: Mapping[str, str],
+    hear: Callable[[bytes], object],
+) -> int:
+    """Exit status of a program under Wine, whose lines are heard as they come.
+
+    A missing input, and a file as output, are handles that Wine 8 refuses to Python.
+    """
     with subprocess.Popen(
-        ["wine", program, *words],
-        cwd=CHECKOUT, env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+        ["wine", *words],
+        cwd=folder, env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
     ) as process:  # fmt: skip
         assert process.stdin is not None
         assert process.stdout is not None
         process.stdin.close()
         for line in process.stdout:
-            sys.stdout.buffer.write(line)
-            sys.stdout.buffer.flush()
+            hear(line)
     return process.returncode
 
 

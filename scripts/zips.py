@@ -38,6 +38,7 @@ from windows import (  # noqa: E402
     fill_gaps,
     forward_stable_abi,
     jar,
+    libraries,
     prepare_wine,
     unpack,
     write_page,
@@ -195,9 +196,7 @@ def pack(folder: Path, target: Path) -> None:
 def strange_libraries(folder: Path) -> list[str]:
     """Libraries, and functions of those inside, that programs for Windows in a folder ask for and nobody has; those of Wine's gaps."""
     found, programs, given = list[str](), list[tuple[Path, PeFile]](), dict[str, set[str]]()
-    for path in sorted(
-        p for p in folder.rglob("*") if p.suffix.lower() in (".dll", ".pyd", ".exe")
-    ):
+    for path in libraries(folder):
         try:
             program = PeFile.read(path)
         except ValueError:

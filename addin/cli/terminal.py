@@ -17,7 +17,7 @@ from addin.contract.problems import CellProblem
 from addin.reading.one_file import WORKBOOK_ENDINGS, Unreadable, file_problem, read_checked
 from addin.reading.typed_case import CaseInput
 from addin.xlsx.errors import PackageError
-from addin.xlsx.places import real_path, refuse_strange_name
+from addin.xlsx.places import has_no_end, real_path, refuse_strange_name
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 #: A table on the terminal is at least so wide. [characters]
 TABLE_WIDTH = 110
 #: More than a table needs. [characters]
-ANY_WIDTH = 10**7
+_ANY_WIDTH = 10**7
 
 
 def refuse_clashes(
@@ -85,7 +85,7 @@ def refuse_no_name(target: Path) -> None:
         refuse_strange_name(target)
     except OSError as wrong:
         raise typer.BadParameter(f"{target} {wrong.strerror}. Choose another name.") from None
-    if target.exists() and not (target.is_file() or target.is_dir()):
+    if has_no_end(target):
         raise typer.BadParameter(f"{target} is a device or a pipe; name a file.")
 
 
@@ -293,5 +293,5 @@ def plain_console(*, stderr: bool = False, width: int | None = None) -> Console:
 
 def show_table(table: Table, width: int) -> None:
     """Print a table as wide as the terminal, at least so wide, and so wide that no word is cut. [characters]"""
-    needed = plain_console(width=ANY_WIDTH).measure(table).minimum
+    needed = plain_console(width=_ANY_WIDTH).measure(table).minimum
     plain_console(width=max(plain_console().width, width, needed)).print(table)

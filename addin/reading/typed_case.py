@@ -331,7 +331,7 @@ def _folded(word: str) -> str:
     """A choice without capitals, what nobody sees, and hyphens of any kind."""
     for dash in "-‐‑–—−":
         word = word.replace(dash, " ")
-    return as_seen(word).casefold()
+    return _name_key(word)
 
 
 # --- numbers ------------------------------------------------------------------------------------

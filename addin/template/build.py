@@ -142,9 +142,8 @@ def _show_empty_texts(workbook: Workbook) -> None:
     """Give each formula that shows an empty text that value; XlsxWriter leaves it out."""
     for name in workbook.sheet_names:
         sheet = workbook.sheet_part(name)
-        for place in sheet.formulas:
-            if sheet.constant(*place) is None:
-                sheet.set_cached(*place, "")
+        for place in sheet.formulas_without_value():
+            sheet.set_cached(*place, "")
 
 
 def _chart_rows(filled: Example, system: str) -> dict[str, Rows]:

@@ -42,7 +42,7 @@ WHOLE_SHEET = Rect(1, 1, MAX_ROW, MAX_COLUMN)
 _LISTED = 8
 #: Where earlier templates have words of their own: rows of the banner, rows above a table, columns beside a scalar.
 _BANNER, _ABOVE_TABLE, _BESIDE_SCALAR = 3, 2, 3
-#: Cells of 0.1.0 beside tables and names, by sheet; of Notes and Trace, which are all words, none is told.
+#: Cells of 0.1.0 beside tables and names, by sheet; Notes and Trace, which are all words, are left out.
 _CELLS_OF_0_1_0 = {
     "Summary": "B4:L7 B11 B25:E26 B27:E35",
     "Case": "B5 G5 G13 B15 G20 B22 D34:D43",

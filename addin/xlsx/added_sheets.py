@@ -54,6 +54,7 @@ _NO_STYLES = (
 _STYLE_NUMBERS = re.compile(rb'\s(?:s|style)="(\d{1,5})"')
 _RULE_NUMBERS = re.compile(rb'\sdxfId="(\d{1,5})"')
 _MOST_STYLES = 65_430  # of Excel
+_ID = f"{{{RELATIONSHIP_IDS}}}id"
 #: Lists of a workbook in their order.
 _LISTS = (
     "sheets", "functionGroups", "externalReferences", "definedNames", "calcPr", "oleSize", "customWorkbookViews",
@@ -286,16 +287,16 @@ class _Merger:
         if name in self._from.structure.hidden_sheets:
             attributes["state"] = self._from.structure.hidden_sheets[name]
         entry = etree.SubElement(sheets, main("sheet"), attributes)
-        entry.set(f"{{{RELATIONSHIP_IDS}}}id", relation)
+        entry.set(_ID, relation)
 
-    def _relate(self, part: str, kind: str) -> str:
+    def _relate(self, part: str, kind: str, family: str = RELATIONSHIP_IDS) -> str:
         root = self._roots[self._relations]
         used = {entry.get("Id") for entry in root}
         relation = next(name for n in count(1) if (name := f"rId{n}") not in used)
         etree.SubElement(
             root,
             f"{{{RELATIONSHIPS}}}Relationship",
-            {"Id": relation, "Type": f"{RELATIONSHIP_IDS}/{kind}", "Target": f"/{part}"},
+            {"Id": relation, "Type": f"{family}/{kind}", "Target": f"/{part}"},
         )
         return relation
 
@@ -400,7 +401,7 @@ class _Merger:
                 if link.get("location"):
                     link.set("location", self._led(link.get("location")))
         for table in list(root.iter(main("tablePart"))):
-            if table.get(f"{{{RELATIONSHIP_IDS}}}id") in dropped:
+            if table.get(_ID) in dropped:
                 table.getparent().remove(table)
         return etree.tostring(root, xml_declaration=True, encoding="UTF-8", standalone=True)
 
@@ -469,8 +470,7 @@ class _Merger:
         from_part, root = self._from.structure.part, self._roots[self._book.structure.part]
         source = self._from.container.tree(from_part)
         parts = {one.id: one.part for one in self._from.structure.relationships(from_part)}
-        identifier = f"{{{RELATIONSHIP_IDS}}}id"
-        others = [parts[entry.get(identifier)] for entry in source.iter(main("externalReference"))]
+        others = [parts[entry.get(_ID)] for entry in source.iter(main("externalReference"))]
         if others and root.find(main("externalReferences")) is not None:
             self.notes.append(
                 "Formulas of added sheets may read other workbooks, and so do those of the workbook: look at what they read."
@@ -479,9 +479,9 @@ class _Merger:
             listed = _listed(root, "externalReferences")
             for part in others:
                 entry = etree.SubElement(listed, main("externalReference"))
-                entry.set(identifier, self._relate(self._copy(part), "externalLink"))
+                entry.set(_ID, self._relate(self._copy(part), "externalLink"))
         for entry in source.iter(main("pivotCache")):
-            if (part := parts.get(entry.get(identifier), "")) in self._copied:
+            if (part := parts.get(entry.get(_ID), "")) in self._copied:
                 self._add_pivot_cache(root, part, entry.get("cacheId"))
         if self._takes_metadata:
             self._add_metadata(sheets)
@@ -499,9 +499,7 @@ class _Merger:
                 pivot.set("cacheId", free)
                 self.added[copy] = serialise(pivot, self.added[copy])
         entry = etree.SubElement(listed, main("pivotCache"), {"cacheId": free})
-        entry.set(
-            f"{{{RELATIONSHIP_IDS}}}id", self._relate(self._copied[part], "pivotCacheDefinition")
-        )
+        entry.set(_ID, self._relate(self._copied[part], "pivotCacheDefinition"))
 
     @cached_property
     def _takes_metadata(self) -> bool:
@@ -518,12 +516,10 @@ class _Merger:
         stored = self._from.container.find(relationships_part(structure.part))
         inside = {one.id: one.part for one in structure.relationships(structure.part)}
         for entry in self._from.container.tree(stored) if stored else ():
-            kind = str(entry.get("Type", "")).rpartition("/")[2]
+            family, _, kind = str(entry.get("Type", "")).rpartition("/")
             wanted = comments if kind == "person" else refers
             if wanted and kind.startswith(_REFERRED_TO) and entry.get("Id") in inside:
-                relation = self._relate(self._copy(inside[entry.get("Id")]), kind)
-                (made,) = (one for one in self._roots[self._relations] if one.get("Id") == relation)
-                made.set("Type", entry.get("Type"))
+                self._relate(self._copy(inside[entry.get("Id")]), kind, family)
 
 
 def _listed(root: Element, tag: str) -> Element:

@@ -152,8 +152,7 @@ def _without_values(workbook: WorkbookState, cells: Sequence[FormulaCell]) -> Ca
 def lacks_values(workbook: WorkbookState) -> bool:
     """Whether some formula of a workbook has no stored value."""
     return any(
-        workbook.sheet_part(cell.sheet).constant(cell.rect.top, cell.rect.left) is None
-        for cell in _formula_cells(workbook)
+        True for sheet in _sheets_with_formulas(workbook) for _ in sheet.formulas_without_value()
     )
 
 
@@ -220,12 +219,17 @@ def _has_formula(data: bytes) -> bool:
     return (b"<f" in data or b":f" in data) and _HAS_FORMULA.search(data) is not None
 
 
-def _formula_cells(workbook: WorkbookState) -> Iterator[FormulaCell]:
+def _sheets_with_formulas(workbook: WorkbookState) -> Iterator[SheetPart]:
     for sheet in workbook.sheet_names:
         data = workbook.sheet_bytes(sheet)
         # The quick look spares parsing long sheets of numbers; a sheet already open may have gained formulas.
         if data and (workbook.is_loaded(sheet) or _has_formula(data)):
-            yield from _formulas_of(workbook.sheet_part(sheet))
+            yield workbook.sheet_part(sheet)
+
+
+def _formula_cells(workbook: WorkbookState) -> Iterator[FormulaCell]:
+    for sheet in _sheets_with_formulas(workbook):
+        yield from _formulas_of(sheet)
 
 
 def _formulas_of(sheet: SheetPart) -> Iterator[FormulaCell]:

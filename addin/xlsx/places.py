@@ -12,6 +12,7 @@ from contextlib import suppress
 from pathlib import Path
 
 __all__ = [
+    "has_no_end",
     "real_path",
     "refuse_no_end",
     "refuse_open_elsewhere",
@@ -56,15 +57,20 @@ def refuse_strange_name(path: Path) -> None:
         raise OSError(22, "is no name that a file can have on Windows", str(path))
 
 
+def has_no_end(path: Path) -> bool:
+    """Whether it is a device or a pipe, which may never end."""
+    return path.exists() and not (path.is_file() or path.is_dir())
+
+
 def refuse_no_end(path: Path) -> None:
-    """Refuse a device or a pipe, which may never end.
+    """Refuse a device or a pipe.
 
     Raises
     ------
     OSError
         With the sentence.
     """
-    if path.exists() and not (path.is_file() or path.is_dir()):
+    if has_no_end(path):
         raise OSError(errno.EINVAL, "it is a device or a pipe", str(path))
 
 
@@ -79,14 +85,13 @@ def take_rights(made: Path, earlier: Path) -> None:
                 os.chown(made, owner, group)
     if sys.platform == "linux":
         with suppress(OSError):  # a disk without attributes
-            attributes = {name: os.getxattr(earlier, name) for name in os.listxattr(earlier)}
-            for name in os.listxattr(made):  # the folder may have given it an access list
-                if name not in attributes:
-                    with suppress(OSError):
-                        os.removexattr(made, name)
-            for name, value in attributes.items():
+            wanted = {name: os.getxattr(earlier, name) for name in os.listxattr(earlier)}
+            for name in {*os.listxattr(made), *wanted}:  # the folder may have given it some
                 with suppress(OSError):
-                    os.setxattr(made, name, value)
+                    if name in wanted:
+                        os.setxattr(made, name, wanted[name])
+                    else:
+                        os.removexattr(made, name)
 
 
 def replace_file(made: Path, place: Path) -> None:

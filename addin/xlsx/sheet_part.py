@@ -242,6 +242,10 @@ class SheetPart:
             places.sort(key=itemgetter(0))
         return dict(places)
 
+    def formulas_without_value(self) -> Iterator[tuple[int, int]]:
+        """Cells, by row and column, of formulas that have no stored value; an empty text is one."""
+        return (place for place in self.formulas if self.constant(*place) is None)
+
     @property
     def rich_values(self) -> list[tuple[int, int]]:
         """Cells that show a rich value: a picture, a linked data type, an error without a code of its own."""
